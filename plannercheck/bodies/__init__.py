@@ -1,7 +1,8 @@
 """Bodies, and queries on pairs of them.
 
 Read `shapes` first (collision shapes of links and obstacles), then `polytope` (a body prepared for queries: the exact
-hull and its hierarchies), `intersection` (the test of one pair), `certificates` (proofs of its verdict), `distance` and
+hull and its hierarchies), `intersection` (the test of one pair), `certificates` (proofs of its verdict; `exact_planes`
+are theirs), `distance` and
 `penetration_depth`. `solids` are meshes that are not their hulls, which `hull_equality` tells; `solid_certificates` and
 `solid_separations` prove what is said of them. `placed` keeps a body's pose for many queries, `pair_queries` asks the
 core at once. `objects` are posed shapes that move as one. `meshes` and `convex_decomposition` make shapes from files;

@@ -10,16 +10,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from plannercheck.bodies.certificates import (
-    Bodies,
-    Certificate,
-    CertifiedBody,
-    PosedBody,
-    SharedPoint,
-    in_integers,
-    separation,
-    shared_point_at,
-)
+from plannercheck.bodies.certificates import Certificate, SharedPoint, separation, shared_point_at
+from plannercheck.bodies.exact_planes import Bodies, CertifiedBody, PosedBody, in_integers
 from plannercheck.bodies.integers import IntegerHull
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.posed_half_spaces import PosedHalfSpace, Vector, dot

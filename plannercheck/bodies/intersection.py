@@ -14,16 +14,8 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.certificates import (
-    Bodies,
-    Certificate,
-    Point,
-    SharedPoint,
-    UnprovedVerdictError,
-    direction_of,
-    separation,
-    shared_point,
-)
+from plannercheck.bodies.certificates import Certificate, SharedPoint, UnprovedVerdictError, separation, shared_point
+from plannercheck.bodies.exact_planes import Bodies, Point, direction_of
 from plannercheck.bodies.given_bodies import GivenBody, are_poses, given_polytope, given_polytope_at_poses
 from plannercheck.bodies.half_space_certificates import certified_body, certify_half_space, is_of_half_space
 from plannercheck.bodies.pair_queries import queries

@@ -14,7 +14,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from plannercheck.bodies.certificates import PosedBody, Separation, UnprovedVerdictError, separates_exactly
+from plannercheck.bodies.certificates import Separation, UnprovedVerdictError
+from plannercheck.bodies.exact_planes import PosedBody, separates_exactly
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
 from plannercheck.bodies.solid_separations import Range, covers, halves

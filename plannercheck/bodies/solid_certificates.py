@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies import exact_reference
-from plannercheck.bodies.certificates import Point, PosedBody, SharedPoint, shared_point
+from plannercheck.bodies.certificates import SharedPoint, shared_point
+from plannercheck.bodies.exact_planes import Point, PosedBody
 from plannercheck.bodies.integers import IntegerHull, in_common_unit
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats, Ints

@@ -17,7 +17,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from plannercheck.bodies.certificates import PosedBody, Separation, UnprovedVerdictError, separates_exactly
+from plannercheck.bodies.certificates import Separation, UnprovedVerdictError
+from plannercheck.bodies.exact_planes import PosedBody, separates_exactly
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.solid_certificates import PosedSurface, edges_cancel, winding_about
 from plannercheck.common.array_types import Floats, Ints

@@ -99,7 +99,8 @@ def _read(path: Path, robot: AnyRobot, options: argparse.Namespace) -> PathFile:
 def _sentence(verdict: PathVerdict) -> str:
     limits = f"; {verdict.beyond_limits} configurations beyond the limits" if verdict.beyond_limits else ""
     if verdict.stopped is None:
-        return f"free, proved for all {verdict.motions} straight motions{limits}"
+        motions = "the only motion" if verdict.motions == 1 else f"all {verdict.motions} motions"
+        return f"free, proved for {motions}{limits}"
     stopped, count = verdict.stopped, f"{verdict.motions - verdict.free_motions} of {verdict.motions} motions"
     start = f"not free ({count}): motion {verdict.motion} is proved free up to {stopped.free_until:.9g}, "
     assert stopped.pair is not None

@@ -126,13 +126,18 @@ def _end(proof: Proof) -> tuple[float, ...]:
     return tuple(getattr(motion, "asked_end", motion.end))
 
 
+def _counted(count: int, one: str, many: str) -> str:
+    return f"{count} {one if count == 1 else many}"
+
+
 def _lines(result: dict[str, Any]) -> list[str]:
     count, proved = len(result["motions"]), sum(motion["proved"] for motion in result["motions"])
-    what = f"{count} motions{' in a row' if result['joined'] and count > 1 else ''}" if count > 1 else "1 motion"
+    what = f"{_counted(count, 'motion', 'motions')}{' in a row' if result['joined'] and count > 1 else ''}"
     of = f"of {result['robot']} in {result['scene']}"
+    pairs, entries = _counted(result["pairs"], "pair", "pairs"), _counted(result["entries"], "entry", "entries")
     lines = [
-        f"{result['proof']}: {'' if proved == count else f'{proved} of '}{what} {of} proved: {result['pairs']} pairs, "
-        f"{result['entries']} entries, in {result['seconds']:.2f} s"
+        f"{result['proof']}: {'' if proved == count else f'{proved} of '}{what} {of} proved: {pairs}, {entries}, in "
+        f"{result['seconds']:.2f} s"
     ]
     lines += [
         f"  motion {k}: not proved: {motion['fault']}" for k, motion in enumerate(result["motions"]) if motion["fault"]

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies import certificates as space
+from plannercheck.bodies.exact_planes import Bodies, PosedBody
 from plannercheck.bodies.integers import IntegerHull, Integers, cross, dot, in_common_unit, minus, negated
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays
@@ -99,13 +100,13 @@ def certify(
     return certificate
 
 
-def _in_space(vertices: ArrayLike, pose: ArrayLike | None, name: str) -> space.PosedBody:
+def _in_space(vertices: ArrayLike, pose: ArrayLike | None, name: str) -> PosedBody:
     """A polygon as a flat body."""
     flat = checked_polygon(vertices, name)
     matrix = np.eye(4)
     planar = checked_poses(pose, f"pose of {name}")[0]
     matrix[:2, :2], matrix[:2, 3] = planar[:2, :2], planar[:2, 2]
-    return space.PosedBody(np.column_stack([flat, np.zeros(len(flat))]), matrix)
+    return PosedBody(np.column_stack([flat, np.zeros(len(flat))]), matrix)
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,7 @@ class _Difference:
 _Nearest: TypeAlias = tuple[Integers, dict[_Difference, Fraction]]
 
 
-def _found(bodies: tuple[space.PosedBody, space.PosedBody]) -> Certificate:
+def _found(bodies: tuple[PosedBody, PosedBody]) -> Certificate:
     p, r = in_common_unit(*(IntegerHull(body.vertices, body.pose) for body in bodies))
     nearest, mixture = _on_point(_Difference(minus(p.point(0), r.point(0)), 0, 0))
     while any(nearest):
@@ -133,14 +134,14 @@ def _found(bodies: tuple[space.PosedBody, space.PosedBody]) -> Certificate:
     return _shared_point(mixture, bodies)
 
 
-def _separation(direction: Integers, bodies: space.Bodies) -> Separation:
+def _separation(direction: Integers, bodies: Bodies) -> Separation:
     x, y, z = (Fraction(component) for component in direction)
     plane = space.separation((x, y, z), bodies)
     assert plane is not None
     return Separation(plane.normal[:2], plane.offset, plane.gap, plane)
 
 
-def _shared_point(mixture: dict[_Difference, Fraction], bodies: space.Bodies) -> SharedPoint:
+def _shared_point(mixture: dict[_Difference, Fraction], bodies: Bodies) -> SharedPoint:
     first: dict[int, Fraction] = {}
     second: dict[int, Fraction] = {}
     for difference, weight in mixture.items():

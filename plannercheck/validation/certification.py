@@ -16,15 +16,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.certificates import (
-    Certificate,
-    CertifiedBody,
-    Mixture,
-    PosedBody,
-    Separation,
-    SharedPoint,
-    UnprovedVerdictError,
-)
+from plannercheck.bodies.certificates import Certificate, Mixture, Separation, SharedPoint, UnprovedVerdictError
+from plannercheck.bodies.exact_planes import CertifiedBody, PosedBody
 from plannercheck.bodies.half_space_certificates import is_of_half_space
 from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.integers import IntegerHull, Integers

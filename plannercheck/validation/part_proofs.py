@@ -14,8 +14,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from plannercheck.bodies.certificates import PosedBody, SharedPoint
+from plannercheck.bodies.certificates import SharedPoint
 from plannercheck.bodies.circumscribed import BOX_SIGNS
+from plannercheck.bodies.exact_planes import PosedBody
 from plannercheck.bodies.height_fields import HeightField
 from plannercheck.bodies.lattice_cells import LatticeCells
 from plannercheck.bodies.part_certificates import PartSeparation, PosedParts

@@ -12,7 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
-from plannercheck.bodies.certificates import CertifiedBody, PosedBody, SharedPoint
+from plannercheck.bodies.certificates import SharedPoint
+from plannercheck.bodies.exact_planes import CertifiedBody, PosedBody
 from plannercheck.bodies.solid_certificates import Enclosure, PosedSurface
 from plannercheck.bodies.solid_separations import PatchSeparation, Range, SolidSeparation
 from plannercheck.common.array_types import Floats, Ints

@@ -11,8 +11,9 @@ import bisect
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.certificates import Separation, SharedPoint, direction_of, separation
+from plannercheck.bodies.certificates import Separation, SharedPoint, separation
 from plannercheck.bodies.distance import Distance, distance
+from plannercheck.bodies.exact_planes import direction_of
 from plannercheck.bodies.half_space_certificates import certified_body
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.polytope import Polytope

@@ -13,7 +13,8 @@ import pytest
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
-from plannercheck.bodies.certificates import ExactPlane, ExactPoint, Mixture, PosedBody, Separation, SharedPoint
+from plannercheck.bodies.certificates import ExactPoint, Mixture, Separation, SharedPoint
+from plannercheck.bodies.exact_planes import ExactPlane, PosedBody
 from plannercheck.bodies.intersection import METHODS
 from plannercheck.common.array_types import Floats
 

@@ -8,7 +8,8 @@ from scipy.spatial.transform import Rotation
 from solids import random_poses
 
 import plannercheck as pc
-from plannercheck.bodies.certificates import PosedBody, direction_of, separation
+from plannercheck.bodies.certificates import separation
+from plannercheck.bodies.exact_planes import PosedBody, direction_of
 from plannercheck.bodies.intersection import pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress.body_families import family

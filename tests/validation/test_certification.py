@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import plannercheck as pc
-from plannercheck.bodies.certificates import PosedBody
+from plannercheck.bodies.exact_planes import PosedBody
 from plannercheck.cli.main import main
 from plannercheck.validation.certification import _Certification, certify_verdicts, exact_box
 

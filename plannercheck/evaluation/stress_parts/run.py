@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import os
 import time
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.stress.failure_tables import WRONG, Belongs, Key
-from plannercheck.evaluation.stress.shared_runs import gathered
+from plannercheck.evaluation.stress.failure_tables import WRONG, Key
+from plannercheck.evaluation.stress.shared_runs import KEPT, Tally, gathered
 from plannercheck.evaluation.stress_parts.bodies import Body
 from plannercheck.evaluation.stress_parts.cases import PartCase, shrunk
 from plannercheck.evaluation.stress_parts.draws import ANY_OFFSET, Draw, numbered_draw
@@ -36,49 +36,22 @@ THOROUGH_DRAWS, _THOROUGH_PAIRS, _THOROUGH_STEP = 16, 100, 7
 MOTION_DRAWS = 20
 # Draws that a process judges at a time.
 _CHUNK = 20
-# Failures that are kept; more of the same say nothing new.
-KEPT = 20
 
 
 @dataclass
-class PartTally:
+class PartTally(Tally[PartCase]):
     """The results of a run.
 
     Attributes:
-        pairs: Pairs by family, offset and truth.
-        failures: Failures by contestant, kind of failure, family, offset and truth.
-        asked: Pairs that a contestant was asked, by family, offset and truth.
-        cases: The first failures, smaller where they fail alone.
-        broken: Draws that could not be made or judged, by message.
-        seconds: Process time by what was done, s.
-        draws: Number of draws.
         motions: Motions of a robot before sets, by family and outcome.
     """
 
-    pairs: Counter[Key] = field(default_factory=Counter)
-    failures: Counter[tuple[str, str, Key]] = field(default_factory=Counter)
-    asked: Counter[tuple[str, Key]] = field(default_factory=Counter)
-    cases: list[PartCase] = field(default_factory=list)
-    broken: Counter[str] = field(default_factory=Counter)
-    seconds: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
-    draws: int = 0
     motions: Counter[tuple[str, str]] = field(default_factory=Counter)
 
     def merge(self, other: PartTally) -> None:
         """Adds what was found after this."""
-        self.pairs.update(other.pairs)
-        self.failures.update(other.failures)
-        self.asked.update(other.asked)
-        self.broken.update(other.broken)
-        self.cases += other.cases[: max(0, KEPT - len(self.cases))]
-        for what, spent in other.seconds.items():
-            self.seconds[what] += spent
-        self.draws += other.draws
+        super().merge(other)
         self.motions.update(other.motions)
-
-    def times_asked(self, peer: str, belongs: Belongs) -> int:
-        """How many pairs a contestant was asked."""
-        return sum(count for (who, key), count in self.asked.items() if who == peer and belongs(key))
 
     @property
     def passed(self) -> bool:

@@ -10,15 +10,15 @@ from __future__ import annotations
 import itertools
 import os
 import time
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.stress.failure_tables import WRONG, Belongs, Key
+from plannercheck.evaluation.stress.failure_tables import WRONG, Key
 from plannercheck.evaluation.stress.other_libraries import Peer
-from plannercheck.evaluation.stress.shared_runs import gathered
+from plannercheck.evaluation.stress.shared_runs import KEPT, Tally, gathered
 from plannercheck.evaluation.stress.supervised_process import Supervised
 from plannercheck.evaluation.stress_solids.bodies import decided
 from plannercheck.evaluation.stress_solids.cases import SolidCase, shrunk
@@ -31,51 +31,24 @@ from plannercheck.evaluation.worker_processes import workers
 THOROUGH_DRAWS, _THOROUGH_PAIRS, _THOROUGH_STEP = 16, 2000, 7
 # Draws that a process judges at a time.
 _CHUNK = 20
-# Failures that are shrunk and kept; more of the same say nothing new.
-KEPT = 20
 # The reasons of the oracle that say so (cpp/oracle/mesh_pairs.hpp).
 _INSIDE = (3, 4)
 
 
 @dataclass
-class SolidTally:
+class SolidTally(Tally[SolidCase]):
     """The results of a run.
 
     Attributes:
-        pairs: Pairs by family, offset and truth.
-        inside: Of them, those that share a point since a part of one body is inside the other.
-        failures: Failures by contestant, kind of failure, family, offset and truth.
-        asked: Pairs that a contestant was asked, by family, offset and truth.
-        cases: Failures of ours, shrunk.
-        broken: Draws that could not be made or judged, by message.
-        seconds: Process time by what was done, s.
-        draws: Number of draws.
+        inside: Of the pairs, those that share a point since a part of one body is inside the other.
     """
 
-    pairs: Counter[Key] = field(default_factory=Counter)
     inside: Counter[Key] = field(default_factory=Counter)
-    failures: Counter[tuple[str, str, Key]] = field(default_factory=Counter)
-    asked: Counter[tuple[str, Key]] = field(default_factory=Counter)
-    cases: list[SolidCase] = field(default_factory=list)
-    broken: Counter[str] = field(default_factory=Counter)
-    seconds: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
-    draws: int = 0
 
     def merge(self, other: SolidTally) -> None:
         """Adds what was found after this."""
-        self.pairs.update(other.pairs)
+        super().merge(other)
         self.inside.update(other.inside)
-        self.failures.update(other.failures)
-        self.asked.update(other.asked)
-        self.broken.update(other.broken)
-        self.cases += other.cases[: max(0, KEPT - len(self.cases))]
-        for what, spent in other.seconds.items():
-            self.seconds[what] += spent
-        self.draws += other.draws
-
-    def times_asked(self, peer: str, belongs: Belongs) -> int:
-        """How many pairs a peer was asked."""
-        return sum(count for (who, key), count in self.asked.items() if who == peer and belongs(key))
 
     @property
     def passed(self) -> bool:
