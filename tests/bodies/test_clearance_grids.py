@@ -37,7 +37,7 @@ SHAPES = {
 
 def looked_up(shape: PartSet, pose: Floats, reach: float, points: Floats) -> Floats:
     """Lower bounds (n,) of how far points are from a posed set."""
-    found = core.part_clearances(shape.core.body(0.0), pose, reach, points)
+    found = core.part_clearances(shape.core, pose, reach, points)
     assert found.shape == (len(points), 2)
     assert np.array_equal(found[:, 0], found[:, 1])  # alone, and in lanes
     return np.asarray(found[:, 0])
@@ -100,8 +100,8 @@ def test_what_is_no_number_is_not_clear_of_anything_that_matters() -> None:
 
 def test_sets_that_are_too_large_have_no_grid() -> None:
     shape = pc.PointCloud([[-50.0, -50.0, -50.0], [50.0, 50.0, 50.0]], 0.01)
-    assert core.part_clearances(shape.core.body(0.0), np.eye(4), np.inf, np.zeros((1, 3))).shape == (0, 2)
-    assert core.part_clearances(shape.core.body(0.0), np.eye(4), 1.0, np.zeros((1, 3))).shape == (1, 2)
+    assert core.part_clearances(shape.core, np.eye(4), np.inf, np.zeros((1, 3))).shape == (0, 2)
+    assert core.part_clearances(shape.core, np.eye(4), 1.0, np.zeros((1, 3))).shape == (1, 2)
 
 
 SIZES = {"long": (0.1, 0.12, 0.5), "thin": (0.3, 0.02, 0.02), "small": (0.01, 0.01, 0.02), "round": (1.0, 1.0, 1.0)}
