@@ -85,8 +85,8 @@ std::shared_ptr<Polytope> body_of(std::shared_ptr<PartSet> set, double inflation
   return std::make_shared<Polytope>(polytope_around(std::move(set), inflation_radius));
 }
 
-auto clearances_of(const Polytope& set, InputArray<double, 4, 4> pose, double reach, InputArray<double, -1, 3> points) {
-  const auto found = clearances_at({&set, pose_from(pose.data())}, reach, points.data(), points.shape(0));
+auto clearances_of(const PartSet& set, InputArray<double, 4, 4> pose, double reach, InputArray<double, -1, 3> points) {
+  const auto found = clearances_at(set, pose_from(pose.data()), reach, points.data(), points.shape(0));
   return output_array(found, {found.size() / 2, std::size_t{2}});
 }
 

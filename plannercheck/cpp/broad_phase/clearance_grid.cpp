@@ -158,10 +158,10 @@ WorldSides world_sides(const Pose& pose, const Vec3& low, const Vec3& high) {
 // Marks the cells that hold a set's parts, of balls their centres.
 class ClearanceGrid::Marking {
  public:
-  Marking(const ClearanceGrid& grid, const PosedPolytope& set, SquaredGaps& gaps)
+  Marking(const ClearanceGrid& grid, const PartSet& parts, const Pose& pose, SquaredGaps& gaps)
       : grid_(grid),
-        parts_(*set.body->parts),
-        pose_(set.pose),
+        parts_(parts),
+        pose_(pose),
         gaps_(gaps),
         least_radius_(parts_.has_one_radius() ? parts_.radius(0) * kWithinRadius : 0) {}
 
@@ -241,9 +241,8 @@ class ClearanceGrid::Marking {
   }
 };
 
-ClearanceGrid::ClearanceGrid(const PosedPolytope& set, double reach) {
-  const PartSet& parts = *set.body->parts;
-  const WorldSides all = world_sides(set.pose, parts.low(), parts.high());
+ClearanceGrid::ClearanceGrid(const PartSet& parts, const Pose& pose, double reach) {
+  const WorldSides all = world_sides(pose, parts.low(), parts.high());
   std::array<double, 3> low, high;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int i = static_cast<int>(axis);
@@ -253,10 +252,9 @@ ClearanceGrid::ClearanceGrid(const PosedPolytope& set, double reach) {
   lay_out({low[0], low[1], low[2]}, {high[0], high[1], high[2]});
   if (step_ > kLongestStep) return;
   SquaredGaps gaps(cells_, closed_);
-  Marking(*this, set, gaps).run();
+  Marking(*this, parts, pose, gaps).run();
   keep_lengths(gaps.spread());
-  room_ =
-      parts.largest_radius() + (norm_1(all.low) + norm_1(all.high) + norm_1(set.pose.translation())) * kGridRounding;
+  room_ = parts.largest_radius() + (norm_1(all.low) + norm_1(all.high) + norm_1(pose.translation())) * kGridRounding;
 }
 
 // The shortest steps with which there are no more cells than that.
@@ -290,8 +288,9 @@ void ClearanceGrid::keep_lengths(const Rows& squares) {
   }
 }
 
-std::vector<double> clearances_at(const PosedPolytope& set, double reach, const double* points, std::size_t n) {
-  const ClearanceGrid grid(set, reach);
+std::vector<double> clearances_at(const PartSet& parts, const Pose& pose, double reach, const double* points,
+                                  std::size_t n) {
+  const ClearanceGrid grid(parts, pose, reach);
   std::vector<double> out;
   if (!grid.is_fine()) return out;
   for (std::size_t i = 0; i < n; ++i) {

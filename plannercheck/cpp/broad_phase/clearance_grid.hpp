@@ -15,15 +15,15 @@
 #include <cstdint>
 #include <vector>
 
+#include "bodies/part_set.hpp"
 #include "math/simd.hpp"
-#include "narrow_phase/pair_frame.hpp"
 
 namespace plannercheck {
 
 class ClearanceGrid {
  public:
   // Of the world's cube of |x|, |y|, |z| <= reach.
-  ClearanceGrid(const PosedPolytope& set, double reach);
+  ClearanceGrid(const PartSet& parts, const Pose& pose, double reach);
 
   // Lower bounds of the distances to the parts, m; negative ones, too. Of points that are no numbers: whatever.
   Lanes from(Lanes x, Lanes y, Lanes z) const {

@@ -3,11 +3,12 @@
 
 #include <vector>
 
-#include "narrow_phase/pair_frame.hpp"
+#include "bodies/part_set.hpp"
 
 namespace plannercheck {
 
 // Two numbers for each of n points (n, 3): looked up alone, and in lanes. None if the grid's steps would be too long.
-std::vector<double> clearances_at(const PosedPolytope& set, double reach, const double* points, std::size_t n);
+std::vector<double> clearances_at(const PartSet& parts, const Pose& pose, double reach, const double* points,
+                                  std::size_t n);
 
 }  // namespace plannercheck

@@ -29,7 +29,7 @@ PartClearances::Look PartClearances::look(std::int32_t a, std::int32_t b) const 
 
 const ClearanceGrid& PartClearances::grid(std::int32_t set) const {
   const GeometryObject& object = bodies_[at(set)];
-  return grids_[at(set)].get([&] { return ClearanceGrid({object.body.get(), object.placement}, reach_); });
+  return grids_[at(set)].get([&] { return ClearanceGrid(*object.body->parts, object.placement, reach_); });
 }
 
 const std::vector<SmallBall>& PartClearances::balls_on_link(std::int32_t body) const {
