@@ -23,7 +23,7 @@ Floats gap_along_way(const Meeting& m, const BoxAbroad& other) {
   for (int k = 0; k < kFloats; ++k) length[k] = std::sqrt(square[k]);
   const FloatMask is_way = length > kLeastFloatWay;
   const Floats inverse = 1.0F / (is_way ? length : Floats{} + 1.0F);
-  const FloatVector direction{m.way[0] * inverse, m.way[1] * inverse, m.way[2] * inverse};
+  const AxisFloats direction{m.way[0] * inverse, m.way[1] * inverse, m.way[2] * inverse};
   Floats gap = dot(m.way, direction);
   for (std::size_t j = 0; j < 3; ++j) {
     gap -= m.boxes.half[j] * absolute(dot(m.boxes.axis[j], direction));

@@ -55,20 +55,20 @@ inline constexpr float kFloatSums = 0x1p-20F;
 inline constexpr float kLaneError = 0x1p-12F;
 static_assert(kLaneError >= kAxisError + 0x1p-17F + 4 * kFloatSums);
 
-typedef std::array<Floats, 3> FloatVector;
+typedef std::array<Floats, 3> AxisFloats;
 
-[[gnu::always_inline]] inline Floats dot(const FloatVector& a, const FloatVector& b) {
+[[gnu::always_inline]] inline Floats dot(const AxisFloats& a, const AxisFloats& b) {
   return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
 }
-[[gnu::always_inline]] inline Floats dot(const FloatVector& a, const BoxAbroad::Vector& b) {
+[[gnu::always_inline]] inline Floats dot(const AxisFloats& a, const BoxAbroad::Vector& b) {
   return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
 }
 
 // What is common to all directions.
 struct Meeting {
   LaneBoxes boxes;
-  FloatVector way;  // from the children's middles to the box's
-  Floats room;      // added to half extents
+  AxisFloats way;  // from the children's middles to the box's
+  Floats room;     // added to half extents
 };
 
 [[gnu::always_inline]] inline Meeting meeting(const TriangleNode& node, const BoxAbroad& other) {
@@ -84,8 +84,8 @@ struct Meeting {
 
 // The largest gap along the axes of both boxes, but for the room.
 [[gnu::always_inline]] inline Floats gap_along_axes(const Meeting& m, const BoxAbroad& other) {
-  const FloatVector& half = m.boxes.half;
-  FloatVector reach = half;  // of both boxes along the children's axes
+  const AxisFloats& half = m.boxes.half;
+  AxisFloats reach = half;  // of both boxes along the children's axes
   Floats gap = Floats{} - __builtin_inff();
   for (std::size_t i = 0; i < 3; ++i) {
     Floats theirs = Floats{} + other.half[i];
@@ -113,8 +113,8 @@ inline constexpr float kEdgeRoom = 3;
 static_assert(kEdgeRoom * kLaneError >= 1.42F * kAxisError + 2.1F * (kAxisError + 0x1p-17F) + 2 * kFloatSums);
 
 [[gnu::always_inline]] inline Floats gap_along_edges(const Meeting& m, const BoxAbroad& other) {
-  std::array<FloatVector, 3> cosine;  // by their axis
-  FloatVector way;
+  std::array<AxisFloats, 3> cosine;  // by their axis
+  AxisFloats way;
   for (std::size_t j = 0; j < 3; ++j) {
     way[j] = dot(m.way, m.boxes.axis[j]);
     for (std::size_t i = 0; i < 3; ++i) cosine[i][j] = dot(m.boxes.axis[j], other.axis[i]);
