@@ -114,7 +114,9 @@ class MotionCertifier {
   // How far bodies extend: static ones from the world's origin, the others from their links', m.
   double still_size_ = 0, mounted_size_ = 0;
 
-  // Of `count` motions at once, at most kMiddles: whether the middles, and ends, are free.
+  // Of `count` motions at once, at most kMiddles: whether the middles and ends that are judged are free.
+  void judge_states(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
+                    Workspace& workspace) const;
   void judge_middles(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
                      Workspace& workspace) const;
   void judge_ends(const Kinematics& kinematics, const double* q1, std::size_t count, Workspace& workspace) const;
