@@ -20,7 +20,7 @@ constexpr double kLongestStep = 0.09;
 
 // The furthest mark that is looked for, in steps. Squares of lengths in steps then fit into a byte.
 constexpr std::size_t kMostSteps = 11;
-constexpr std::uint8_t kFarthest = kMostSteps * kMostSteps;
+constexpr std::uint8_t kFarthestSquare = kMostSteps * kMostSteps;
 
 // Lengths are kept in this part of a step, rounded down.
 constexpr double kStepParts = 23;
@@ -44,13 +44,20 @@ Bytes load_bytes(const std::uint8_t* from) {
 
 Bytes fewer(Bytes a, Bytes b) { return a < b ? a : b; }
 
+std::uint8_t square_of(std::size_t cells_away) {
+  const std::size_t gap = cells_away > 0 ? cells_away - 1 : 0;
+  return static_cast<std::uint8_t>(gap * gap);
+}
+
+}  // namespace
+
 // Rows of bytes with so much room on both sides that reading next to a row needs no care.
 class ByteRows {
  public:
   explicit ByteRows(const std::array<std::size_t, 3>& cells)
       : cells_(cells),
         stride_((cells[0] + kRowBytes - 1) / kRowBytes * kRowBytes + 2 * kRowBytes),
-        bytes_(stride_ * cells[1] * cells[2], kFarthest) {}
+        bytes_(stride_ * cells[1] * cells[2], kFarthestSquare) {}
 
   std::uint8_t* row(std::size_t j, std::size_t k) { return &bytes_[(k * cells_[1] + j) * stride_ + kRowBytes]; }
   const std::uint8_t* row(std::size_t j, std::size_t k) const {
@@ -63,11 +70,6 @@ class ByteRows {
   std::size_t stride_;
   std::vector<std::uint8_t> bytes_;
 };
-
-std::uint8_t square_of(std::size_t cells_away) {
-  const std::size_t gap = cells_away > 0 ? cells_away - 1 : 0;
-  return static_cast<std::uint8_t>(gap * gap);
-}
 
 // What is marked on the way to squares of lengths, axis by axis.
 class SquaredGaps {
@@ -106,7 +108,7 @@ class SquaredGaps {
   void along_row(std::size_t j, std::size_t k) {
     std::uint8_t* const row = from_.row(j, k);
     if (closed_[0]) row[-1] = 0;
-    std::fill_n(row + cells_[0], kRowBytes, kFarthest);
+    std::fill_n(row + cells_[0], kRowBytes, kFarthestSquare);
     if (closed_[3]) row[cells_[0]] = 0;
     std::uint8_t* const out = to_.row(j, k);
     for (std::size_t i = 0; i < cells_[0]; i += kRowBytes) {
@@ -121,7 +123,7 @@ class SquaredGaps {
   template <class Row>
   void across(std::size_t axis, std::size_t place, const std::uint8_t* own, std::uint8_t* out, Row row) const {
     const std::size_t count = cells_[axis];
-    std::uint8_t beyond = kFarthest;
+    std::uint8_t beyond = kFarthestSquare;
     if (closed_[axis]) beyond = std::min(beyond, square_within(place + 1));
     if (closed_[axis + 3]) beyond = std::min(beyond, square_within(count - place));
     for (std::size_t i = 0; i < cells_[0]; i += kRowBytes) {
@@ -134,8 +136,10 @@ class SquaredGaps {
     }
   }
 
-  static std::uint8_t square_within(std::size_t away) { return away <= kMostSteps ? square_of(away) : kFarthest; }
+  static std::uint8_t square_within(std::size_t away) { return away <= kMostSteps ? square_of(away) : kFarthestSquare; }
 };
+
+namespace {
 
 // Around what a box of a posed set holds.
 struct WorldSides {
@@ -274,7 +278,7 @@ void ClearanceGrid::lay_out(const Vec3& low, const Vec3& high) {
 
 template <class Rows>
 void ClearanceGrid::keep_lengths(const Rows& squares) {
-  std::array<std::uint8_t, kFarthest + 1> lengths;
+  std::array<std::uint8_t, kFarthestSquare + 1> lengths;
   for (std::size_t v = 0; v < lengths.size(); ++v) {
     lengths[v] = static_cast<std::uint8_t>(std::sqrt(static_cast<double>(v)) * kStepParts);
   }

@@ -7,11 +7,11 @@ namespace {
 
 // Poses are off rigid by at most 3.6e-6 (plannercheck/robots/unit_lengths.py), so they stretch by half of that, a
 // link's and a placement's.
-constexpr double kBallStretch = 1 + 4e-6;
+constexpr double kCoverStretch = 1 + 4e-6;
 
 // Of a centre posed by a placement and then by a link, and of a body posed by the product of both: dozens of roundings
 // of numbers that are no larger than these and the posed centre, for which grids have room.
-constexpr double kBallRounding = 0x1p-40;
+constexpr double kCoverRounding = 0x1p-40;
 
 }  // namespace
 
@@ -37,8 +37,8 @@ const std::vector<SmallBall>& PartClearances::balls_on_link(std::int32_t body) c
   return balls_[at(body)].get([&] {
     std::vector<SmallBall> balls = object.body->covering_balls();
     for (SmallBall& ball : balls) {
-      const double room = (norm_1(ball.centre) + norm_1(object.placement.translation())) * kBallRounding;
-      ball = {object.placement.apply(ball.centre), ball.radius * kBallStretch + room};
+      const double room = (norm_1(ball.centre) + norm_1(object.placement.translation())) * kCoverRounding;
+      ball = {object.placement.apply(ball.centre), ball.radius * kCoverStretch + room};
     }
     return balls;
   });
