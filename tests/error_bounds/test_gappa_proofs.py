@@ -58,6 +58,7 @@ CHECKED = [
     "triangle_tree",
     "inner_overlap",
     "solid_distance",
+    "part_boxes",
     "part_set",
     "part_walk",
     "part_pair",

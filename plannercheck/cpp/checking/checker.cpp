@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "broad_phase/broad_phase.hpp"
 #include "broad_phase/part_clearances.hpp"
-#include "checking/state_blocks.hpp"
+#include "checking/checker_workspace.hpp"
 #include "math/interruption.hpp"
 #include "narrow_phase/solid_pair.hpp"
-#include "robots/kinematics_lanes.hpp"
-#include "robots/state_poser.hpp"
 
 namespace plannercheck {
 namespace {
@@ -30,6 +27,21 @@ std::vector<bool> permanent_collisions(const std::vector<GeometryObject>& bodies
              plannercheck::solids_share(a, b, counters);
   }
   return out;
+}
+
+// How far bodies on links come from the world's origin in sampled states, m.
+double largest_reach(const std::vector<GeometryObject>& bodies, std::size_t links, const SampledPoses* sampled) {
+  if (sampled == nullptr || sampled->states == 0) return kNoLimit;
+  double reach = 0;
+  for (const GeometryObject& object : bodies) {
+    if (object.link < 0) continue;
+    const double size = norm_1(object.placement.translation()) + object.body->origin_radius;
+    for (std::size_t s = 0; s < sampled->states; ++s) {
+      const double* const pose = &sampled->poses[(s * links + at(object.link)) * 16];
+      reach = larger(reach, norm_max({pose[3], pose[7], pose[11]}) + size);
+    }
+  }
+  return reach;
 }
 
 class HullsOfPair final : public HullTest {
@@ -66,42 +78,6 @@ CheckerCounters& operator+=(CheckerCounters& sum, const CheckerCounters& more) {
   sum.pair += more.pair;
   return sum;
 }
-
-// Whether a group of bodies is far from all parts of its set, in the state judged when it was looked at.
-struct GroupLook {
-  std::uint64_t judged = 0;
-  bool is_far = false;
-};
-
-// How far bodies on links come from the world's origin in sampled states, m.
-double largest_reach(const std::vector<GeometryObject>& bodies, std::size_t links, const SampledPoses* sampled) {
-  if (sampled == nullptr || sampled->states == 0) return kNoLimit;
-  double reach = 0;
-  for (const GeometryObject& object : bodies) {
-    if (object.link < 0) continue;
-    const double size = norm_1(object.placement.translation()) + object.body->origin_radius;
-    for (std::size_t s = 0; s < sampled->states; ++s) {
-      const double* const pose = &sampled->poses[(s * links + at(object.link)) * 16];
-      reach = larger(reach, norm_max({pose[3], pose[7], pose[11]}) + size);
-    }
-  }
-  return reach;
-}
-
-struct CheckerCore::Workspace {
-  CheckerCounters counters;
-  std::vector<Lanes> columns, links;         // of a block's groups: configurations and link poses
-  const PoseColumns* state_links = nullptr;  // the poses of a single state, if they are not among those
-  LinkPoser poser;
-  StatePoser state_poser;
-  std::uint64_t posed_by = 0;  // the kinematics for which the posers are prepared
-  BroadPhase::Workspace broad_phase;
-  std::vector<CachedPlane> planes;         // per pair
-  std::vector<SolidHistory> histories;     // per pair of solids
-  std::uint64_t judged = 0;                // counts the states that are judged
-  std::vector<GroupLook> groups;           // of parts: what the last look at each has shown
-  std::vector<std::uint32_t> hits, tests;  // per pair: collisions found, pair tests
-};
 
 CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::array<std::int32_t, 2>> pairs,
                          std::int32_t links, CheckerOptions options, std::shared_ptr<const SampledPoses> sampled)
@@ -174,61 +150,6 @@ bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) co
                                               w.histories[pair], w.counters.pair)
                           : hulls.share();
   if (!hulls.was_asked()) ++w.counters.trees;
-  w.hits[pair] += shared ? 1 : 0;
-  return shared;
-}
-
-bool CheckerCore::group_is_far(std::size_t index, std::size_t state, Workspace& w) const {
-  const PartGroup& group = part_groups_.groups[index];
-  GroupLook& look = w.groups[index];
-  if (look.judged != w.judged) {
-    look.judged = w.judged;
-    const Pose mover = posed(at(group.mover), state, w), set = posed(at(group.set), state, w);
-    look.is_far = parts_are_far({mover, group.low, group.high}, {bodies_[at(group.set)].body.get(), set},
-                                group.inflation_radius + posing_room(mover));
-  }
-  return look.is_far;
-}
-
-bool CheckerCore::is_clear_of_parts(std::size_t pair, std::size_t state, const Workspace& w) const {
-  const auto [guest, host] = pairs_[pair];
-  const PartClearances::Look look = clearances_->look(guest, host);
-  if (look.grid == nullptr) return false;
-  const double inflated = bodies_[at(guest)].body->inflation_radius + bodies_[at(host)].body->inflation_radius;
-  return PartClearances::is_clear(look, link_pose(at(look.link), state, w), inflated * kRadiusStretch);
-}
-
-// The hull of a set of parts says nothing, so that it is not asked.
-bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w) const {
-  const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
-  if (options_.bounds && is_clear_of_parts(pair, state, w)) {
-    ++w.counters.bounds;
-    return false;
-  }
-  const std::int32_t group = part_groups_.of_pair[pair];
-  if (options_.boxes && options_.part_trees && group >= 0 && group_is_far(at(group), state, w)) {
-    ++w.counters.boxes;
-    return false;
-  }
-  const PosedPolytope a{bodies_[guest].body.get(), posed(guest, state, w)};
-  const PosedPolytope b{bodies_[host].body.get(), posed(host, state, w)};
-  ++w.tests[pair];
-  SolidOptions options;
-  options.part_trees = options_.part_trees;
-  const SolidContact found = solids_contact(a, b, w.histories[pair].contact, w.counters.pair, options);
-  ++w.counters.stages[static_cast<std::size_t>(Stage::kSolver)];
-  if (found) w.histories[pair].contact = found;
-  w.hits[pair] += found ? 1 : 0;
-  return static_cast<bool>(found);
-}
-
-bool CheckerCore::half_space_shared(std::size_t pair, std::size_t state, Workspace& w) const {
-  const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
-  ++w.tests[pair];
-  ++w.counters.stages[static_cast<std::size_t>(Stage::kSolver)];
-  const bool shared = half_space_contact({bodies_[guest].body.get(), posed(guest, state, w)},
-                                         {bodies_[host].body.get(), posed(host, state, w)}, w.counters.pair)
-                          .shared;
   w.hits[pair] += shared ? 1 : 0;
   return shared;
 }

@@ -1,0 +1,62 @@
+// The checker's pairs of bodies without a hull that says enough: sets of parts and half-spaces.
+#include "broad_phase/part_clearances.hpp"
+#include "checking/checker_workspace.hpp"
+
+namespace plannercheck {
+
+bool CheckerCore::group_is_far(std::size_t index, std::size_t state, Workspace& w) const {
+  const PartGroup& group = part_groups_.groups[index];
+  GroupLook& look = w.groups[index];
+  if (look.judged != w.judged) {
+    look.judged = w.judged;
+    const Pose mover = posed(at(group.mover), state, w), set = posed(at(group.set), state, w);
+    look.is_far = parts_are_far({mover, group.low, group.high}, {bodies_[at(group.set)].body.get(), set},
+                                group.inflation_radius + posing_room(mover));
+  }
+  return look.is_far;
+}
+
+bool CheckerCore::is_clear_of_parts(std::size_t pair, std::size_t state, const Workspace& w) const {
+  const auto [guest, host] = pairs_[pair];
+  const PartClearances::Look look = clearances_->look(guest, host);
+  if (look.grid == nullptr) return false;
+  const double inflated = bodies_[at(guest)].body->inflation_radius + bodies_[at(host)].body->inflation_radius;
+  return PartClearances::is_clear(look, link_pose(at(look.link), state, w), inflated * kRadiusStretch);
+}
+
+// The hull of a set of parts says nothing, so that it is not asked.
+bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w) const {
+  const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
+  if (options_.bounds && is_clear_of_parts(pair, state, w)) {
+    ++w.counters.bounds;
+    return false;
+  }
+  const std::int32_t group = part_groups_.of_pair[pair];
+  if (options_.boxes && options_.part_trees && group >= 0 && group_is_far(at(group), state, w)) {
+    ++w.counters.boxes;
+    return false;
+  }
+  const PosedPolytope a{bodies_[guest].body.get(), posed(guest, state, w)};
+  const PosedPolytope b{bodies_[host].body.get(), posed(host, state, w)};
+  ++w.tests[pair];
+  SolidOptions options;
+  options.part_trees = options_.part_trees;
+  const SolidContact found = solids_contact(a, b, w.histories[pair].contact, w.counters.pair, options);
+  ++w.counters.stages[static_cast<std::size_t>(Stage::kSolver)];
+  if (found) w.histories[pair].contact = found;
+  w.hits[pair] += found ? 1 : 0;
+  return static_cast<bool>(found);
+}
+
+bool CheckerCore::half_space_shared(std::size_t pair, std::size_t state, Workspace& w) const {
+  const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
+  ++w.tests[pair];
+  ++w.counters.stages[static_cast<std::size_t>(Stage::kSolver)];
+  const bool shared = half_space_contact({bodies_[guest].body.get(), posed(guest, state, w)},
+                                         {bodies_[host].body.get(), posed(host, state, w)}, w.counters.pair)
+                          .shared;
+  w.hits[pair] += shared ? 1 : 0;
+  return shared;
+}
+
+}  // namespace plannercheck

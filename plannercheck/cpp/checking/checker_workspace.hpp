@@ -1,0 +1,37 @@
+// What one thread needs to judge states.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "broad_phase/broad_phase.hpp"
+#include "checking/checker.hpp"
+#include "checking/state_blocks.hpp"
+#include "narrow_phase/solid_pair.hpp"
+#include "robots/kinematics_lanes.hpp"
+#include "robots/state_poser.hpp"
+
+namespace plannercheck {
+
+// Whether a group of bodies is far from all parts of its set, in the state judged when it was looked at.
+struct GroupLook {
+  std::uint64_t judged = 0;
+  bool is_far = false;
+};
+
+struct CheckerCore::Workspace {
+  CheckerCounters counters;
+  std::vector<Lanes> columns, links;         // of a block's groups: configurations and link poses
+  const PoseColumns* state_links = nullptr;  // the poses of a single state, if they are not among those
+  LinkPoser poser;
+  StatePoser state_poser;
+  std::uint64_t posed_by = 0;  // the kinematics for which the posers are prepared
+  BroadPhase::Workspace broad_phase;
+  std::vector<CachedPlane> planes;         // per pair
+  std::vector<SolidHistory> histories;     // per pair of solids
+  std::uint64_t judged = 0;                // counts the states that are judged
+  std::vector<GroupLook> groups;           // of parts: what the last look at each has shown
+  std::vector<std::uint32_t> hits, tests;  // per pair: collisions found, pair tests
+};
+
+}  // namespace plannercheck
