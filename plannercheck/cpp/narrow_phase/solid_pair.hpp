@@ -38,8 +38,8 @@ struct SolidOptions {
   bool boxes = true;          // only children whose box meets the other one are followed
   bool nearest_first = true;  // of these
   bool lanes = true;          // triangles are tested eight at a time, before the exact test
-  bool part_trees = true;     // of sets of parts, only those are tested whose boxes come near the other body's
   bool reaching_out = true;   // parts that reach out of the other body's box are not inside of it
+  bool part_trees = true;     // of sets of parts, only those are tested whose boxes come near the other body's
 };
 
 // `guess`: where the pair met last; it only saves time.
