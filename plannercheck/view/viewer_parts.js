@@ -1,7 +1,8 @@
 // Draws bodies of very many parts: balls as round points that shrink with the distance, cells as the rectangles of
 // their outside. viewer.html includes it; places are whole numbers of 16 bits, as drawn_parts.py packs them. While the
-// view moves, fewer balls are drawn, and small: they would be drawn over each other many times.
-const BALLS_IN_MOTION = 60000, PIXELS_IN_MOTION = 6, MOST_PIXELS = 256;
+// view moves, fewer balls are drawn, and small: they would be drawn over each other many times; of the rectangles those
+// that show most.
+const BALLS_IN_MOTION = 20000, PIXELS_IN_MOTION = 4, MOST_PIXELS = 256, RECTANGLES_IN_MOTION = 20000;  // on each side
 const partsProgram = linked(`
   in uvec4 place; uniform mat4 pose, seen; uniform vec3 corner, middle; uniform vec2 range;
   uniform float step, pixels, most; uniform int axis, by; out float shade; flat out float light;
@@ -33,6 +34,12 @@ function corners(rectangles, axis) {  // x, y, z and two lengths a rectangle: fo
   }
   return made;
 }
+function largestFirst(rectangles) {
+  const area = (i) => rectangles[5 * i + 3] * rectangles[5 * i + 4], made = new Uint16Array(rectangles.length);
+  const order = Uint32Array.from({ length: rectangles.length / 5 }, (_, i) => i).sort((a, b) => area(b) - area(a));
+  order.forEach((from, i) => made.set(rectangles.subarray(5 * from, 5 * from + 5), 5 * i));
+  return made;
+}
 function scattered(balls) {  // so that the first ones are from everywhere: steps around the circle of all
   const count = balls.length / 4, made = new Uint16Array(balls.length), divisor = (a, b) => b ? divisor(b, a % b) : a;
   let step = Math.ceil(0.618 * count);
@@ -52,13 +59,14 @@ function partsArray(numbers, faces) {
   if (!faces) return { array, draw: () => gl.drawArrays(gl.POINTS, 0, moving ? Math.min(count, BALLS_IN_MOTION) : count) };
   gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
   gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, faces, gl.STATIC_DRAW);
-  return { array, draw: triangles(faces.length) };
+  const few = 6 * RECTANGLES_IN_MOTION, all = faces.length;
+  return { array, draw: () => gl.drawElements(gl.TRIANGLES, moving ? Math.min(all, few) : all, gl.UNSIGNED_INT, 0) };
 }
 const halves = (count) => Uint32Array.from({ length: 6 * count }, (_, i) => 4 * Math.floor(i / 6) + [0, 1, 2, 2, 1, 3][i % 6]);
 const parts = data.parts.map((each, k) => {
   const groups = each.groups.map((text, side) => {
     const numbers = unpacked(text, Uint16Array);
-    return each.kind === "balls" ? partsArray(scattered(numbers)) : partsArray(corners(numbers, side >> 1), halves(numbers.length / 5));
+    return each.kind === "balls" ? partsArray(scattered(numbers)) : partsArray(corners(largestFirst(numbers), side >> 1), halves(numbers.length / 5));
   });
   return { ...each, groups, index: meshes.length + k, poses: unpacked(each.poses, Float32Array) };
 });
