@@ -165,3 +165,12 @@ def test_trees_before_hulls_change_no_verdict_of_batches():
         assert np.array_equal(verdicts[1], verdicts[0])
         kinds += alone
     assert min(kinds.count(kind) for kind in ("apart", "triangles", "a in b", "b in a")) > 3
+
+
+def test_solids_as_flat_as_a_billionth_are_not_searched_for_balls_inside():
+    """Of `stress --solids`, seed 901, draw 9714: the search took minutes."""
+    from plannercheck.evaluation.stress_solids.draws import numbered_draw
+
+    flat = numbered_draw(901, 9714).r.polytope.core
+    balls, *_ = flat.inner_shapes()
+    assert len(balls) == 0

@@ -26,6 +26,9 @@ constexpr double kFloatPlace = 0x1p-20;
 // Sizes whose products of six neither overflow nor underflow.
 constexpr double kLeastSize = 1e-40, kLargestSize = 1e40;
 
+// Flatter solids hold too little to be worth looking for, which takes minutes where edges are a billionth of others.
+constexpr double kFlattest = 1e-6;
+
 // A ball moves away from what it touches, by this part of its radius at first, in so many steps, as long as it grows
 // by so much.
 constexpr double kMove = 0.9, kGrowth = 1.05;
@@ -294,10 +297,12 @@ InnerShapes inner_shapes_of(const Solid& solid) {
     low = {smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z)};
     high = {larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z)};
   }
+  const Vec3 edges = high - low;
+  if (smaller(edges.x, smaller(edges.y, edges.z)) < kFlattest * norm_max(edges)) return shapes;
   const std::vector<InnerBall> balls = balls_in(solid, interior, low, high);
   if (balls.empty()) return shapes;
   shapes.balls = covering(balls);
-  shapes.box = largest_box(interior, high - low, balls);
+  shapes.box = largest_box(interior, edges, balls);
   return shapes;
 }
 
