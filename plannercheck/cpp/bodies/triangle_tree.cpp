@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "math/spatial_partition.hpp"
+#include "bodies/triangle_order.hpp"
 
 namespace plannercheck {
 namespace {
@@ -20,105 +20,12 @@ struct TriangleRange {
   std::size_t size() const { return last - first; }
 };
 
-// Boxes along the frame's axes, of triangles.
-struct Bounds {
-  Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-
-  void add(const Bounds& b) {
-    low = {smaller(low.x, b.low.x), smaller(low.y, b.low.y), smaller(low.z, b.low.z)};
-    high = {larger(high.x, b.high.x), larger(high.y, b.high.y), larger(high.z, b.high.z)};
-  }
-  double surface() const {
-    const Vec3 e = high - low;
-    return e.x * e.y + e.y * e.z + e.z * e.x;
-  }
-};
-
-class TriangleOrder {
- public:
-  explicit TriangleOrder(const std::vector<Bounds>& bounds) : bounds_(bounds), order_(indices_below(bounds.size())) {
-    sort({order_.data(), order_.data() + order_.size()});
-  }
-
-  std::vector<std::int32_t> take() { return std::move(order_); }
-  std::vector<std::size_t> take_sizes() { return std::move(sizes_); }
-
- private:
-  const std::vector<Bounds>& bounds_;
-  std::vector<std::int32_t> order_;
-  std::vector<std::size_t> sizes_;
-
-  struct Part {
-    IndexRange range;
-    double surface;
-  };
-
-  Bounds around(IndexRange range) const {
-    Bounds out;
-    for (auto* i = range.first; i != range.last; ++i) out.add(bounds_[at(*i)]);
-    return out;
-  }
-
-  void sort(IndexRange range) {
-    constexpr auto kLeaf = static_cast<std::ptrdiff_t>(kTreeWidth);
-    if (range.size() <= kLeaf) return;
-    std::vector<Part> parts{{range, around(range).surface()}};
-    while (parts.size() < kTreeWidth) {
-      std::size_t best = parts.size();
-      for (std::size_t k = 0; k < parts.size(); ++k) {
-        if (parts[k].range.size() > kLeaf && (best == parts.size() || parts[k].surface > parts[best].surface)) best = k;
-      }
-      if (best == parts.size()) break;
-      const IndexRange all = parts[best].range;
-      std::int32_t* const middle = cut(all);
-      const IndexRange a{all.first, middle}, b{middle, all.last};
-      parts[best] = {a, around(a).surface()};
-      parts.insert(parts.begin() + static_cast<std::ptrdiff_t>(best) + 1, {b, around(b).surface()});
-    }
-    sizes_.push_back(parts.size());
-    for (const Part& p : parts) sizes_.push_back(static_cast<std::size_t>(p.range.size()));
-    for (const Part& p : parts) sort(p.range);
-  }
-
-  std::int32_t* cut(IndexRange range) {
-    const auto n = static_cast<std::size_t>(range.size());
-    double best = 1e300;
-    int best_axis = 0;
-    std::size_t best_at = kTreeWidth;
-    std::vector<double> before(n);
-    for (int axis = 0; axis < 3; ++axis) {
-      sort_along(range, axis);
-      Bounds sum;
-      for (std::size_t k = 0; k < n; ++k) {
-        before[k] = sum.surface();
-        sum.add(bounds_[at(range.first[k])]);
-      }
-      sum = {};
-      for (std::size_t k = n - 1; k > 0; --k) {
-        sum.add(bounds_[at(range.first[k])]);
-        if (k % kTreeWidth != 0) continue;
-        const double cost = before[k] * static_cast<double>(k) + sum.surface() * static_cast<double>((n - k + 7) / 8 * 8);
-        if (cost < best) best = cost, best_axis = axis, best_at = k;
-      }
-    }
-    if (best_axis != 2) sort_along(range, best_axis);
-    return range.first + best_at;
-  }
-
-  void sort_along(IndexRange range, int axis) {
-    std::sort(range.first, range.last, [&](std::int32_t a, std::int32_t b) {
-      const double on_a = bounds_[at(a)].low[axis] + bounds_[at(a)].high[axis], on_b = bounds_[at(b)].low[axis] + bounds_[at(b)].high[axis];
-      return on_a != on_b ? on_a < on_b : a < b;
-    });
-  }
-};
-
 // Nodes over sorted triangles.
 class NodeBuilder {
  public:
   NodeBuilder(TriangleTree& tree, const std::vector<Vec3>& points, const std::vector<MeshTriangle>& triangles,
-              std::vector<std::size_t> sizes, bool own_axes)
-      : tree_(tree), points_(points), triangles_(triangles), sizes_(std::move(sizes)), own_axes_(own_axes) {
+              const std::vector<std::size_t>& cuts, bool own_axes)
+      : tree_(tree), points_(points), triangles_(triangles), cut_(cuts.begin()), own_axes_(own_axes) {
     for (std::vector<double>& column : columns_) column.reserve(3 * triangles.size());
     for (const MeshTriangle& t : triangles) {
       for (const std::int32_t corner : t) {
@@ -138,8 +45,7 @@ class NodeBuilder {
   TriangleTree& tree_;
   const std::vector<Vec3>& points_;
   const std::vector<MeshTriangle>& triangles_;
-  std::vector<std::size_t> sizes_;
-  std::size_t next_ = 0;
+  std::vector<std::size_t>::const_iterator cut_;  // of the next node that is no leaf, as in TriangleOrder::children
   bool own_axes_;
   std::array<std::vector<double>, 3> columns_;  // of all corners
 
@@ -152,27 +58,26 @@ class NodeBuilder {
   SurfaceMoments add(std::size_t index, TriangleRange range) {
     TriangleNode node;
     const bool is_leaf = range.size() <= kTreeWidth;
-    std::array<std::size_t, kTreeWidth> size;
-    size.fill(1);
+    std::array<std::size_t, kTreeWidth> sizes;
     if (is_leaf) {
+      sizes.fill(1);
       node.children = static_cast<std::uint32_t>(range.size());
       node.leaf = add_leaf(range);
       node.first = static_cast<std::int32_t>(range.first);
       put_reach(node, corners(range));
     } else {
-      node.children = static_cast<std::uint32_t>(sizes_[next_++]);
-      for (std::size_t k = 0; k < node.children; ++k) size[k] = sizes_[next_++];
+      node.children = static_cast<std::uint32_t>(*cut_++);
+      for (std::size_t k = 0; k < node.children; ++k) sizes[k] = *cut_++;
       node.first = static_cast<std::int32_t>(tree_.nodes.size());
       tree_.nodes.resize(tree_.nodes.size() + node.children);
     }
     SurfaceMoments sum;
-    std::size_t first = range.first;
+    TriangleRange part{range.first, range.first};
     for (std::size_t k = 0; k < node.children; ++k) {
-      const TriangleRange part{first, first + size[k]};
-      const SurfaceMoments moments = is_leaf ? of_triangle(first) : add(at(node.first) + k, part);
+      part = {part.last, part.last + sizes[k]};
+      const SurfaceMoments moments = is_leaf ? of_triangle(part.first) : add(at(node.first) + k, part);
       put(node, k, fit(part, moments));
       sum.add(moments);
-      first = part.last;
     }
     tree_.nodes[index] = node;
     return sum;
@@ -224,9 +129,9 @@ class NodeBuilder {
   }
 };
 
-// The middle and units of all corners, and twice the middle of each triangle's own extent.
-std::vector<Bounds> framed(TriangleTree& tree, const std::vector<Vec3>& points,
-                         const std::vector<MeshTriangle>& triangles) {
+// The middle and units of all corners; a box around each triangle in them.
+std::vector<TriangleBounds> framed(TriangleTree& tree, const std::vector<Vec3>& points,
+                                   const std::vector<MeshTriangle>& triangles) {
   const auto least = [](Vec3 a, Vec3 b) { return Vec3{smaller(a.x, b.x), smaller(a.y, b.y), smaller(a.z, b.z)}; };
   const auto most = [](Vec3 a, Vec3 b) { return Vec3{larger(a.x, b.x), larger(a.y, b.y), larger(a.z, b.z)}; };
   Vec3 low = points[at(triangles.front()[0])], high = low;
@@ -236,14 +141,14 @@ std::vector<Bounds> framed(TriangleTree& tree, const std::vector<Vec3>& points,
   tree.middle = 0.5 * low + 0.5 * high;
   const double reach = larger(norm_max(high - tree.middle), norm_max(low - tree.middle));
   if (reach > 0) tree.units = std::ldexp(1.0, std::clamp(-std::ilogb(reach) - 1, -1000, 1000));
-  std::vector<Bounds> centres;
-  centres.reserve(triangles.size());
+  std::vector<TriangleBounds> bounds;
+  bounds.reserve(triangles.size());
   for (const MeshTriangle& t : triangles) {
     const auto corner = [&](std::size_t k) { return tree.units * (points[at(t[k])] - tree.middle); };
     const Vec3 a = corner(0), b = corner(1), c = corner(2);
-    centres.push_back({least(a, least(b, c)), most(a, most(b, c))});
+    bounds.push_back({least(a, least(b, c)), most(a, most(b, c))});
   }
-  return centres;
+  return bounds;
 }
 
 }  // namespace
@@ -251,13 +156,12 @@ std::vector<Bounds> framed(TriangleTree& tree, const std::vector<Vec3>& points,
 TriangleTree build_triangle_tree(const std::vector<Vec3>& points, std::vector<MeshTriangle>& triangles,
                                  std::vector<std::int32_t>& source, bool own_axes) {
   TriangleTree tree;
-  const std::vector<Bounds> bounds = framed(tree, points, triangles);
-  TriangleOrder order(bounds);
-  source = order.take();
+  TriangleOrder found = order_triangles(framed(tree, points, triangles), TriangleTree::kMostLevels);
+  source = std::move(found.order);
   std::vector<MeshTriangle> sorted(triangles.size());
   for (std::size_t k = 0; k < sorted.size(); ++k) sorted[k] = triangles[at(source[k])];
   triangles = std::move(sorted);
-  NodeBuilder(tree, points, triangles, order.take_sizes(), own_axes).build();
+  NodeBuilder(tree, points, triangles, found.children, own_axes).build();
   return tree;
 }
 
