@@ -86,18 +86,19 @@ class Ordering {
     return share;
   }
 
-  // The largest tree with so many levels.
-  static std::size_t most_below(std::size_t levels) {
+  // Triangles that a tree of so many levels holds.
+  static std::size_t most_in(std::size_t levels) {
     std::size_t most = 1;
-    for (; levels > 0 && most <= order_limit(); --levels) most *= kTreeWidth;
+    while (levels-- > 0) most *= kTreeWidth;
     return most;
   }
-  static constexpr std::size_t order_limit() { return std::size_t{1} << 31; }
 
+  // The range is of at most most_in(levels) triangles, and so are its parts of the levels below: even shares are powers
+  // of the width, of which the least that is enough is taken.
   void sort(IndexRange range, std::size_t levels) {
     if (size_of(range) <= kTreeWidth) return;
     std::vector<Part> parts = cut(range, kTreeWidth);
-    const auto is_deep = [&](const Part& part) { return size_of(part.range) > most_below(levels - 1); };
+    const auto is_deep = [&](const Part& part) { return size_of(part.range) > most_in(levels - 1); };
     if (std::any_of(parts.begin(), parts.end(), is_deep)) parts = cut(range, even_share(size_of(range)));
     children_.push_back(parts.size());
     for (const Part& part : parts) children_.push_back(size_of(part.range));
@@ -109,8 +110,8 @@ class Ordering {
     std::vector<Part> parts{part(range)};
     while (parts.size() < kTreeWidth) {
       const auto rank = [&](const Part& p) { return size_of(p.range) > step ? p.surface : -1; };
-      const auto widest = std::max_element(parts.begin(), parts.end(),
-                                           [&](const Part& a, const Part& b) { return rank(a) < rank(b); });
+      const auto widest =
+          std::max_element(parts.begin(), parts.end(), [&](const Part& a, const Part& b) { return rank(a) < rank(b); });
       if (rank(*widest) < 0) break;
       const IndexRange all = widest->range;
       std::int32_t* const middle = cut_in_two(all, step);
