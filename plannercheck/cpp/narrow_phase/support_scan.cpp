@@ -99,7 +99,7 @@ constexpr std::size_t kFewCursors = 8;
 
 std::int32_t extreme_of_few(const Levels& h, Vec3 u, QueryCounters& counters) {
   const std::size_t blocks = h.top_cursors.size();
-  std::array<Double4, kFewCursors> values;
+  std::array<Double4, kFewCursors> values{};
   Double4 best = Double4{} - __builtin_inf();
   for (std::size_t i = 0; i < blocks; ++i) {
     const VertexBlock& p = h.top_cursors[i];
@@ -114,13 +114,12 @@ std::int32_t extreme_of_few(const Levels& h, Vec3 u, QueryCounters& counters) {
   return h.top[lanes == 0 ? 0 : static_cast<std::size_t>(__builtin_ctzll(lanes))];
 }
 
-// The furthest vertex of a cell's groups; of one, its products stay in registers.
-template <std::size_t most>
-std::int32_t furthest_of_groups(const Levels& h, const Cell& cell, Vec3 u, QueryCounters& counters) {
+// The furthest vertex of a cell's groups.
+[[gnu::noinline]] std::int32_t furthest_of_groups(const Levels& h, const Cell& cell, Vec3 u, QueryCounters& counters) {
   const DirectionCells& cells = h.cells;
   const FloatDirection direction(u);
-  const std::size_t count = most == 1 ? 1 : 1 + cell.count;
-  std::array<ScannedGroup, most> groups;
+  const std::size_t count = 1 + cell.count;
+  std::array<ScannedGroup, kMostCellGroups> groups;
   groups[0].scan(cells, cell.first, direction);
   Floats highest = groups[0].highest();
   for (std::size_t g = 1; g < count; ++g) {
@@ -143,9 +142,28 @@ std::int32_t furthest_of_groups(const Levels& h, const Cell& cell, Vec3 u, Query
 
 }  // namespace
 
-std::int32_t extreme_in_cell(const Levels& h, const Cell& cell, Vec3 u, QueryCounters& counters) {
-  return cell.count == 0 ? furthest_of_groups<1>(h, cell, u, counters)
-                         : furthest_of_groups<kMostCellGroups>(h, cell, u, counters);
+// Mostly one group holds all blocks of the cell, and floats leave one vertex: all stays in registers then.
+std::int32_t extreme_in_cell(const Levels& h, const Cell& cell, double x, double y, double z, QueryCounters& counters) {
+  const Vec3 u{x, y, z};
+  if (cell.count != 0) return furthest_of_groups(h, cell, u, counters);
+  const CellBlock* const blocks = h.cells.blocks.data();
+  const FloatDirection direction(u);
+  ScannedGroup group;
+  group.scan(h.cells, cell.first, direction);
+  unsigned lanes = group.lanes_above(Floats{} + (largest(group.highest()) - direction.tie));
+  if (lanes == 0) [[unlikely]]
+    return furthest_of_groups(h, cell, u, counters);
+  const auto vertex = [&] {
+    const auto lane = static_cast<std::size_t>(__builtin_ctz(lanes));
+    return blocks[cell.first[lane / kScanLanes]].vertex[lane % kScanLanes];
+  };
+  const std::int32_t found = vertex();
+  while ((lanes &= lanes - 1) != 0) {  // blocks and lanes may be repeated
+    if (vertex() != found) [[unlikely]]
+      return furthest_of_groups(h, cell, u, counters);
+  }
+  counters.blocks += static_cast<long>(kGroup * (kScanLanes / kBlockLanes));
+  return found;
 }
 
 SearchCursor cursor_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
@@ -156,7 +174,8 @@ SearchCursor cursor_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
   return h.top_cursors[found / kBlockLanes].cursor(found % kBlockLanes);
 }
 
-std::int32_t extreme_of_top(const Levels& h, Vec3 u, QueryCounters& counters) {
+std::int32_t extreme_of_top(const Levels& h, double x, double y, double z, QueryCounters& counters) {
+  const Vec3 u{x, y, z};
   if (h.top_cursors.size() <= kFewCursors) return extreme_of_few(h, u, counters);
   const auto vertex = [&](std::size_t i) { return h.top[i]; };
   const auto further = [&](std::int32_t v, std::int32_t than) {
