@@ -316,7 +316,7 @@ PartContact parts_contact(const PosedPolytope& a, const PosedPolytope& b, const 
 }
 
 bool parts_are_far(const PosedBox& box, const PosedPolytope& set, double limit) {
-  const PartWalk walk(box, set, limit + set.body->inflation_radius);
+  PartWalk walk(box, set, limit + set.body->inflation_radius);
   return !walk.any_leaf([](std::size_t, unsigned) { return true; });
 }
 

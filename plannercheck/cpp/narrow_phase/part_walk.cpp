@@ -1,6 +1,7 @@
 #include "narrow_phase/part_walk.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "narrow_phase/support.hpp"
 
@@ -62,39 +63,43 @@ void PartWalk::frame_tree() {
     half_[i] = static_cast<float>(units * half * kPartRoundedUp) * (1 + kPartFloats) +
                static_cast<float>(std::fabs(there[axis]) + 2) * kPartFloats;
   }
-  axes_ = {along({1, 0, 0}, box_centre_.x, box_half_.x), along({0, 1, 0}, box_centre_.y, box_half_.y),
-           along({0, 0, 1}, box_centre_.z, box_half_.z)};
+  const Vec3 way = turn_.to_body(set_.middle()) - box_centre_;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const int axis = static_cast<int>(i);
+    axes_[i] = along({turn_.entry(0, i), turn_.entry(1, i), turn_.entry(2, i)}, way[axis], box_half_[axis]);
+  }
 }
 
-// `middle`, `half`: of what the body takes up along the direction. Boxes of balls are larger along it than the balls
-// are, by |along|_1 − 1 of their radius.
-inline PartWalk::Along PartWalk::along(Vec3 direction, double middle, double half) const {
+// `to`: a direction of the body's frame in the set's. `way`, `half`: from the middle of what the body takes up along it
+// to the set's middle, and half of that, m. Boxes of balls are larger along it than the balls are, by |to|_1 − 1 of
+// their radius.
+inline PartWalk::Along PartWalk::along(Vec3 to, double way, double half) const {
   Along out;
-  const double units = set_.units();
-  const double way = units * (dot(direction, turn_.to_body(set_.middle())) - middle);
-  double turned = 0;
+  const double units = set_.units(), turned = norm_1(to);
   for (std::size_t i = 0; i < 3; ++i) {
-    const double to =
-        (turn_.entry(i, 0) * direction.x + turn_.entry(i, 1) * direction.y) + turn_.entry(i, 2) * direction.z;
-    out.along[i] = static_cast<float>(to);
+    out.along[i] = static_cast<float>(to[static_cast<int>(i)]);
     out.size[i] = std::fabs(out.along[i]);
-    turned += std::fabs(to);
   }
   const double larger_by = set_.has_one_radius() ? units * set_.radius(0) * larger(turned - 1, 0) : 0;
-  out.shift = static_cast<float>(way);
+  out.shift = static_cast<float>(units * way);
   out.extent = static_cast<float>(units * (half + margin_ + room_) * kPartRoundedUp) * (1 + kPartFloats) +
-               static_cast<float>(1 + 2 * turned + std::fabs(way)) * kPartFloats -
+               static_cast<float>(1 + 2 * turned + units * std::fabs(way)) * kPartFloats -
                static_cast<float>(larger_by) * (1 - kPartFloats);
   return out;
 }
 
 // Whatever the direction: the body ends where its own extreme vertex does.
-void PartWalk::leave_out_beyond(Vec3 way, PairCounters& counters) {
-  const Vec3 direction = unit(way);
+void PartWalk::keep_direction() {
+  PairCounters& counters = *std::exchange(counters_, nullptr);
+  const Vec3 direction = unit(way_);
   if (!(dot(direction, direction) > 0)) return;  // of no length, or not finite
   ++counters.guest_queries;
   const std::int32_t last = extreme(body_->inner, direction, counters.queries);
-  beyond_[oldest_] = along(direction, dot(direction, body_->inner.points[at(last)]), 0);
+  const auto entry = [&](std::size_t i) {
+    return dot({turn_.entry(i, 0), turn_.entry(i, 1), turn_.entry(i, 2)}, direction);
+  };
+  const Vec3 past_body = turn_.to_body(set_.middle()) - body_->inner.points[at(last)];
+  beyond_[oldest_] = along({entry(0), entry(1), entry(2)}, dot(direction, past_body), 0);
   oldest_ = (oldest_ + 1) % kMostBeyond;
   beyond_count_ = std::min(beyond_count_ + 1, kMostBeyond);
 }

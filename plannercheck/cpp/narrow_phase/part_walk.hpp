@@ -70,7 +70,7 @@ class PartWalk {
 
   // Calls visit(leaf, bits of parts that may be near), the deepest leaves first, until it returns true; whether it did.
   template <class Visit>
-  bool any_leaf(Visit visit) const {
+  bool any_leaf(Visit visit) {
     std::array<Waiting, kMostWaiting> waiting;  // not initialised
     std::size_t count = 0;
     Waiting next{static_cast<std::int32_t>(set_.levels().size()), 0};
@@ -79,6 +79,7 @@ class PartWalk {
         const unsigned bits = near_in_leaf(next.index);
         if (bits != 0 && visit(next.index, bits)) return true;
       } else {
+        if (counters_ != nullptr) keep_direction();
         const NearParts found = near_children(set_.levels()[at(next.level - 1)][next.index]);
         const std::int32_t below = next.level - 1;
         const std::size_t first = next.index * kChildren;
@@ -98,8 +99,9 @@ class PartWalk {
     }
   }
 
-  // Leaves out from now on what is beyond the body along a direction of its frame, in place of the oldest such one.
-  void leave_out_beyond(Vec3 way, PairCounters& counters);
+  // Leaves out, from the next node on, what is beyond the body along a direction of its frame, in place of the oldest
+  // such one.
+  void leave_out_beyond(Vec3 way, PairCounters& counters) { way_ = way, counters_ = &counters; }
 
   NearParts near(const PartNode& node) const;
   // The same children; gaps count only where there are any.
@@ -138,9 +140,12 @@ class PartWalk {
   std::array<Along, 3> axes_;              // of the body's box
   std::array<Along, kMostBeyond> beyond_;  // of these the body's extent ends at its middle, and begins nowhere
   std::size_t beyond_count_ = 0, oldest_ = 0;
+  Vec3 way_;                          // the next direction
+  PairCounters* counters_ = nullptr;  // if there is one
 
   void frame_tree();
-  Along along(Vec3 direction, double middle, double half) const;
+  void keep_direction();
+  Along along(Vec3 to, double way, double half) const;
   Floats own_gaps(const PartNode& node) const;
   NearParts with_directions(const PartNode& node, Floats own) const;
   std::span<const InnerBall> inner_balls() const;
