@@ -1,9 +1,9 @@
 // The layer that bodies of very many parts are drawn into: colours, numbers and depths of their own, over which each
 // picture draws all else. Where this takes long, e.g. without a graphics card, it is drawn in slices of some ms, one a
-// frame, so that whatever moves the view ends it at once. While the view moves, a frame has one slice, of fewer and larger
-// pixels, which holds as much as fits. Portions keep their order, so that slices give pixel for pixel what one draw gives.
+// frame, so that whatever moves the view ends it at once. While the view moves, a frame has one slice, which holds as much
+// as fits, and the picture fewer and larger pixels. Portions keep their order, so that slices give pixel for pixel what one draw gives.
 const SLICE = 40, MOVING_SLICE = 25, BETWEEN = 250;  // ms of a slice; ms between pictures that show how far it is
-const COARSE = 2, FEWEST = 8192;  // the canvas's pixels, each way, for one of the layer that moves; parts of a slice
+const COARSE = 2, FEWEST = 8192;  // how much larger, each way, pixels are while the view moves; parts of a slice
 const layer = { into: gl.createFramebuffer(), width: 0, height: 0, key: "", chosen: [], next: 0, count: 0, spent: 0, slices: 0 };
 const atOnce = wishes.get("bare") || wishes.get("still");  // a picture that may be taken before the next frame
 // Parts in a first slice, fine and coarse, as the last ones had time for; ms that all took, fine.
@@ -25,11 +25,10 @@ function resizeLayer(width, height) {
   gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.TEXTURE_2D, layer.depths, 0);
   Object.assign(layer, { width, height });
 }
+const isCoarse = () => moving && pace.whole > MOVING_SLICE && parts.some((each) => shown(each.layer));
 function beginLayer() {  // anew, if anything that shows has changed
-  const coarse = moving && pace.whole > MOVING_SLICE ? 1 : 0, step = coarse ? COARSE : 1;
-  const width = Math.ceil(canvas.width / step), height = Math.ceil(canvas.height / step);
-  const there = parts.filter((each) => shown(each.layer));
-  const key = JSON.stringify([width, height, colourBy, [...seen()], there.map((each) => [each.index, ...poseOf(each)])]);
+  const coarse = isCoarse() ? 1 : 0, { width, height } = canvas, there = parts.filter((each) => shown(each.layer));
+  const key = JSON.stringify([coarse, width, height, colourBy, [...seen()], there.map((each) => [each.index, ...poseOf(each)])]);
   if (key === layer.key) return false;
   if (width !== layer.width || height !== layer.height) resizeLayer(width, height);
   gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]);
@@ -55,10 +54,8 @@ const unfinished = () => layer.next < layer.chosen.length && !(layer.coarse && l
 function drawLayer(whole) {  // a slice more, or all the rest; whether it began anew
   gl.bindFramebuffer(gl.FRAMEBUFFER, layer.into);
   const anew = beginLayer();
-  gl.viewport(0, 0, layer.width, layer.height);
   if (unfinished()) drawSlice(whole);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  gl.viewport(0, 0, canvas.width, canvas.height);
   if (unfinished()) drawSoon();
   return anew;
 }
@@ -85,15 +82,15 @@ function drawMoving() {  // the whole of it when the view has come to rest, ms
 
 const layerProgram = linked(`
   void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }`, `
-  uniform highp usampler2D colours; uniform highp sampler2D depths; uniform float scale; uniform bool numbers; out vec4 shown;
+  uniform highp usampler2D colours; uniform highp sampler2D depths; uniform bool numbers; out vec4 shown;
   void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy * scale);
+    ivec2 at = ivec2(gl_FragCoord.xy);
     uvec4 found = texelFetch(colours, at, 0);
     if (found.a == 0u) discard;
     gl_FragDepth = texelFetch(depths, at, 0).r;
     shown = vec4(vec3(numbers ? uvec3(found.a, found.a >> 8, 0) & 255u : found.rgb) / 255.0, 1.0);
   }`);
-const layerAt = places(layerProgram, ["colours", "depths", "scale", "numbers"]), nothing = gl.createVertexArray();
+const layerAt = places(layerProgram, ["colours", "depths", "numbers"]), nothing = gl.createVertexArray();
 function showLayer(numbers) {  // its colours; or, for a click, the numbers of its bodies
   if (!layer.chosen.length) return;
   gl.useProgram(layerProgram);
@@ -103,7 +100,6 @@ function showLayer(numbers) {  // its colours; or, for a click, the numbers of i
   gl.bindTexture(gl.TEXTURE_2D, layer.colours);
   gl.uniform1i(layerAt.colours, 0);
   gl.uniform1i(layerAt.depths, 1);
-  gl.uniform1f(layerAt.scale, layer.width / canvas.width);
   gl.uniform1i(layerAt.numbers, numbers ? 1 : 0);
   gl.bindVertexArray(nothing);
   gl.drawArrays(gl.TRIANGLES, 0, 3);

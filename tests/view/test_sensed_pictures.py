@@ -246,16 +246,17 @@ def test_a_drag_ends_the_slices_and_rest_goes_on_with_them(seen, tmp_path):
         waiting = false;
         {_SLOW}
         go();
-        const before = {{ key: layer.key, next: layer.next, asked: frames.length }};
+        const width = canvas.width, before = {{ key: layer.key, next: layer.next, asked: frames.length }};
         dragged("pointerdown", 100); dragged("pointermove", 160); dragged("pointermove", 190);
         found.asked = [before.asked, frames.length];
         frame_();
         Object.assign(found, {{ before: before.next, other: layer.key !== before.key, moving: layer.next }});
-        Object.assign(found, {{ coarse: layer.width < canvas.width, quiet: frames.length === 0, portions: pieces.length }});
+        Object.assign(found, {{ coarse: layer.width < width, quiet: frames.length === 0 }});
+        found.portions = pieces.length;
         moving = false;
         drawSoon();
         for (let k = 0; frames.length && k < 1000; k++) frame_();
-        found.drawn = [layer.next, layer.chosen.length, layer.width - canvas.width];
+        found.drawn = [layer.next, layer.chosen.length, layer.width - width];
         const rested = copied();
         layer.key = "";
         draw(true);
@@ -280,7 +281,8 @@ def test_a_click_names_bodies_without_drawing_their_parts_again(seen, tmp_path):
         draw(true);
         const before = copied();
         drawPieces = () => { found.again = true; };
-        found.names = [...new Set(Array.from({ length: 1200 }, (_, k) => nameAt(10 * (k % 40) + 3, 10 * Math.floor(k / 40) + 5)))];
+        const named = (_, k) => nameAt(10 * (k % 40) + 3, 10 * Math.floor(k / 40) + 5);
+        found.names = [...new Set(Array.from({ length: 1200 }, named))];
         found.kept = same(before, copied());""",
     )
     assert {"camera", "map", ""} <= set(found["names"])
