@@ -24,7 +24,7 @@ import yaml
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 LISTS = CHECKOUT / "tests" / "mutants"
-SUFFIXES = {".py", ".js", ".cpp", ".hpp"}
+SUFFIXES = {".py", ".cpp", ".hpp"}
 SOURCE_TESTS = {"tests/error_bounds/test_gappa_proofs.py", "tests/error_bounds/test_rounding_budgets.py"}
 _FIELDS = {"name", "file", "old", "new", "tests", "equivalent"}
 
@@ -58,7 +58,7 @@ class Mutant:
     @property
     def is_compiled(self) -> bool:
         """Whether the core has to be built again: not for tests that read the sources alone."""
-        return not self.file.endswith((".py", ".js")) and not self._files_of_tests() <= SOURCE_TESTS
+        return not self.file.endswith(".py") and not self._files_of_tests() <= SOURCE_TESTS
 
     def applied(self, text: str) -> str:
         """A source's text with the fault."""
