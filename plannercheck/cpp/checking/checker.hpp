@@ -39,7 +39,7 @@ struct CheckerOptions {
   bool boxes = true;
   bool overlaps = true;    // of balls inside bodies with boxes inside others, where any collision decides
   bool learning = true;    // tests the pair that collided most often first, where any collision decides
-  bool part_trees = true;  // of sets of parts; boxes around several bodies
+  bool part_trees = true;  // of sets of parts; boxes around several bodies; looks at heights under them
 };
 
 // What a state's verdict depends on: whether any pair shares a point, or which ones.
@@ -110,6 +110,7 @@ class CheckerCore {
   bool collides(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool group_is_far(std::size_t group, std::size_t state, Workspace& workspace) const;
   bool is_clear_of_parts(std::size_t pair, std::size_t state, const Workspace& workspace) const;
+  Answer look_under(std::size_t pair, std::size_t state, const Workspace& workspace) const;
   bool parts_share(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool half_space_shared(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool is_free(std::size_t state, Workspace& workspace) const;
