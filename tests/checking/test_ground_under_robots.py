@@ -133,11 +133,33 @@ def test_most_bodies_over_the_ground_are_looked_up(tmp_path) -> None:
     assert plain.statistics()["bounds"] == 0
 
 
-def test_a_shallow_and_a_deep_foot_are_seen_under_the_surface(tmp_path) -> None:
-    """The lowest vertex under the heights decides without a tree."""
+def test_a_foot_under_the_surface_needs_no_tree(tmp_path) -> None:
+    """The lowest vertex under the heights decides."""
     shape = pc.HeightField(smooth((200, 200), 0.05), 0.05, 0.0)
     checker = pc.Checker(walker(str(tmp_path)), scene_of(shape, np.eye(4)), self_collision=False)
-    q = around(shape, np.eye(4), 100, np.random.default_rng(4))
-    q[:, :2], q[:, 2] = np.clip(q[:, :2], 0.5, 9.0), 0.17
+    rng = np.random.default_rng(4)
+    q = np.zeros((100, 8))
+    q[:, :2], q[:, 2], q[:, 5:7] = rng.uniform(0.5, 9.0, size=(100, 2)), 0.26, np.sqrt(0.5)
     assert not checker.check_states(q).any()
     assert checker.statistics()["solver"] == 0
+
+
+def test_lengths_of_quaternions_are_looked_at_in_the_core_and_beyond_it(tmp_path) -> None:
+    """Nearly of length 1, all are judged, one by one and in sets; else refused alike."""
+    rng = np.random.default_rng(5)
+    shape = FIELDS["rough"](rng)
+    checker = pc.Checker(walker(str(tmp_path)), scene_of(shape, np.eye(4)))
+    q = around(shape, np.eye(4), 200, rng)
+    expected = checker.check_states(np.asfortranarray(q))  # not read in place
+    for factor in (1.0, 1 + 0.9e-7, 1 + 1.9e-7, 1 - 1.9e-7):
+        scaled = q.copy()
+        scaled[:, 3:7] *= factor
+        assert (checker.check_states(scaled) != expected).mean() < 0.02
+        assert [checker.is_valid(row) for row in scaled] == checker.check_states(scaled).tolist()
+        assert [checker.is_valid(row.tolist()) for row in scaled] == checker.check_states(scaled).tolist()
+    for factor in (1 + 3e-7, 1 - 3e-7, 0.0, 2.0, np.nan):
+        scaled = q.copy()
+        scaled[7, 3:7] *= factor
+        for call in (lambda: checker.check_states(scaled), lambda: checker.is_valid(scaled[7])):  # noqa: B023
+            with pytest.raises(pc.PlannercheckError, match="length 1|finite"):
+                call()

@@ -26,6 +26,12 @@ struct Window {
   double count = 0;
 };
 
+// A ball in the field's frame, with room for all that errs.
+struct Reach {
+  Vec3 centre;
+  double length;
+};
+
 class Look {
  public:
   Look(const PosedPolytope& body, const PosedPolytope& field)
@@ -39,16 +45,23 @@ class Look {
                norm_1(lattice_.corner) * kLatticeError + kDenormalError) {}
 
   Answer run() {
+    std::array<Reach, kMostCoveringBalls> open;  // not under their ceilings' cells
+    std::size_t count = 0;
+    for (const SmallBall& ball : body_.body->covering_balls()) {
+      const Reach own{in_field(ball.centre), (ball.radius + inflated_) * (1 + kLookError) + error_};
+      if (!std::isfinite(norm_1(own.centre) + own.length)) return Answer::kUndecided;
+      if (!(own.centre.z - own.length > ceiling(own))) open[count++] = own;
+    }
+    for (std::size_t k = 0; k < count; ++k) fetch(window(open[k]));
+    if (count == 0) return Answer::kSeparated;
     const Vec3 down = -body_.pose.rotate_back(field_.pose.rotate({0, 0, 1}));
     QueryCounters counters;
     const std::int32_t vertex = extreme(body_.body->inner, down, counters);
     const Vec3 lowest = in_field(body_.body->inner.points[at(vertex)]);
-    if (!std::isfinite(norm_1(lowest) + error_)) return Answer::kUndecided;
-    if (is_under_surface(lowest)) return Answer::kShared;
+    if (is_under_surface(lowest - Vec3{0, 0, inflated_ * (1 - kLookError)})) return Answer::kShared;
     const double bottom = lowest.z - inflated_ * (1 + kLookError) - error_;
-    for (const SmallBall& ball : body_.body->covering_balls()) {
-      if (!is_over_all(in_field(ball.centre), (ball.radius + inflated_) * (1 + kLookError) + error_, bottom))
-        return Answer::kUndecided;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!is_over_all(open[k], bottom)) return Answer::kUndecided;
     }
     return Answer::kSeparated;
   }
@@ -60,15 +73,40 @@ class Look {
 
   Vec3 in_field(Vec3 p) const { return field_.pose.rotate_back(body_.pose.apply(p) - field_.pose.translation()); }
 
-  // Of all squares that are nearer to a place than `reach`, along x and along y.
-  Window window(Vec3 p, double reach) const {
+  // How high any prism is that is less than `length` from the centre along x and along y, by the finest cells that are
+  // as wide (height_ceilings.hpp).
+  double ceiling(const Reach& reach) const {
+    const HeightCeilings& all = field_.body->parts->ceilings();
+    auto level = all.levels().begin();
+    while (level + 1 != all.levels().end() && !(smaller(level->width[0], level->width[1]) > reach.length)) ++level;
+    std::array<std::int32_t, 2> cell;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const int axis = static_cast<int>(i);
+      const double place = (reach.centre[axis] - lattice_.corner[axis]) / level->width[i];
+      cell[i] = static_cast<std::int32_t>(smaller(larger(place, 0), level->cells[i] - 1));
+    }
+    const std::int32_t place = level->first + HeightCeilings::place(cell[0], cell[1], level->tiles);
+    return lattice_.corner.z + all.unit() * all.values()[place];
+  }
+
+  // All rows are asked for before the first one is waited for.
+  void fetch(const Window& window) const {
+    if (window.count > kMostHeights) return;
+    for (std::size_t i = window.from[0]; i < window.past[0]; ++i) {
+      const double* const row = lattice_.heights + i * lattice_.size[1];
+      __builtin_prefetch(row + window.from[1]), __builtin_prefetch(row + window.past[1] - 1);
+    }
+  }
+
+  // Of all squares that are nearer to the centre than `length`, along x and along y.
+  Window window(const Reach& reach) const {
     Window out;
     out.is_inside = true, out.count = 1;
     for (std::size_t i = 0; i < 2; ++i) {
       const int axis = static_cast<int>(i);
-      const double along = p[axis] - lattice_.corner[axis], last = static_cast<double>(lattice_.size[i] - 1);
-      const double from = std::floor((along - reach) / lattice_.step[i]);
-      const double to = std::floor((along + reach) / lattice_.step[i]) + 1;
+      const double along = reach.centre[axis] - lattice_.corner[axis], last = static_cast<double>(lattice_.size[i] - 1);
+      const double from = std::floor((along - reach.length) / lattice_.step[i]);
+      const double to = std::floor((along + reach.length) / lattice_.step[i]) + 1;
       out.is_inside &= from >= 0 && to <= last;
       if (!(to >= 0 && from <= last)) return {};
       out.from[i] = static_cast<std::size_t>(larger(from, 0));
@@ -91,17 +129,16 @@ class Look {
 
   // Below all heights around it, none of which is missing, and above the base: in a prism, wherever it is exactly.
   bool is_under_surface(Vec3 p) const {
-    const Window near = window(p, error_);
+    const Window near = window({p, error_});
     return near.is_inside && near.count <= kMostHeights && p.z - error_ > lattice_.corner.z &&
            all(near, [&](double height) { return height > p.z + error_; });
   }
 
   // Whether a ball, of whose points none counts that is below `bottom`, is over all heights around it. A comparison
   // with one that is missing is false.
-  bool is_over_all(Vec3 centre, double reach, double bottom) const {
-    if (!std::isfinite(norm_1(centre) + reach)) return false;
-    const double least = larger(centre.z - reach, bottom);
-    const Window near = window(centre, reach);
+  bool is_over_all(const Reach& ball, double bottom) const {
+    const double least = larger(ball.centre.z - ball.length, bottom);
+    const Window near = window(ball);
     if (near.count == 0) return true;
     return near.count <= kMostHeights && least > lattice_.corner.z &&
            all(near, [&](double height) { return !(height >= least); });
