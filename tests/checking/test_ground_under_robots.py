@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,9 +22,8 @@ URDF = """<robot name="walker">
 
 @cache
 def walker(folder: str) -> pc.Robot:
-    path = f"{folder}/walker.urdf"
-    with open(path, "w") as file:
-        file.write(URDF)
+    path = Path(folder) / "walker.urdf"
+    path.write_text(URDF)
     return pc.Robot.from_urdf(path, floating=True)
 
 
@@ -135,7 +135,7 @@ def test_most_bodies_over_the_ground_are_looked_up(tmp_path) -> None:
 
 def test_a_foot_under_the_surface_needs_no_tree(tmp_path) -> None:
     """The lowest vertex under the heights decides."""
-    shape = pc.HeightField(smooth((200, 200), 0.05), 0.05, 0.0)
+    shape = pc.HeightField(smooth((200, 200), 0.05), 0.05, -1.0)
     checker = pc.Checker(walker(str(tmp_path)), scene_of(shape, np.eye(4)), self_collision=False)
     rng = np.random.default_rng(4)
     q = np.zeros((100, 8))
@@ -161,5 +161,5 @@ def test_lengths_of_quaternions_are_looked_at_in_the_core_and_beyond_it(tmp_path
         scaled = q.copy()
         scaled[7, 3:7] *= factor
         for call in (lambda: checker.check_states(scaled), lambda: checker.is_valid(scaled[7])):  # noqa: B023
-            with pytest.raises(pc.PlannercheckError, match="length 1|finite"):
+            with pytest.raises(pc.PlannercheckError, match=r"length 1|finite"):
                 call()
