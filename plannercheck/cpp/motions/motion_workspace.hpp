@@ -16,7 +16,7 @@
 namespace plannercheck {
 
 // So many motions at once have states judged: whole blocks of them, also of what a first look leaves.
-inline constexpr std::size_t kMotionsAtOnce = 64;
+inline constexpr std::size_t kMotionsAtOnce = 128;
 
 // How many states of one kind were judged lately, and how many of them collided.
 struct StateTally {
