@@ -238,9 +238,20 @@ class AdaptiveSubdivision {
   bool touches_where_deepest(const Open& found) {
     if (!(found.depth < 0)) return false;
     PairState s = state_of(found);
-    if (!self().touches(s, found.state)) return false;
-    refuse_at(w_.grid.parameter(found.state), found.pair);
+    const std::size_t inner = inner_state(found.state);
+    return touches_at(s, inner) || (inner != found.state && touches_at(s, found.state));
+  }
+
+  bool touches_at(PairState& s, std::size_t state) {
+    if (!self().touches(s, state)) return false;
+    refuse_at(w_.grid.parameter(state), s.index);
     return true;
+  }
+
+  // Planners ask for motions between states that are free, so the state next to an end is likelier to collide.
+  std::size_t inner_state(std::size_t state) const {
+    const std::size_t last = w_.grid.intervals() - 1;
+    return last == 0 ? state : std::clamp<std::size_t>(state, 1, last);
   }
 
   // Settles the intervals of a pair or leaves them as failures; false if the pair is within the tolerance.

@@ -28,12 +28,12 @@ constexpr std::size_t kFewestLooks = 3;
 // the likeliest one at least one motion in kFirstWorth does, all are looked at there; then those that are left at
 // another one, by kSecondWorth: a motion that collides saves so many times what a look costs (measured). A tally begins
 // with one collision in eight, and is halved when it is full, so that it follows what is asked.
-constexpr std::size_t kTried = 8, kBetweenTrials = 512, kFirstWorth = 16, kSecondWorth = 12, kRemembered = 256;
+constexpr std::size_t kTried = 8, kBetweenTrials = 512, kFirstWorth = 16, kSecondWorth = 12, kRemembered = 64;
 
 void add(StateTally& tally, const std::uint8_t* is_free, std::size_t n) {
   const auto free = static_cast<std::size_t>(std::count(is_free, is_free + n, std::uint8_t{1}));
   tally.judged += n, tally.collided += n - free;
-  if (tally.judged > kRemembered) tally.judged /= 2, tally.collided /= 2;
+  while (tally.judged > kRemembered) tally.judged /= 2, tally.collided /= 2;
 }
 
 bool is_likelier(const StateTally& a, const StateTally& b) { return a.collided * b.judged > b.collided * a.judged; }
