@@ -31,6 +31,7 @@ from plannercheck.bodies.triangle_meshes import triangles_of_coal
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, shortened
+from plannercheck.common.transforms import is_identity
 
 # A trimesh.Trimesh, or a geometry or collision object of coal or python-fcl.
 GeometryObject: TypeAlias = Any
@@ -79,7 +80,7 @@ def points_of_geometry(value: GivenShape, what: str) -> tuple[Floats, float]:
         PlannercheckError: If it is no body, or one with a pose of its own.
     """
     shape, pose = given_shape(value, what)
-    if pose is not None and not np.array_equal(pose, np.eye(4)):
+    if pose is not None and not is_identity(pose):
         raise PlannercheckError(f"{what} has a pose of its own, and a Polytope has none: give its geometry")
     points, _, inflation_radius = inflated_hull(shape)
     return points, inflation_radius
@@ -87,17 +88,10 @@ def points_of_geometry(value: GivenShape, what: str) -> tuple[Floats, float]:
 
 def in_frame(frame: Floats, pose: ArrayLike | None, what: str) -> Floats:
     """The product of two poses; of an identity with a pose, exactly that pose."""
-    if pose is None or _is_identity(frame):
+    if pose is None or is_identity(frame):
         return frame if pose is None else checked_pose(pose, what)
     local = checked_pose(pose, what)
-    return frame if _is_identity(local) else checked_pose(frame @ local, what)
-
-
-_IDENTITY = np.eye(4).tolist()
-
-
-def _is_identity(pose: Floats) -> bool:
-    return bool(pose.tolist() == _IDENTITY)
+    return frame if is_identity(local) else checked_pose(frame @ local, what)
 
 
 def _library(value: object) -> str | None:

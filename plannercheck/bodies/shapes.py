@@ -14,6 +14,7 @@ which is a body like any other.
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -39,6 +40,7 @@ from plannercheck.common.array_types import Faces
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
+from plannercheck.common.transforms import identity
 
 Points: TypeAlias = NDArray[np.float64]
 
@@ -70,8 +72,9 @@ class Box:
         size = numbers(self.size, "box size")
         if len(size) != 3:
             raise PlannercheckError(f"box size needs 3 edge lengths in m, not {len(size)}: {list(size)}")
-        edges = (length(s, f"box size {c}") for s, c in zip(size, "xyz", strict=True))
-        object.__setattr__(self, "size", tuple(edges))
+        if not (0 < size[0] < math.inf and 0 < size[1] < math.inf and 0 < size[2] < math.inf):  # few; texts take time
+            size = tuple(length(s, f"box size {c}") for s, c in zip(size, "xyz", strict=True))
+        object.__setattr__(self, "size", size)
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """The eight corners (8, 3) in m and six quadrilaterals, exact whatever the excess."""
@@ -277,7 +280,7 @@ def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOL
         A read-only float64 copy (4, 4).
     """
     if pose is None:
-        return _frozen(np.eye(4))
+        return _frozen(identity())
     if core.is_surely_rigid(pose, tolerance):  # most of all; what follows takes 10 µs
         return _frozen(np.array(pose, dtype=np.float64))
     return _frozen(_checked_matrix(pose, what, tolerance))

@@ -18,7 +18,7 @@ _HASH_LETTERS = 16
 
 
 def shipped_pieces(mesh: TriangleMesh) -> Pieces | None:
-    """The pieces of a mesh with the default options of a `Decomposition`; None if none are shipped."""
+    """The pieces of a mesh that the default options of a `Decomposition` stand for; None if none are shipped."""
     key = mesh_hash(mesh)
     file = _files().get(key.hex()[:_HASH_LETTERS])
     return None if file is None else unpacked(file.read_bytes(), key)

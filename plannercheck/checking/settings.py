@@ -31,8 +31,8 @@ class CheckerSwitches:
         learning: The pair that collided most often is tested first, where any collision decides.
         reach: Pairs that can't meet within the limits are left out there.
         static_poses: Links that no joint of the group moves are posed once, as obstacles are.
-        part_trees: Trees of boxes, many parts at once, and boxes around several bodies settle sets of parts. Off, each
-            part is tested by itself, as a body of its own.
+        part_trees: Trees of boxes, many parts at once or along one direction, and boxes around several bodies settle
+            sets of parts. Off, each part is tested by itself, as a body of its own.
         middle_states: The middle states of several motions are judged first, together; then the ends, where these often
             collide.
     """

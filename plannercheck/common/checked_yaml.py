@@ -47,6 +47,8 @@ BROKEN_FILE = (
     lzma.LZMAError,
 )
 
+_TEXT = frozenset({str})
+_PLAIN_NUMBERS = frozenset({float, int})
 
 # What PyYAML calls a text that it was handed; whoever read it from a file names the file.
 _NAMELESS = re.compile('in "<(?:byte|unicode) string>", ')
@@ -100,7 +102,7 @@ def mapping(value: Any, what: str) -> Node:
         return {}
     if not isinstance(value, dict):
         raise PlannercheckError(f"{what} must be a mapping of keys to values, not {_shortened(value)}")
-    return {str(k): v for k, v in value.items()}
+    return value if _TEXT.issuperset(map(type, value)) else {str(k): v for k, v in value.items()}
 
 
 def sequence(value: Any, what: str) -> list[Any]:
@@ -148,10 +150,23 @@ def number(value: Any, key: str) -> float:
 
 def numbers(value: Any, key: str, count: int | None = None) -> list[float]:
     """A list of finite numbers, of the given length if one is given."""
-    items = [number(v, key) for v in sequence(value, repr(key))]
+    items = _plain_numbers(value)
+    if items is None:
+        items = [number(v, key) for v in sequence(value, repr(key))]
     if count is not None and len(items) != count:
         raise PlannercheckError(f"{key!r} needs {count} numbers, not {len(items)}: {_shortened(value)}")
     return items
+
+
+def _plain_numbers(value: Any) -> list[float] | None:
+    """What most lists of numbers are, in a third of the time that a look at each takes; None for any other value."""
+    if type(value) is not list or not _PLAIN_NUMBERS.issuperset(map(type, value)):
+        return None
+    try:
+        items = [*map(float, value)]
+    except OverflowError:
+        return None
+    return items if all(map(math.isfinite, items)) else None
 
 
 def _shortened(value: Any) -> str:

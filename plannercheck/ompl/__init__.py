@@ -40,5 +40,7 @@ _HOMES = {"plan_constrained": "constrained", "space_of": "prepared_spaces"}
 
 def __getattr__(name: str) -> Any:
     if name in __all__:
-        return getattr(importlib.import_module(f"plannercheck.ompl.{_HOMES.get(name, 'planning')}"), name)
+        found = getattr(importlib.import_module(f"plannercheck.ompl.{_HOMES.get(name, 'planning')}"), name)
+        globals()[name] = found  # asked once for each name
+        return found
     raise AttributeError(f"module 'plannercheck.ompl' has no attribute {name!r}")

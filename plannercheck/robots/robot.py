@@ -64,14 +64,14 @@ class Robot(PosedRobot):
     """
 
     def __init__(self, parts: RobotParts) -> None:
-        model = parts.model
-        values = all_values(model, parts.values, parts.mimics)
         self._parts = parts
-        self.name, self.model, self.group = parts.name, model, parts.group
+        self.name, self.model, self.group = parts.name, parts.model, parts.group
         self.disabled_pairs, self.pieces, self.open_links = parts.disabled_pairs, parts.pieces, parts.open_links
-        given = tuple((name, value.tobytes()) for name, value in values.items())
+        values = parts.memory.recall(
+            ("values", _as_key(parts.values)), lambda: all_values(parts.model, parts.values, parts.mimics)
+        )
         self._map, self.reference, self._forward = parts.memory.recall(
-            ("posed", parts.joints, given), partial(posed, parts, values)
+            ("posed", parts.joints, _as_key(values)), partial(posed, parts, values)
         )
         self._carry(parts.carried)
 
@@ -277,8 +277,11 @@ class Robot(PosedRobot):
 
     def _carry(self, objects: tuple[SceneObject, ...]) -> None:
         own, pairs = self._parts.bodies, self._parts.pairs
-        check_objects(objects, self.link_names, own)
         self.carried = objects
+        if not objects:
+            self.bodies, self.self_pairs = own, read_only(pairs.copy())
+            return
+        check_objects(objects, self.link_names, own)
         self.bodies = (*own, *(body for item in objects for body in item.bodies))
         more = np.array(carried_pairs(objects, own), dtype=np.int64).reshape(-1, 2)
         self.self_pairs = read_only(np.concatenate([pairs, more]))
@@ -295,3 +298,8 @@ class Robot(PosedRobot):
 
     def _changed(self, **changes: Any) -> Robot:
         return Robot(replace(self._parts, **changes))
+
+
+def _as_key(values: Mapping[str, Floats]) -> tuple[tuple[str, bytes], ...]:
+    """Values of joints by name, as a key of `RobotMemory`."""
+    return tuple((name, value.tobytes()) for name, value in values.items())

@@ -59,6 +59,8 @@ class AllowedCollisions:
         if self.pairs:
             rows, columns = _places(first), _places(second)
             for pair, verdict in self.pairs.items():
+                if columns.keys().isdisjoint(pair):  # most are of two links
+                    continue
                 a, b = (*pair, *pair)[:2]
                 for here, there in ((a, b), (b, a)):
                     if here in rows and there in columns:

@@ -24,6 +24,7 @@ from plannercheck.bodies.objects import PoseFrame, SceneFrames, SceneObject, Sta
 from plannercheck.common.arrays import read_only
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, required, sequence
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.transforms import is_identity
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.moveit_messages import frame_name, header_frame, transform
 
@@ -51,9 +52,10 @@ def scene_frames(document: Node) -> SceneFrames:
                 )
             planning = target
             pose = transform(mapping(required(node, "transform"), "'transform'"))
-            if not np.array_equal(fixed.setdefault(name, pose), pose):
+            if name in fixed and not np.array_equal(fixed[name], pose):
                 raise PlannercheckError(f"frame {name!r} has another transform already")
-    if not np.array_equal(fixed.pop(planning, np.eye(4)), np.eye(4)):
+            fixed[name] = pose
+    if planning in fixed and not is_identity(fixed.pop(planning)):
         raise PlannercheckError(f"fixed_frame_transforms: the planning frame {planning!r} must be at the identity")
     return SceneFrames(planning, fixed)
 
@@ -75,7 +77,7 @@ class Frame:
     @property
     def is_world(self) -> bool:
         """Whether it is the planning frame itself."""
-        return self is _WORLD or (self.pose_frame is None and not self.name and np.array_equal(self.pose, np.eye(4)))
+        return self is _WORLD or (self.pose_frame is None and not self.name and is_identity(self.pose))
 
     def holds(self, item: SceneObject) -> SceneObject:
         """The object whose pose is given in this frame, posed in the world or with a pose frame."""
@@ -127,7 +129,7 @@ def _planning_names(frames: SceneFrames) -> set[str]:
     """Names of the planning frame; the empty name is one if it can't mean another frame."""
     names = {frames.planning or _DEFAULT}
     world = frames.fixed.get(_DEFAULT)
-    return names if world is not None and not np.array_equal(world, np.eye(4)) else names | {""}
+    return names if world is not None and not is_identity(world) else names | {""}
 
 
 def _frame_of(item: SceneObject, subframe: Matrix, state: StatedJoints, name: str) -> Frame:

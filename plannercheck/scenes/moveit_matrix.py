@@ -11,6 +11,8 @@ from plannercheck.common.checked_yaml import Node, check_keys, sequence, text
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.scenes.contents import AllowedCollisions
 
+_FLAGS = frozenset({bool})
+
 
 def allowed_collisions(node: Node) -> AllowedCollisions:
     """The allowed collision matrix: an entry for each pair of names, defaults for pairs without one."""
@@ -19,20 +21,27 @@ def allowed_collisions(node: Node) -> AllowedCollisions:
     rows = [_flags(row) for row in sequence(node.get("entry_values"), "'entry_values'")]
     if len(set(names)) != len(names) or [len(r) for r in rows] != [len(names)] * len(names):
         raise PlannercheckError(f"entry_values must be one row and column for each of {len(names)} different names")
-    pairs = [(i, j) for i in range(len(names)) for j in range(i)]
-    for a, b in ((names[i], names[j]) for i, j in pairs if rows[i][j] != rows[j][i]):
-        raise PlannercheckError(f"entry_values of {a!r} with {b!r} and of {b!r} with {a!r} differ")
+    for i, (row, column) in enumerate(zip(rows, zip(*rows, strict=True), strict=True)):
+        if row[:i] != list(column[:i]):
+            a, b = names[i], next(name for name, one, other in zip(names, row, column, strict=True) if one != other)
+            raise PlannercheckError(f"entry_values of {a!r} with {b!r} and of {b!r} with {a!r} differ")
     known = [text(n, "default_entry_names") for n in sequence(node.get("default_entry_names"), "they")]
     defaults = _flags(node.get("default_entry_values"))
     if len(defaults) != len(known):
         raise PlannercheckError(f"{len(known)} default_entry_names, but {len(defaults)} default_entry_values")
-    entries = {frozenset((names[i], names[j])): rows[i][j] for i, j in pairs}
+    entries = {
+        frozenset((name, earlier)): flag
+        for i, name in enumerate(names)
+        for earlier, flag in zip(names[:i], rows[i], strict=False)
+    }
     return AllowedCollisions(entries, dict(zip(known, defaults, strict=True)))
 
 
 def _flags(value: Any) -> list[bool]:
     """A row of booleans, bare or in a message's `enabled` field."""
     row = sequence(value.get("enabled") if isinstance(value, dict) else value, "a row of values")
+    if _FLAGS.issuperset(map(type, row)):
+        return row
     if not all(flag in (True, False) for flag in row):
         raise PlannercheckError(f"values must be true or false, not {row}")
     return [bool(flag) for flag in row]

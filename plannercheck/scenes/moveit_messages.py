@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.transforms import pose_of, rotation_of_quaternion
+from plannercheck.common.transforms import identity, pose_of_quaternion
 
 Matrix = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ def pose(node: Node, position: str = "position", orientation: str = "orientation
     check_keys(node, (position, orientation))
     shift = vector(node.get(position) or [0.0] * 3, position, "xyz")
     turn = vector(node.get(orientation) or _NO_TURN, orientation, "xyzw")
-    return pose_of(shift, rotation_of_quaternion(turn))
+    return pose_of_quaternion(shift, turn)
 
 
 def transform(node: Node) -> Matrix:
@@ -58,8 +58,10 @@ def is_all_zeros(node: Node) -> bool:
 
 def object_pose(node: Node) -> Matrix:
     """An object's own pose; all zeros means an unset pose, hence the identity, as with Eigen in MoveIt."""
+    if not node:
+        return identity()
     with error_context("pose"):
-        return np.eye(4) if not node or is_all_zeros(node) else pose(node)
+        return identity() if is_all_zeros(node) else pose(node)
 
 
 def header_frame(node: Node) -> str:
@@ -80,5 +82,7 @@ def subframe_poses(node: Node) -> dict[str, Matrix]:
     poses = [mapping(item, "a pose") for item in sequence(node.get("subframe_poses"), "'subframe_poses'")]
     if len(names) != len(poses):
         raise PlannercheckError(f"{len(names)} subframe_names, but {len(poses)} subframe_poses: each needs one")
+    if not names:
+        return {}
     with error_context("subframe_poses"):
         return {name: pose(item) for name, item in zip(names, poses, strict=True)}

@@ -17,6 +17,7 @@ from plannercheck.bodies.objects import Part
 from plannercheck.bodies.shapes import Box, Cone, Cylinder, Shape, Sphere
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.transforms import identity, is_identity
 from plannercheck.scenes.moveit_messages import (
     OCTOMAP,
     header_frame,
@@ -32,9 +33,11 @@ from plannercheck.scenes.scene_paths import FindFile
 Matrix = NDArray[np.float64]
 
 # The fields of moveit_msgs/CollisionObject; `type`, an entry of a database, is accepted and not read.
-_OBJECT_KEYS = (
-    *("header", "pose", "id", "type", "primitives", "primitive_poses", "meshes", "mesh_poses"),
-    *("planes", "plane_poses", "subframe_names", "subframe_poses", "operation"),
+_OBJECT_KEYS = dict.fromkeys(
+    (
+        *("header", "pose", "id", "type", "primitives", "primitive_poses", "meshes", "mesh_poses"),
+        *("planes", "plane_poses", "subframe_names", "subframe_poses", "operation"),
+    )
 )
 
 # More vertices than any mesh has; whole numbers up to here are exact doubles.
@@ -56,6 +59,8 @@ _PRIMITIVES: dict[str, tuple[int, int, Callable[[Sequence[float]], Shape]]] = {
     "cylinder": (3, 2, lambda size: Cylinder(size[1], size[0])),
     "cone": (4, 2, lambda size: Cone(size[1], size[0])),
 }
+
+_KINDS = {name: kind for kind, (code, _, _) in _PRIMITIVES.items() for name in (kind, str(code))}
 
 
 @dataclass(frozen=True)
@@ -99,7 +104,7 @@ def read_object(node: Node, find_file: FindFile) -> ObjectMessage:
         posed = [(_primitive(p), q) for p, q in _posed(node, "primitives", "primitive_poses")]
         posed += [(_mesh(m, find_file), q) for m, q in _posed(node, "meshes", "mesh_poses")]
         frame = header_frame(node)
-    if len(posed) == 1 and (not own or (np.array_equal(placed, np.eye(4)) and not is_all_zeros(own))):
+    if len(posed) == 1 and (not own or (is_identity(placed) and not is_all_zeros(own))):
         return ObjectMessage(name, (Part(posed[0][0]),), posed[0][1], frame, subframes)
     return ObjectMessage(name, tuple(Part(shape, q) for shape, q in posed), placed, frame, subframes)
 
@@ -110,8 +115,10 @@ def _posed(node: Node, shapes: str, poses: str) -> list[tuple[Node, Matrix]]:
     given = [mapping(item, f"an entry of {poses!r}") for item in sequence(node.get(poses), repr(poses))]
     if given and len(given) != len(items):
         raise PlannercheckError(f"{len(items)} {shapes}, but {len(given)} {poses}: one pose for each is needed")
+    if not given:
+        return [(item, identity()) for item in items]
     with error_context(poses):
-        matrices = [pose(item) for item in given] or [np.eye(4)] * len(items)
+        matrices = [pose(item) for item in given]
     return list(zip(items, matrices, strict=True))
 
 
@@ -125,9 +132,9 @@ def _primitive(node: Node) -> Shape:
 
 def _primitive_kind(value: Any) -> str:
     """The name of a primitive's type, given as its name or code."""
-    for kind, (code, _, _) in _PRIMITIVES.items():
-        if str(value).lower() in (kind, str(code)):
-            return kind
+    kind = _KINDS.get(str(value).lower())
+    if kind is not None:
+        return kind
     raise unknown_name("primitive type", str(value), [f"{code} ({kind})" for kind, (code, _, _) in _PRIMITIVES.items()])
 
 

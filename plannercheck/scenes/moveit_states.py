@@ -6,11 +6,10 @@ robot's base.
 
 from __future__ import annotations
 
-import numpy as np
-
 from plannercheck.bodies.objects import SceneFrames, StatedJoints
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, sequence, text
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.transforms import is_identity
 from plannercheck.scenes.moveit_messages import header_frame, transform
 
 _STATE_KEYS = ("joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff")
@@ -32,7 +31,7 @@ def check_robot_state(state: Node, what: str, frames: SceneFrames | None = None)
     names = sequence(joints.get("joint_names"), "'joint_names'")
     transforms = sequence(joints.get("transforms"), "'transforms'")
     for k, item in enumerate(transforms):
-        if not np.array_equal(transform(mapping(item, "a transform")), np.eye(4)):
+        if not is_identity(transform(mapping(item, "a transform"))):
             name = names[k] if k < len(names) else k
             raise PlannercheckError(
                 f"the {what}'s virtual joint {name!r} moves the robot: only the identity is supported"
@@ -45,7 +44,7 @@ def check_robot_state(state: Node, what: str, frames: SceneFrames | None = None)
 
 def _check_frame(name: str, frames: SceneFrames) -> None:
     """Raises if transforms are given in a frame other than the planning frame, where identities mean other poses."""
-    at_identity = name in frames.fixed and np.array_equal(frames.fixed[name], np.eye(4))
+    at_identity = name in frames.fixed and is_identity(frames.fixed[name])
     if name and frames.planning not in ("", name) and not at_identity:
         raise PlannercheckError(
             f"multi_dof_joint_state is in frame {name!r}: only the planning frame {frames.planning!r} is supported"

@@ -22,9 +22,27 @@ from plannercheck.robots.description import description_of
 from plannercheck.robots.urdf import read_geometry
 
 FOLDER = Path(__file__).resolve().parent
-# Meshes of too many triangles for CoACD, which makes them anew first: the resolution, and the most pieces, so that
-# states take no longer than with the hull.
-REMESHED = {"torso_0": (30, 14)}
+# Meshes of too many triangles for CoACD, which makes them anew first: the resolution.
+REMESHED = {"torso_0": 30}
+# So that states take no longer than with the hull.
+MOST_PIECES = {"torso_0": 14}
+# Concavity that pieces may have where the usual one fills most of what other links reach.
+THRESHOLDS = {"j2s6s200_link_2_0": 0.03}
+# Bodies that are kept as their hulls: as pieces, 3 to 37 each and most of them of several links, they take away hardly
+# anything of what hulls refuse in random states, for two to six times the time.
+HULLS = {
+    "pr2": (
+        "head_pan_link_0",
+        "head_tilt_link_0",
+        "l_shoulder_lift_link_0",
+        "l_upper_arm_roll_link_0",
+        "l_elbow_flex_link_0",
+        "l_forearm_roll_link_0",
+        "l_gripper_l_finger_link_0",
+        "l_gripper_l_finger_tip_link_0",
+    ),
+    "kinova": ("j2s6s200_link_base_0", "j2s6s200_link_finger_1_0", "j2s6s200_link_finger_tip_1_0"),
+}
 # TIAGo's URDF is under a licence without derived works, so its pieces are not shipped.
 ROBOTS = ("ur3", "ur5", "ur10", "pr2", "kinova", "baxter")
 TABLE = re.compile(r"(<!-- table -->\n).*(<!-- end of table -->\n)", re.DOTALL)
@@ -43,13 +61,20 @@ def main() -> None:
         for body, (_, _, mesh) in concave_meshes(robot).items():
             file = FOLDER / file_name(robot, body, mesh_hash(mesh))
             if options.again or not file.exists():
-                remesh, most_pieces = REMESHED.get(body, (None, None))
-                asked = pc.Decomposition(most_pieces=most_pieces, time_limit=options.time_limit)
-                made = made_pieces(mesh, asked, body, remesh)
+                made = None if body in HULLS.get(robot, ()) else split(mesh, body, options.time_limit)
                 pieces = hull_alone(mesh) if made is None or len(made.points) == 1 else made
                 file.write_bytes(packed(pieces, mesh_hash(mesh)))
                 print(file.name, *row(pieces), flush=True)
     write_table()
+
+
+def split(mesh: TriangleMesh, body: str, time_limit: float) -> Pieces | None:
+    """The pieces of a body's mesh; None if CoACD takes too long."""
+    usual = pc.Decomposition()
+    asked = pc.Decomposition(
+        threshold=THRESHOLDS.get(body, usual.threshold), most_pieces=MOST_PIECES.get(body), time_limit=time_limit
+    )
+    return made_pieces(mesh, asked, body, REMESHED.get(body))
 
 
 def concave_meshes(robot: str) -> dict[str, tuple[str, str, TriangleMesh]]:

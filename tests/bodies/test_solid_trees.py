@@ -69,6 +69,33 @@ def test_boxes_hold_their_triangles(name, scale):
     assert (covered >= 2).all()  # the root's and its own
 
 
+def small_triangles(places, sizes):
+    """A triangle of its size at each place (n, 3)."""
+    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.3], [0.0, 1.0, 0.5]])
+    points = (places[:, None] + sizes[:, None, None] * corners).reshape(-1, 3)
+    return core.Solid(points, np.arange(len(points), dtype=np.int32).reshape(-1, 3))
+
+
+@pytest.mark.parametrize("few", [24, 160], ids=["every place", "bins"])
+def test_groups_that_are_far_apart_have_boxes_of_their_own(few):
+    """Even cuts would have groups of 72 and 480 begin within a child."""
+    rng = np.random.default_rng(7)
+    places = rng.random((4 * few, 3))
+    places[3 * few :, 1] += 100
+    _, boxes, ranges = small_triangles(places, np.full(len(places), 0.01)).boxes()
+    below_root = ranges[:, 1] - ranges[:, 0] < len(places)
+    assert boxes[below_root][:, 12:].max() < 0.1
+
+
+def test_trees_are_not_too_deep():
+    """Triangles ever nearer to the middle, of which cuts by surface take a few off at a time."""
+    shrinking = 0.8 ** np.arange(1000.0) * np.array([[1.0], [-1.0]])
+    shrinking = shrinking.ravel()
+    _, _, ranges = small_triangles(np.outer(shrinking, [1.0, 0.5, 0.2]), 0.1 * shrinking).boxes()
+    around = [((ranges[:, 0] <= k) & (k < ranges[:, 1])).sum() for k in range(len(shrinking))]
+    assert max(around) <= 12  # the root's, a triangle's, and those of ten levels between: TriangleTree::kMostLevels
+
+
 @pytest.mark.parametrize("name", surfaces())
 def test_axes_are_orthonormal_up_to_their_bound(name):
     points, triangles = surfaces()[name]

@@ -63,20 +63,28 @@ struct DirectionCells {
   // The cell of a direction, up to an error of kDirectionError in its place on the face; any cell for 0.
   const Cell& cell(Vec3 u) const { return cells[index(u)]; }
   std::size_t index(Vec3 u) const {
-    const std::array<double, 5> entry{u.x, u.y, u.z, u.x, u.y};
     const double x = std::fabs(u.x), y = std::fabs(u.y), z = std::fabs(u.z);
-    const auto second = static_cast<std::size_t>(y > x), third = static_cast<std::size_t>(z > larger(x, y));
+    const double wide = larger(x, y), length = larger(wide, z);
+    const double along = blended(z, wide, u.z, blended(y, x, u.y, u.x));
+    const double next = blended(z, wide, u.x, blended(y, x, u.z, u.y));
+    const double last = blended(z, wide, u.y, blended(y, x, u.x, u.z));
+    const auto second = static_cast<std::size_t>(y > x), third = static_cast<std::size_t>(z > wide);
     const std::size_t axis = second + third * (2 - second);
-    const std::size_t face = 2 * axis + static_cast<std::size_t>(entry[axis] < 0);
-    const double length = larger(larger(x, y), z);
+    const std::size_t face = 2 * axis + static_cast<std::size_t>(along < 0);
     const auto count = static_cast<std::size_t>(edge);
-    return (face * count + column(entry[axis + 1], length)) * count + column(entry[axis + 2], length);
+    return (face * count + column(next, length)) * count + column(last, length);
   }
 
   // A quotient of two numbers and its sum with 1 err by 2^-53 each.
   static constexpr double kDirectionError = 2 * 0x1p-53;
 
  private:
+  // One of two numbers, the first if a > b: without a branch, which nothing could foretell.
+  static double blended(double a, double b, double first, double second) {
+    typedef double Two __attribute__((vector_size(16)));
+    return (Two{a, a} > Two{b, b} ? Two{first, first} : Two{second, second})[0];
+  }
+
   // The column of an entry between −length and length; NaN counts as −length.
   std::size_t column(double entry, double length) const {
     if (edge == 4) {

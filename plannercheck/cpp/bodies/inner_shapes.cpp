@@ -13,8 +13,9 @@ namespace {
 // A facet's distance from a point is (1 − q·y) / |q|, with y the point less the centre, |y| at most 4 radii. q errs by
 // 4u of its length, the product by 6u |q| |y|; the difference, 1 / |q| <= radius, the quotient and y by a few u each.
 constexpr double kFacetError = 128 * 0x1p-53;
-// With 16 vertices 43 of 100 colliding pairs of pr2's links are told by samples, with 64 of them 48 (measured).
-constexpr std::size_t kSampleBlocks = 6;
+// With 16 vertices 43 of 100 colliding pairs of pr2's links are told by samples, with 64 of them 48: hardly worth their
+// time, which pairs that are apart wait for (measured).
+constexpr std::size_t kSampleBlocks = 3;
 // Lengths of polar points for which squares neither overflow nor lose bits to underflow.
 constexpr double kShortest = 1e-150, kLongest = 1e150;
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "math/spatial_partition.hpp"
+#include "bodies/triangle_order.hpp"
 
 namespace plannercheck {
 namespace {
@@ -20,41 +20,12 @@ struct TriangleRange {
   std::size_t size() const { return last - first; }
 };
 
-// Sorts triangles so that the eighths of a range are neighbours, and so on in each of them.
-class TriangleOrder {
- public:
-  explicit TriangleOrder(const std::vector<Vec3>& centres) : centres_(centres), order_(indices_below(centres.size())) {
-    sort({order_.data(), order_.data() + order_.size()});
-  }
-
-  std::vector<std::int32_t> take() { return std::move(order_); }
-
-  // Triangles that each child of a range's node has; the last one may have fewer.
-  static std::size_t below_child(std::size_t count) {
-    std::size_t capacity = 1;
-    while (capacity * kTreeWidth < count) capacity *= kTreeWidth;
-    return capacity;
-  }
-
- private:
-  const std::vector<Vec3>& centres_;
-  std::vector<std::int32_t> order_;
-
-  void sort(IndexRange range) {
-    const std::size_t capacity = below_child(static_cast<std::size_t>(range.size()));
-    const auto parts = spatial_partition(centres_, range, static_cast<std::ptrdiff_t>(capacity));
-    for (const IndexRange& part : parts) {
-      if (part.size() > 1) sort(part);
-    }
-  }
-};
-
 // Nodes over sorted triangles.
 class NodeBuilder {
  public:
   NodeBuilder(TriangleTree& tree, const std::vector<Vec3>& points, const std::vector<MeshTriangle>& triangles,
-              bool own_axes)
-      : tree_(tree), points_(points), triangles_(triangles), own_axes_(own_axes) {
+              const std::vector<std::size_t>& cuts, bool own_axes)
+      : tree_(tree), points_(points), triangles_(triangles), cut_(cuts.begin()), own_axes_(own_axes) {
     for (std::vector<double>& column : columns_) column.reserve(3 * triangles.size());
     for (const MeshTriangle& t : triangles) {
       for (const std::int32_t corner : t) {
@@ -74,6 +45,7 @@ class NodeBuilder {
   TriangleTree& tree_;
   const std::vector<Vec3>& points_;
   const std::vector<MeshTriangle>& triangles_;
+  std::vector<std::size_t>::const_iterator cut_;  // of the next node that is no leaf, as in TriangleOrder::children
   bool own_axes_;
   std::array<std::vector<double>, 3> columns_;  // of all corners
 
@@ -84,22 +56,26 @@ class NodeBuilder {
 
   // Fills in a node; the moments of its triangles.
   SurfaceMoments add(std::size_t index, TriangleRange range) {
-    const std::size_t capacity = TriangleOrder::below_child(range.size());
     TriangleNode node;
-    node.children = static_cast<std::uint32_t>((range.size() + capacity - 1) / capacity);
-    if (capacity == 1) {
+    const bool is_leaf = range.size() <= kTreeWidth;
+    std::array<std::size_t, kTreeWidth> sizes;
+    if (is_leaf) {
+      sizes.fill(1);
+      node.children = static_cast<std::uint32_t>(range.size());
       node.leaf = add_leaf(range);
       node.first = static_cast<std::int32_t>(range.first);
       put_reach(node, corners(range));
     } else {
+      node.children = static_cast<std::uint32_t>(*cut_++);
+      for (std::size_t k = 0; k < node.children; ++k) sizes[k] = *cut_++;
       node.first = static_cast<std::int32_t>(tree_.nodes.size());
       tree_.nodes.resize(tree_.nodes.size() + node.children);
     }
     SurfaceMoments sum;
+    TriangleRange part{range.first, range.first};
     for (std::size_t k = 0; k < node.children; ++k) {
-      const std::size_t first = range.first + k * capacity;
-      const TriangleRange part{first, std::min(first + capacity, range.last)};
-      const SurfaceMoments moments = capacity == 1 ? of_triangle(first) : add(at(node.first) + k, part);
+      part = {part.last, part.last + sizes[k]};
+      const SurfaceMoments moments = is_leaf ? of_triangle(part.first) : add(at(node.first) + k, part);
       put(node, k, fit(part, moments));
       sum.add(moments);
     }
@@ -153,9 +129,9 @@ class NodeBuilder {
   }
 };
 
-// The middle and units of all corners, and twice the middle of each triangle's own extent.
-std::vector<Vec3> framed(TriangleTree& tree, const std::vector<Vec3>& points,
-                         const std::vector<MeshTriangle>& triangles) {
+// The middle and units of all corners; a box around each triangle in them.
+std::vector<TriangleBounds> framed(TriangleTree& tree, const std::vector<Vec3>& points,
+                                   const std::vector<MeshTriangle>& triangles) {
   const auto least = [](Vec3 a, Vec3 b) { return Vec3{smaller(a.x, b.x), smaller(a.y, b.y), smaller(a.z, b.z)}; };
   const auto most = [](Vec3 a, Vec3 b) { return Vec3{larger(a.x, b.x), larger(a.y, b.y), larger(a.z, b.z)}; };
   Vec3 low = points[at(triangles.front()[0])], high = low;
@@ -165,14 +141,14 @@ std::vector<Vec3> framed(TriangleTree& tree, const std::vector<Vec3>& points,
   tree.middle = 0.5 * low + 0.5 * high;
   const double reach = larger(norm_max(high - tree.middle), norm_max(low - tree.middle));
   if (reach > 0) tree.units = std::ldexp(1.0, std::clamp(-std::ilogb(reach) - 1, -1000, 1000));
-  std::vector<Vec3> centres;
-  centres.reserve(triangles.size());
+  std::vector<TriangleBounds> bounds;
+  bounds.reserve(triangles.size());
   for (const MeshTriangle& t : triangles) {
     const auto corner = [&](std::size_t k) { return tree.units * (points[at(t[k])] - tree.middle); };
     const Vec3 a = corner(0), b = corner(1), c = corner(2);
-    centres.push_back(least(a, least(b, c)) + most(a, most(b, c)));
+    bounds.push_back({least(a, least(b, c)), most(a, most(b, c))});
   }
-  return centres;
+  return bounds;
 }
 
 }  // namespace
@@ -180,11 +156,12 @@ std::vector<Vec3> framed(TriangleTree& tree, const std::vector<Vec3>& points,
 TriangleTree build_triangle_tree(const std::vector<Vec3>& points, std::vector<MeshTriangle>& triangles,
                                  std::vector<std::int32_t>& source, bool own_axes) {
   TriangleTree tree;
-  source = TriangleOrder(framed(tree, points, triangles)).take();
+  TriangleOrder found = order_triangles(framed(tree, points, triangles), TriangleTree::kMostLevels);
+  source = std::move(found.order);
   std::vector<MeshTriangle> sorted(triangles.size());
   for (std::size_t k = 0; k < sorted.size(); ++k) sorted[k] = triangles[at(source[k])];
   triangles = std::move(sorted);
-  NodeBuilder(tree, points, triangles, own_axes).build();
+  NodeBuilder(tree, points, triangles, found.children, own_axes).build();
   return tree;
 }
 

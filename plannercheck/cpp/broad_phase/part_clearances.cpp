@@ -55,4 +55,17 @@ bool PartClearances::is_clear(const Look& look, const std::array<double, 12>& li
   return true;
 }
 
+unsigned PartClearances::clear_lanes(const Look& look, const Lanes* m, double margin) {
+  unsigned clear = (1U << kLanes) - 1;
+  for (const SmallBall& ball : *look.balls) {
+    const Vec3& c = ball.centre;
+    const Lanes x = (m[0] * c.x + m[1] * c.y) + (m[2] * c.z + m[3]);
+    const Lanes y = (m[4] * c.x + m[5] * c.y) + (m[6] * c.z + m[7]);
+    const Lanes z = (m[8] * c.x + m[9] * c.y) + (m[10] * c.z + m[11]);
+    clear &= bits(look.grid->from(x, y, z) > broadcast(ball.radius + margin));
+    if (clear == 0) break;
+  }
+  return clear;
+}
+
 }  // namespace plannercheck

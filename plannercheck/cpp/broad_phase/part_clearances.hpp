@@ -29,6 +29,8 @@ class PartClearances {
 
   // Whether the hull, at its link's pose, is surely further than the margin from all parts, whose radii are counted.
   static bool is_clear(const Look& look, const std::array<double, 12>& link, double margin);
+  // The same at a pose in each lane, a bit each. `link`: the twelve numbers of a pose.
+  static unsigned clear_lanes(const Look& look, const Lanes* link, double margin);
 
  private:
   std::vector<GeometryObject> bodies_;

@@ -101,7 +101,10 @@ std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
   w->links.resize(kBlockGroups * at(links_) * 12);
   w->broad_phase = broad_phase_->new_workspace();
   w->planes.resize(pairs_.size());
-  if (has_solids_) w->histories.resize(pairs_.size(), {{}, true, options_.pair.cached_plane});
+  if (has_solids_) {
+    w->histories.resize(pairs_.size(), {{}, true, options_.pair.cached_plane});
+    w->clear.resize(pairs_.size());
+  }
   w->groups.resize(part_groups_.groups.size());
   w->hits.resize(pairs_.size());
   w->tests.resize(pairs_.size());
@@ -213,6 +216,8 @@ void CheckerCore::load_links(const double* links, std::size_t n, Workspace& w) c
 }
 
 void CheckerCore::find_near(int count, Query query, Workspace& w) const {
+  ++w.block;
+  w.block_groups = (at(count) + kLanes - 1) / kLanes;
   if (options_.bounds) {
     const BroadPhase::Filters filters{options_.overlaps && query == Query::kAnyCollision, options_.boxes};
     if (w.state_links != nullptr) {

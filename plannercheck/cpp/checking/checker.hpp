@@ -109,7 +109,9 @@ class CheckerCore {
   Pose posed(std::size_t body, std::size_t state, const Workspace& workspace) const;
   bool collides(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool group_is_far(std::size_t group, std::size_t state, Workspace& workspace) const;
-  bool is_clear_of_parts(std::size_t pair, std::size_t state, const Workspace& workspace) const;
+  bool is_clear_of_parts(std::size_t pair, std::size_t state, Workspace& workspace) const;
+  double inflation(std::size_t pair) const;  // of both bodies
+  std::uint32_t clear_states(std::size_t pair, const Workspace& workspace) const;
   bool parts_share(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool half_space_shared(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool is_free(std::size_t state, Workspace& workspace) const;

@@ -16,12 +16,32 @@ bool CheckerCore::group_is_far(std::size_t index, std::size_t state, Workspace& 
   return look.is_far;
 }
 
-bool CheckerCore::is_clear_of_parts(std::size_t pair, std::size_t state, const Workspace& w) const {
-  const auto [guest, host] = pairs_[pair];
-  const PartClearances::Look look = clearances_->look(guest, host);
-  if (look.grid == nullptr) return false;
-  const double inflated = bodies_[at(guest)].body->inflation_radius + bodies_[at(host)].body->inflation_radius;
-  return PartClearances::is_clear(look, link_pose(at(look.link), state, w), inflated * kRadiusStretch);
+double CheckerCore::inflation(std::size_t pair) const {
+  return bodies_[at(pairs_[pair][0])].body->inflation_radius + bodies_[at(pairs_[pair][1])].body->inflation_radius;
+}
+
+// The states of a block are looked up together, in lanes: most of them are asked for most of their pairs.
+bool CheckerCore::is_clear_of_parts(std::size_t pair, std::size_t state, Workspace& w) const {
+  if (w.state_links != nullptr) {
+    const double margin = inflation(pair) * kRadiusStretch;
+    const PartClearances::Look look = clearances_->look(pairs_[pair][0], pairs_[pair][1]);
+    return look.grid != nullptr && PartClearances::is_clear(look, link_pose(at(look.link), state, w), margin);
+  }
+  ClearStates& known = w.clear[pair];
+  if (known.block != w.block) known = {w.block, clear_states(pair, w)};
+  return (known.states >> state & 1U) != 0;
+}
+
+std::uint32_t CheckerCore::clear_states(std::size_t pair, const Workspace& w) const {
+  const PartClearances::Look look = clearances_->look(pairs_[pair][0], pairs_[pair][1]);
+  if (look.grid == nullptr) return 0;
+  const double margin = inflation(pair) * kRadiusStretch;
+  std::uint32_t clear = 0;
+  for (std::size_t group = 0; group < w.block_groups; ++group) {
+    const Lanes* const link = &w.links[pose_index(at(links_), group, at(look.link))];
+    clear |= PartClearances::clear_lanes(look, link, margin) << (group * kLanes);
+  }
+  return clear;
 }
 
 // The hull of a set of parts says nothing, so that it is not asked.

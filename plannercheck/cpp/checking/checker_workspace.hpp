@@ -19,6 +19,13 @@ struct GroupLook {
   bool is_far = false;
 };
 
+// The states of a block, a bit each, in which look-ups say that a body is clear of a set; known once one of them has
+// been asked for.
+struct ClearStates {
+  std::uint64_t block = 0;
+  std::uint32_t states = 0;
+};
+
 struct CheckerCore::Workspace {
   CheckerCounters counters;
   std::vector<Lanes> columns, links;         // of a block's groups: configurations and link poses
@@ -31,6 +38,9 @@ struct CheckerCore::Workspace {
   std::vector<SolidHistory> histories;     // per pair of solids
   std::uint64_t judged = 0;                // counts the states that are judged
   std::vector<GroupLook> groups;           // of parts: what the last look at each has shown
+  std::uint64_t block = 0;                 // counts the blocks of states
+  std::size_t block_groups = 0;            // of lanes, in this one
+  std::vector<ClearStates> clear;          // per pair, if there are sets
   std::vector<std::uint32_t> hits, tests;  // per pair: collisions found, pair tests
 };
 

@@ -17,9 +17,8 @@ class CentreAxis {
         host_centre_(host.pose.apply(host.body->centre)),
         between_centres_(guest.pose.apply(guest.body->centre) - host_centre_),
         axis_(between_centres_),
-        rounding_(kRounding * (guest.body->origin_radius + host.body->origin_radius + norm_1(guest.pose.translation()) +
-                               norm_1(host.pose.translation())) +
-                  kTrustedLength),
+        rounding_(rounding(guest.body->origin_radius + host.body->origin_radius, norm_1(guest.pose.translation()),
+                           norm_1(host.pose.translation()))),
         radii_(guest.body->radius + host.body->radius),
         inflation_radius_(guest.body->inflation_radius + host.body->inflation_radius) {}
 
@@ -46,8 +45,19 @@ class CentreAxis {
 
   // Whether the balls around the centres are apart.
   bool separates_balls() const {
-    const double room = (radii_ + inflation_radius_) * (1 + kSlack) + rounding_;
+    const double room = room_of_balls(radii_ + inflation_radius_, rounding_);
     return dot(between_centres_, between_centres_) > room * room;
+  }
+
+  // The same in lanes: balls are apart if their centres are further apart than this. `radii`: all four; `rounding`: of
+  // both bodies' origin radii and both poses' translations.
+  template <class Number>
+  static Number room_of_balls(double radii, Number rounding) {
+    return radii * (1 + kSlack) + rounding;
+  }
+  template <class Number>
+  static Number rounding(double origin_radii, Number guest_translation, Number host_translation) {
+    return kRounding * (origin_radii + guest_translation + host_translation) + kTrustedLength;
   }
 
   // A plane perpendicular to a direction from the host, in the host's frame, that touches the host's ball: q·x <= 1

@@ -1,9 +1,13 @@
 #include "narrow_phase/given_poses.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 
 #include "math/double4.hpp"
+#include "math/interruption.hpp"
+#include "narrow_phase/centre_axis.hpp"
 #include "narrow_phase/pair_batch.hpp"
 
 namespace plannercheck {
@@ -23,47 +27,149 @@ bool holds_everywhere(Double4Mask mask) { return double4_bits(mask) == 0b1111U; 
 
 Double4 next_axis(Double4 v) { return shuffled<1, 2, 0, 3>(v, v); }
 
-// A side of a batch: its poses are checked as they are read, a single one only once.
-class CheckedPoses {
+// Four poses, entry by entry. As `is_surely_rigid`, and by the same bounds.
+class FourPoses {
  public:
-  CheckedPoses(const GivenPoses& given, double tolerance)
-      : given_(given), tolerance_(tolerance), only_{given.body, {}} {
-    if (given_.step == 0) only_ = read(0);
+  // Of the poses i to i + 3.
+  FourPoses(const GivenPoses& given, std::size_t i) {
+    const double* const from = given.matrices + i * given.step;
+    const std::array<const double*, 4> pose{from, from + given.step, from + 2 * given.step, from + 3 * given.step};
+    for (std::size_t row = 0; row < 3; ++row) {
+      const Double4 a = load_double4(pose[0] + 4 * row), b = load_double4(pose[1] + 4 * row);
+      const Double4 c = load_double4(pose[2] + 4 * row), d = load_double4(pose[3] + 4 * row);
+      const Double4 even = shuffled<0, 4, 2, 6>(a, b), odd = shuffled<1, 5, 3, 7>(a, b);
+      const Double4 even_2 = shuffled<0, 4, 2, 6>(c, d), odd_2 = shuffled<1, 5, 3, 7>(c, d);
+      m_[4 * row] = shuffled<0, 1, 4, 5>(even, even_2), m_[4 * row + 1] = shuffled<0, 1, 4, 5>(odd, odd_2);
+      m_[4 * row + 2] = shuffled<2, 3, 6, 7>(even, even_2), m_[4 * row + 3] = shuffled<2, 3, 6, 7>(odd, odd_2);
+    }
+    for (const double* const matrix : pose) are_affine_ &= load_double4(matrix + 12) == Double4{0, 0, 0, 1};
   }
 
-  bool all_rigid() const { return all_rigid_; }
-  PosedPolytope at(std::size_t i) { return given_.step == 0 ? only_ : read(i); }
+  bool all_rigid(double tolerance) const {
+    const double most = tolerance - kRigidDoubt;
+    const Double4 off = square(axes(0, 0) - 1) + square(axes(1, 1) - 1) + square(axes(2, 2) - 1) +
+                        2 * (square(axes(0, 1)) + square(axes(0, 2)) + square(axes(1, 2)));
+    Double4Mask are = off < Double4{} + (most > 0 ? most * most : 0);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
+      are &= absolute_double4(m_[i] * m_[j + 4] - m_[j] * m_[i + 4] - m_[k + 8]) < Double4{} + kHandedness;
+    }
+    return holds_everywhere(are & (translation() < Double4{} + kFinite) & are_affine_);
+  }
+
+  // By the operations of `Pose::apply` and `norm_1`.
+  Double4 apply(Vec3 v, std::size_t row) const {
+    const Double4* const m = &m_[4 * row];
+    return (m[0] * v.x + m[1] * v.y + m[2] * v.z) + m[3];
+  }
+  Double4 translation() const { return absolute_double4(m_[3]) + absolute_double4(m_[7]) + absolute_double4(m_[11]); }
 
  private:
-  GivenPoses given_;
-  double tolerance_;
-  PosedPolytope only_;
-  bool all_rigid_ = true;
+  std::array<Double4, 12> m_;
+  Double4Mask are_affine_ = Double4Mask{} - 1;
 
-  // The identity in place of what is not surely rigid, which the tests do not expect.
-  PosedPolytope read(std::size_t i) {
-    const double* const matrix = given_.matrices + i * given_.step;
-    PosedPolytope out{given_.body, {}};
-    std::memcpy(out.pose.m.data(), matrix, sizeof out.pose.m);
-    if (!is_surely_rigid(matrix, tolerance_)) [[unlikely]] {
-      all_rigid_ = false;
-      out.pose = Pose{};
-    }
+  static Double4 square(Double4 a) { return a * a; }
+  // An entry of MᵀM.
+  Double4 axes(std::size_t i, std::size_t j) const {
+    return m_[i] * m_[j] + m_[i + 4] * m_[j + 4] + m_[i + 8] * m_[j + 8];
+  }
+};
+
+// Tells far pairs apart four at a time, by the operations of CentreAxis.
+class FarPairs {
+ public:
+  FarPairs(const Polytope& guest, const Polytope& host)
+      : guest_centre_(guest.centre),
+        host_centre_(host.centre),
+        origin_radii_(guest.origin_radius + host.origin_radius),
+        radii_((guest.radius + host.radius) + (guest.inflation_radius + host.inflation_radius)) {}
+
+  // Bit k: whether pair k is far.
+  unsigned bits(const FourPoses& guest, const FourPoses& host) const {
+    const Double4 x = between(guest, host, 0), y = between(guest, host, 1), z = between(guest, host, 2);
+    const Double4 rounding = CentreAxis::rounding(origin_radii_, guest.translation(), host.translation());
+    const Double4 room = CentreAxis::room_of_balls(radii_, rounding);
+    return double4_bits(x * x + y * y + z * z > room * room);
+  }
+
+ private:
+  Vec3 guest_centre_, host_centre_;
+  double origin_radii_, radii_;
+
+  Double4 between(const FourPoses& guest, const FourPoses& host, std::size_t row) const {
+    return guest.apply(guest_centre_, row) - host.apply(host_centre_, row);
+  }
+};
+
+// So many pairs are looked at before those that are not far are tested: their poses stay in the cache until then.
+constexpr std::size_t kLookedAt = 1024;
+
+// The pairs of a batch that need a test.
+class GivenBatch final : public PairBatch {
+ public:
+  GivenBatch(const GivenPoses& guest, const GivenPoses& host, bool* shared)
+      : guest_(guest), host_(host), shared_(shared) {}
+
+  std::size_t count() const { return count_; }
+  void add(std::size_t pair) { pairs_[count_++] = pair; }
+  void clear() { count_ = 0; }
+
+  PosedPolytope guest(std::size_t i) const override { return posed(guest_, pairs_[i]); }
+  PosedPolytope host(std::size_t i) const override { return posed(host_, pairs_[i]); }
+  void take(std::size_t i, const PairVerdict& verdict) override { shared_[pairs_[i]] = verdict.shared; }
+  void take_far(std::size_t i, const CentreAxis&) override { shared_[pairs_[i]] = false; }
+
+ private:
+  const GivenPoses &guest_, &host_;
+  bool* shared_;
+  std::array<std::size_t, kLookedAt> pairs_;
+  std::size_t count_ = 0;
+
+  static PosedPolytope posed(const GivenPoses& given, std::size_t pair) {
+    PosedPolytope out{given.body, {}};
+    std::memcpy(out.pose.m.data(), given.matrices + pair * given.step, sizeof out.pose.m);
     return out;
   }
 };
 
-class GivenBatch final : public PairBatch {
+// Checks the poses of a batch, and answers for far pairs.
+class Lookout {
  public:
-  GivenBatch(CheckedPoses& guest, CheckedPoses& host, bool* shared) : guest_(guest), host_(host), shared_(shared) {}
+  Lookout(const GivenPoses& guest, const GivenPoses& host, double tolerance, const PairOptions& options, bool* shared)
+      : guest_(guest),
+        host_(host),
+        tolerance_(tolerance),
+        tells_far_(options.centre_axis && options.solver != Solver::kExact && !guest.body->half_space &&
+                   !host.body->half_space),
+        far_(*guest.body, *host.body),
+        shared_(shared) {}
 
-  PosedPolytope guest(std::size_t i) const override { return guest_.at(i); }
-  PosedPolytope host(std::size_t i) const override { return host_.at(i); }
-  void take(std::size_t i, const PairVerdict& verdict) override { shared_[i] = verdict.shared; }
-  void take_far(std::size_t i, const CentreAxis&) override { shared_[i] = false; }
+  // Hands the pairs from `start` on that are not far to the batch; false if a pose is not surely rigid.
+  bool look(std::size_t start, std::size_t past, GivenBatch& batch) const {
+    std::size_t i = start;
+    for (; i + 4 <= past; i += 4) {
+      const FourPoses guest(guest_, i), host(host_, i);
+      if (!guest.all_rigid(tolerance_) || !host.all_rigid(tolerance_)) [[unlikely]]
+        return false;
+      const unsigned far = tells_far_ ? far_.bits(guest, host) : 0;
+      std::memset(shared_ + i, 0, 4 * sizeof *shared_);
+      for (unsigned close = ~far & 0b1111U; close != 0; close &= close - 1)
+        batch.add(i + static_cast<std::size_t>(__builtin_ctz(close)));
+    }
+    for (; i < past; ++i) {
+      if (!is_surely_rigid(guest_.matrices + i * guest_.step, tolerance_) ||
+          !is_surely_rigid(host_.matrices + i * host_.step, tolerance_))
+        return false;
+      batch.add(i);
+    }
+    return true;
+  }
 
  private:
-  CheckedPoses &guest_, &host_;
+  const GivenPoses &guest_, &host_;
+  double tolerance_;
+  bool tells_far_;
+  FarPairs far_;
   bool* shared_;
 };
 
@@ -88,11 +194,17 @@ bool is_surely_rigid(const double* m, double tolerance) {
 bool test_given_poses(const GivenPoses& a, const GivenPoses& b, std::size_t n, double tolerance,
                       const PairOptions& options, bool* shared) {
   const bool a_hosts = choose_host(*a.body, *b.body) == 0;
-  CheckedPoses guest(a_hosts ? b : a, tolerance), host(a_hosts ? a : b, tolerance);
+  const GivenPoses &guest = a_hosts ? b : a, &host = a_hosts ? a : b;
+  const Lookout lookout(guest, host, tolerance, options, shared);
   GivenBatch batch(guest, host, shared);
   PairCounters counters;
-  test_pairs(*(a_hosts ? b : a).body, *(a_hosts ? a : b).body, n, options, batch, counters);
-  return guest.all_rigid() && host.all_rigid();
+  for (std::size_t start = 0; start < n; start += kLookedAt) {
+    poll_interruption();
+    batch.clear();
+    if (!lookout.look(start, std::min(start + kLookedAt, n), batch)) return false;
+    test_pairs(*guest.body, *host.body, batch.count(), options, batch, counters);
+  }
+  return true;
 }
 
 }  // namespace plannercheck

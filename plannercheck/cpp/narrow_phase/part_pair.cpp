@@ -64,6 +64,7 @@ class BallsOfLeaves {
     return hull_.near(points.x.data(), points.y.data(), points.z.data(), radii.data(), static_cast<int>(count),
                       counters);
   }
+  Vec3 beyond() const { return hull_.beyond(); }
 
  private:
   const PosedPolytope& set_;
@@ -75,7 +76,7 @@ std::int32_t place_met(const PosedPolytope& set, const PosedPolytope& body, cons
                        PairCounters& counters) {
   const PartSet& parts = *set.body->parts;
   PartBody& filled = part_bodies().a;
-  const PartWalk walk(body, set, set.body->inflation_radius + body.body->inflation_radius, inner);
+  PartWalk walk(body, set, set.body->inflation_radius + body.body->inflation_radius, inner);
   const bool is_solid = body.body->solid != nullptr, are_balls = parts.kind() == PartSet::Kind::kBalls && !is_solid;
   std::optional<BallsOfLeaves> balls;  // made when it is first needed
   std::int32_t met = -1;
@@ -87,6 +88,7 @@ std::int32_t place_met(const PosedPolytope& set, const PosedPolytope& body, cons
       if (shared == 0) {
         if (!balls) balls.emplace(set, body);
         shared = balls->met(leaf, counters);
+        if (shared == 0) walk.leave_out_beyond(balls->beyond(), counters);
       }
       return shared != 0 && found(first + static_cast<std::size_t>(__builtin_ctz(shared)));
     }
@@ -314,7 +316,7 @@ PartContact parts_contact(const PosedPolytope& a, const PosedPolytope& b, const 
 }
 
 bool parts_are_far(const PosedBox& box, const PosedPolytope& set, double limit) {
-  const PartWalk walk(box, set, limit + set.body->inflation_radius);
+  PartWalk walk(box, set, limit + set.body->inflation_radius);
   return !walk.any_leaf([](std::size_t, unsigned) { return true; });
 }
 

@@ -1,5 +1,10 @@
 #include "narrow_phase/part_walk.hpp"
 
+#include <algorithm>
+#include <utility>
+
+#include "narrow_phase/support.hpp"
+
 namespace plannercheck {
 namespace {
 
@@ -44,30 +49,59 @@ PartWalk::PartWalk(const PosedBox& box, const PosedPolytope& set, double margin)
   box_centre_ = 0.5 * (box.low + box.high), box_half_ = 0.5 * (box.high - box.low);
   const double both = norm_1(reach) + norm_1(parts) + margin_;
   room_ = turn_.error(both);
-  frame_tree(margin_ + room_);
+  frame_tree();
 }
 
-void PartWalk::frame_tree(double margin) {
+void PartWalk::frame_tree() {
   const double units = set_.units();
   const Vec3 there = units * (turn_.to_set(box_centre_) - set_.middle());
-  const Vec3 way = units * (turn_.to_body(set_.middle()) - box_centre_);
   for (std::size_t i = 0; i < 3; ++i) {
     const int axis = static_cast<int>(i);
-    double half = margin, turned = 1;
-    for (std::size_t j = 0; j < 3; ++j) {
-      half += std::fabs(turn_.entry(i, j)) * box_half_[static_cast<int>(j)];
-      const double entry = turn_.entry(j, i);
-      back_[i][j] = static_cast<float>(entry);
-      size_[i][j] = std::fabs(back_[i][j]);
-      turned += 2 * std::fabs(entry);
-    }
+    double half = margin_ + room_;
+    for (std::size_t j = 0; j < 3; ++j) half += std::fabs(turn_.entry(i, j)) * box_half_[static_cast<int>(j)];
     centre_[i] = static_cast<float>(there[axis]);
     half_[i] = static_cast<float>(units * half * kPartRoundedUp) * (1 + kPartFloats) +
                static_cast<float>(std::fabs(there[axis]) + 2) * kPartFloats;
-    shift_[i] = static_cast<float>(way[axis]);
-    extent_[i] = static_cast<float>(units * (box_half_[axis] + margin) * kPartRoundedUp) * (1 + kPartFloats) +
-                 static_cast<float>(turned + std::fabs(way[axis])) * kPartFloats;
   }
+  const Vec3 way = turn_.to_body(set_.middle()) - box_centre_;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const int axis = static_cast<int>(i);
+    axes_[i] = along({turn_.entry(0, i), turn_.entry(1, i), turn_.entry(2, i)}, way[axis], box_half_[axis]);
+  }
+}
+
+// `to`: a direction of the body's frame in the set's. `way`, `half`: from the middle of what the body takes up along it
+// to the set's middle, and half of that, m. Boxes of balls are larger along it than the balls are, by |to|_1 − 1 of
+// their radius.
+inline PartWalk::Along PartWalk::along(Vec3 to, double way, double half) const {
+  Along out;
+  const double units = set_.units(), turned = norm_1(to);
+  for (std::size_t i = 0; i < 3; ++i) {
+    out.along[i] = static_cast<float>(to[static_cast<int>(i)]);
+    out.size[i] = std::fabs(out.along[i]);
+  }
+  const double larger_by = set_.has_one_radius() ? units * set_.radius(0) * larger(turned - 1, 0) : 0;
+  out.shift = static_cast<float>(units * way);
+  out.extent = static_cast<float>(units * (half + margin_ + room_) * kPartRoundedUp) * (1 + kPartFloats) +
+               static_cast<float>(1 + 2 * turned + units * std::fabs(way)) * kPartFloats -
+               static_cast<float>(larger_by) * (1 - kPartFloats);
+  return out;
+}
+
+// Whatever the direction: the body ends where its own extreme vertex does.
+void PartWalk::keep_direction() {
+  PairCounters& counters = *std::exchange(counters_, nullptr);
+  const Vec3 direction = unit(way_);
+  if (!(dot(direction, direction) > 0)) return;  // of no length, or not finite
+  ++counters.guest_queries;
+  const std::int32_t last = extreme(body_->inner, direction, counters.queries);
+  const auto entry = [&](std::size_t i) {
+    return dot({turn_.entry(i, 0), turn_.entry(i, 1), turn_.entry(i, 2)}, direction);
+  };
+  const Vec3 past_body = turn_.to_body(set_.middle()) - body_->inner.points[at(last)];
+  beyond_[oldest_] = along({entry(0), entry(1), entry(2)}, dot(direction, past_body), 0);
+  oldest_ = (oldest_ + 1) % kMostBeyond;
+  beyond_count_ = std::min(beyond_count_ + 1, kMostBeyond);
 }
 
 // By how much the node's boxes are beyond the body's along the set's axes.
@@ -78,27 +112,28 @@ inline Floats PartWalk::own_gaps(const PartNode& node) const {
   return larger(larger(gap(0), gap(1)), gap(2));
 }
 
-inline NearParts PartWalk::with_body_axes(const PartNode& node, Floats own) const {
+inline NearParts PartWalk::with_directions(const PartNode& node, Floats own) const {
   const auto centre = [&](std::size_t i) { return load_floats(node.centre[i].data()); };
   const auto half = [&](std::size_t i) { return load_floats(node.half[i].data()); };
   const Floats x = centre(0), y = centre(1), z = centre(2), u = half(0), v = half(1), w = half(2);
+  const auto there = [&](const Along& to) {
+    return (to.along[0] * x + to.along[1] * y) + (to.along[2] * z + to.shift);
+  };
+  const auto around = [&](const Along& to) { return (to.size[0] * u + to.size[1] * v) + (to.size[2] * w + to.extent); };
   Floats all = own;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Floats there = (back_[i][0] * x + back_[i][1] * y) + (back_[i][2] * z + shift_[i]);
-    const Floats around = (size_[i][0] * u + size_[i][1] * v) + (size_[i][2] * w + extent_[i]);
-    all = larger(all, absolute(there) - around);
-  }
+  for (const Along& axis : axes_) all = larger(all, absolute(there(axis)) - around(axis));
+  for (std::size_t k = 0; k < beyond_count_; ++k) all = larger(all, there(beyond_[k]) - around(beyond_[k]));
   const FloatMask missing = u < 0.0F;
   return {~(float_bits(own > 0.0F) | float_bits((all > 0.0F) | missing)) & ((1U << kChildren) - 1), all};
 }
 
-NearParts PartWalk::near(const PartNode& node) const { return with_body_axes(node, own_gaps(node)); }
+NearParts PartWalk::near(const PartNode& node) const { return with_directions(node, own_gaps(node)); }
 
 // Along the set's axes most boxes of the last nodes are far from the body.
 NearParts PartWalk::near_children(const PartNode& node) const {
   const Floats own = own_gaps(node);
   if (float_bits(own > 0.0F) == (1U << kChildren) - 1) return {0, own};
-  return with_body_axes(node, own);
+  return with_directions(node, own);
 }
 
 unsigned PartWalk::near_in_leaf(std::size_t leaf) const {

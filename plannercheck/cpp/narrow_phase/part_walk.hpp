@@ -2,7 +2,9 @@
 //
 // In: a body and a set at their poses, and a margin in m of the world. Out: the leaves, and in them the parts, whose
 // boxes may be within the margin of the body's box. Six axes are tried, the set's and the body's, for eight boxes at
-// once, in floats with room for all rounding. What is not finite counts as near.
+// once, in floats with room for all rounding; and the last directions along which a part was beyond the body itself:
+// before a surface of millions of points, one of them ends all that its box comes near. What is not finite counts as
+// near.
 #pragma once
 
 #include <array>
@@ -68,7 +70,7 @@ class PartWalk {
 
   // Calls visit(leaf, bits of parts that may be near), the deepest leaves first, until it returns true; whether it did.
   template <class Visit>
-  bool any_leaf(Visit visit) const {
+  bool any_leaf(Visit visit) {
     std::array<Waiting, kMostWaiting> waiting;  // not initialised
     std::size_t count = 0;
     Waiting next{static_cast<std::int32_t>(set_.levels().size()), 0};
@@ -77,6 +79,7 @@ class PartWalk {
         const unsigned bits = near_in_leaf(next.index);
         if (bits != 0 && visit(next.index, bits)) return true;
       } else {
+        if (counters_ != nullptr) keep_direction();
         const NearParts found = near_children(set_.levels()[at(next.level - 1)][next.index]);
         const std::int32_t below = next.level - 1;
         const std::size_t first = next.index * kChildren;
@@ -96,6 +99,10 @@ class PartWalk {
     }
   }
 
+  // Leaves out, from the next node on, what is beyond the body along a direction of its frame, in place of the oldest
+  // such one.
+  void leave_out_beyond(Vec3 way, PairCounters& counters) { way_ = way, counters_ = &counters; }
+
   NearParts near(const PartNode& node) const;
   // The same children; gaps count only where there are any.
   NearParts near_children(const PartNode& node) const;
@@ -108,11 +115,19 @@ class PartWalk {
 
  private:
   static constexpr std::size_t kMostWaiting = 12 * kChildren;
+  static constexpr std::size_t kMostBeyond = 4;  // two and six take as long (measured)
 
   // A child of a node; level 0: a leaf.
   struct Waiting {
     std::int32_t level;
     std::size_t index;
+  };
+
+  // A direction of the body's frame, in the tree's axes and units: a box's middle is `along` · centre + `shift` from
+  // the middle of the body's extent, and it is apart if that is beyond `size` · half + `extent`.
+  struct Along {
+    std::array<float, 3> along, size;
+    float shift, extent;
   };
 
   const PartSet& set_;
@@ -121,13 +136,18 @@ class PartWalk {
   RigidTurn turn_;
   double margin_, room_;                // in m of the body's frame: of what is near, and of what errs in doubles
   std::array<float, 3> centre_, half_;  // of the body's box in the tree's units
-  std::array<std::array<float, 3>, 3> back_, size_;  // to the body's axes, and absolute values
-  std::array<float, 3> shift_, extent_;              // from the box's centre; half the box, with errors
   Vec3 box_centre_, box_half_;
+  std::array<Along, 3> axes_;              // of the body's box
+  std::array<Along, kMostBeyond> beyond_;  // of these the body's extent ends at its middle, and begins nowhere
+  std::size_t beyond_count_ = 0, oldest_ = 0;
+  Vec3 way_;                          // the next direction
+  PairCounters* counters_ = nullptr;  // if there is one
 
-  void frame_tree(double margin);
+  void frame_tree();
+  void keep_direction();
+  Along along(Vec3 to, double way, double half) const;
   Floats own_gaps(const PartNode& node) const;
-  NearParts with_body_axes(const PartNode& node, Floats own) const;
+  NearParts with_directions(const PartNode& node, Floats own) const;
   std::span<const InnerBall> inner_balls() const;
 };
 

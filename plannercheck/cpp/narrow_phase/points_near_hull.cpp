@@ -143,12 +143,14 @@ void PointsNearHull::by_segment(const LanePoints& p, Verdicts& verdicts) const {
 }
 
 // `plane`: a polar point, or 0.
-void PointsNearHull::by_plane(Vec3 plane, const LanePoints& p, Verdicts& verdicts) const {
+void PointsNearHull::by_plane(Vec3 plane, const LanePoints& p, Verdicts& verdicts) {
+  const unsigned before = verdicts.open;
   const double polar_radius = body_.body->polar_radius, length = norm(plane) * (1 + kReachRounding);
   verdicts.leave_out(bits_where([&](std::size_t g) {
     const Lanes value = (plane.x * p.x[g] + plane.y * p.y[g]) + plane.z * p.z[g];
     return value > (1 + polar_radius * p.error[g]) + length * p.most[g];
   }));
+  if (verdicts.open != before) beyond_ = plane;
 }
 
 // The facet furthest beyond the others along the ray from the centre to a point: it holds the point, or leaves it out,
@@ -184,11 +186,12 @@ void PointsNearHull::decide(const LanePoints& points, Verdicts& verdicts, PairCo
   }
 }
 
-bool PointsNearHull::is_near(Vec3 point, double radius, PairCounters& counters) const {
+bool PointsNearHull::is_near(Vec3 point, double radius, PairCounters& counters) {
   const PosedPolytope guest{&ball_at(point, radius), frame_};
   if (filters_) {
     const Vec3 towards = guest.pose.apply(point) - body_.pose.apply(body_.body->centre);
     const Proximity found = nearest_points(guest, body_, towards, counters);
+    if (found.answer == Answer::kSeparated) beyond_ = body_.pose.rotate_back(found.direction);
     if (found.answer != Answer::kUndecided) return found.answer == Answer::kShared;
   }
   return test_pair(guest, body_, {}, nullptr, counters).shared;
@@ -206,6 +209,7 @@ unsigned PointsNearHull::near(const double* x, const double* y, const double* z,
                               PairCounters& counters) {
   Verdicts verdicts;
   verdicts.open = (1U << count) - 1;
+  beyond_ = to_body_.guest_point({x[0], y[0], z[0]});
   if (filters_) decide(given(x, y, z, radii, count), verdicts, counters);
   for (unsigned left = verdicts.open; left != 0; left &= left - 1) {
     const int k = __builtin_ctz(left);

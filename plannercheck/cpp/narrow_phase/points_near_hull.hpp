@@ -24,6 +24,10 @@ class PointsNearHull {
   unsigned near(const double* x, const double* y, const double* z, const double* radii, int count,
                 PairCounters& counters);
 
+  // A direction of the body's frame, of any length, along which points of the last call may be beyond the body: the
+  // last that kept one away, or the way from the centre to the first point.
+  Vec3 beyond() const { return beyond_; }
+
   // Those that a ball and a box around the body do not leave out, in a few operations. A ball around points that holds
   // their radii, too, stands for all of them.
   unsigned maybe_near(const double* x, const double* y, const double* z, const double* radii, int count) const;
@@ -39,15 +43,16 @@ class PointsNearHull {
   double error_, error_growth_;      // of a coordinate in the body's frame: for the origin, and for each m of |point|_1
   Vec3 segment_from_, segment_way_;  // of points and segments, relative to the centre
   Vec3 last_plane_;                  // a facet, beyond which points were found; 0 if none was
+  Vec3 beyond_;
 
   LanePoints in_lanes(const double* x, const double* y, const double* z, const double* radii) const;
   LanePoints given(const double* x, const double* y, const double* z, const double* radii, int count) const;
   void decide(const LanePoints& points, Verdicts& verdicts, PairCounters& counters);
   void by_ball_and_box(const LanePoints& points, Verdicts& verdicts) const;
   void by_segment(const LanePoints& points, Verdicts& verdicts) const;
-  void by_plane(Vec3 plane, const LanePoints& points, Verdicts& verdicts) const;
+  void by_plane(Vec3 plane, const LanePoints& points, Verdicts& verdicts);
   void by_facets(const LanePoints& points, Verdicts& verdicts, PairCounters& counters);
-  bool is_near(Vec3 point, double radius, PairCounters& counters) const;
+  bool is_near(Vec3 point, double radius, PairCounters& counters);
 };
 
 // The same for points of one call.

@@ -166,10 +166,17 @@ SearchCursor descend(const Levels& h, SearchCursor cursor, Vec3 u, QueryCounters
   return cursor;
 }
 
+// Apart, so that the searches that are not descents need no stack.
+[[gnu::noinline]] std::int32_t extreme_by_descent(const Levels& h, double x, double y, double z,
+                                                  QueryCounters& counters) {
+  const Vec3 u{x, y, z};
+  return descend(h, cursor_at_top(h, u, counters), u, counters).vertex;
+}
+
 }  // namespace
 
 std::int32_t extreme_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
-  return h.depth > 0 ? cursor_at_top(h, u, counters).vertex : extreme_of_top(h, u, counters);
+  return h.depth > 0 ? cursor_at_top(h, u, counters).vertex : extreme_of_top(h, u.x, u.y, u.z, counters);
 }
 
 std::int32_t next_beyond(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
@@ -188,10 +195,10 @@ std::int32_t beyond_in_ring(const Levels& h, std::int32_t v, Vec3 u, QueryCounte
   return best == v ? -1 : best;
 }
 
-std::int32_t extreme(const Levels& h, Vec3 u, QueryCounters& counters) {
-  if (!h.cells.empty()) return extreme_in_cell(h, h.cells.cell(u), u, counters);
-  if (h.depth == 0) return extreme_of_top(h, u, counters);
-  return descend(h, cursor_at_top(h, u, counters), u, counters).vertex;
+std::int32_t extreme(const Levels& h, double x, double y, double z, QueryCounters& counters) {
+  if (!h.cells.empty()) return extreme_in_cell(h, h.cells.cell({x, y, z}), x, y, z, counters);
+  if (h.depth == 0) return extreme_of_top(h, x, y, z, counters);
+  return extreme_by_descent(h, x, y, z, counters);
 }
 
 void Descent::start(const Levels& h, Vec3 u, QueryCounters& counters) {
@@ -220,7 +227,8 @@ bool Descent::step_in_cell(QueryCounters& counters) {
     has_asked_ = true;
     return true;
   }
-  cursor_at(extreme_in_cell(*levels_, *cell_, direction_, counters));
+  const Vec3 u = direction_;
+  cursor_at(extreme_in_cell(*levels_, *cell_, u.x, u.y, u.z, counters));
   return false;
 }
 

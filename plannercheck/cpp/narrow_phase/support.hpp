@@ -21,7 +21,11 @@ struct QueryCounters {
 inline constexpr double kScanError = 4 * 0x1p-53;
 
 // Index of a vertex that maximises u·p over all points: exact for the given doubles, except for the scan above.
-std::int32_t extreme(const Levels& levels, Vec3 u, QueryCounters& counters);
+// The direction goes in by its entries, which stay in registers; a Vec3 would go through memory.
+std::int32_t extreme(const Levels& levels, double x, double y, double z, QueryCounters& counters);
+inline std::int32_t extreme(const Levels& levels, Vec3 u, QueryCounters& counters) {
+  return extreme(levels, u.x, u.y, u.z, counters);
+}
 
 // The same search in steps, each of which prefetches for the next one: for callers that interleave searches.
 class Descent {

@@ -75,7 +75,8 @@ struct ScannedGroup {
 
 // The furthest of the top vertices. `vertex` maps a place to its vertex, `further` compares two.
 template <class Vertex, class Further>
-std::int32_t scanned_top(const Levels& h, Vec3 u, Vertex vertex, Further further, QueryCounters& counters) {
+[[gnu::always_inline]] inline std::int32_t scanned_top(const Levels& h, Vec3 u, Vertex vertex, Further further,
+                                                       QueryCounters& counters) {
   const FloatDirection direction(u);
   const std::size_t blocks = h.top_blocks.size();
   std::array<Floats, kUnlayered / kScanLanes> values;
@@ -97,30 +98,39 @@ std::int32_t scanned_top(const Levels& h, Vec3 u, Vertex vertex, Further further
 // So few vertices are scanned faster in doubles than in floats with candidates after it.
 constexpr std::size_t kFewCursors = 8;
 
-std::int32_t extreme_of_few(const Levels& h, Vec3 u, QueryCounters& counters) {
+std::int32_t extreme_of_few(const Levels& h, double x, double y, double z, QueryCounters& counters) {
   const std::size_t blocks = h.top_cursors.size();
-  std::array<Double4, kFewCursors> values;
+  std::array<double, kFewCursors * kDouble4Lanes> values;  // of vectors, whose array would be filled first
   Double4 best = Double4{} - __builtin_inf();
   for (std::size_t i = 0; i < blocks; ++i) {
     const VertexBlock& p = h.top_cursors[i];
-    values[i] = (u.x * load_double4(p.x.data()) + u.y * load_double4(p.y.data())) + u.z * load_double4(p.z.data());
-    best = values[i] > best ? values[i] : best;
+    const Double4 value = (x * load_double4(p.x.data()) + y * load_double4(p.y.data())) + z * load_double4(p.z.data());
+    store_double4(&values[i * kDouble4Lanes], value);
+    best = value > best ? value : best;
   }
   counters.blocks += static_cast<long>(blocks);
   std::uint64_t lanes = 0;
   const Double4 most = spread_largest(best);
   for (std::size_t i = 0; i < blocks; ++i)
-    lanes |= std::uint64_t{double4_bits(values[i] == most)} << (i * kDouble4Lanes);
+    lanes |= std::uint64_t{double4_bits(load_double4(&values[i * kDouble4Lanes]) == most)} << (i * kDouble4Lanes);
   return h.top[lanes == 0 ? 0 : static_cast<std::size_t>(__builtin_ctzll(lanes))];
 }
 
-// The furthest vertex of a cell's groups; of one, its products stay in registers.
-template <std::size_t most>
-std::int32_t furthest_of_groups(const Levels& h, const Cell& cell, Vec3 u, QueryCounters& counters) {
+std::int32_t extreme_of_many(const Levels& h, double x, double y, double z, QueryCounters& counters) {
+  const Vec3 u{x, y, z};
+  const auto vertex = [&](std::size_t i) { return h.top[i]; };
+  const auto further = [&](std::int32_t v, std::int32_t than) {
+    return dot(u, h.points[at(v)]) > dot(u, h.points[at(than)]);
+  };
+  return scanned_top(h, u, vertex, further, counters);
+}
+
+// The furthest vertex of a cell's groups.
+[[gnu::noinline]] std::int32_t furthest_of_groups(const Levels& h, const Cell& cell, Vec3 u, QueryCounters& counters) {
   const DirectionCells& cells = h.cells;
   const FloatDirection direction(u);
-  const std::size_t count = most == 1 ? 1 : 1 + cell.count;
-  std::array<ScannedGroup, most> groups;
+  const std::size_t count = 1 + cell.count;
+  std::array<ScannedGroup, kMostCellGroups> groups;
   groups[0].scan(cells, cell.first, direction);
   Floats highest = groups[0].highest();
   for (std::size_t g = 1; g < count; ++g) {
@@ -143,9 +153,28 @@ std::int32_t furthest_of_groups(const Levels& h, const Cell& cell, Vec3 u, Query
 
 }  // namespace
 
-std::int32_t extreme_in_cell(const Levels& h, const Cell& cell, Vec3 u, QueryCounters& counters) {
-  return cell.count == 0 ? furthest_of_groups<1>(h, cell, u, counters)
-                         : furthest_of_groups<kMostCellGroups>(h, cell, u, counters);
+// Mostly one group holds all blocks of the cell, and floats leave one vertex: all stays in registers then.
+std::int32_t extreme_in_cell(const Levels& h, const Cell& cell, double x, double y, double z, QueryCounters& counters) {
+  const Vec3 u{x, y, z};
+  if (cell.count != 0) return furthest_of_groups(h, cell, u, counters);
+  const CellBlock* const blocks = h.cells.blocks.data();
+  const FloatDirection direction(u);
+  ScannedGroup group;
+  group.scan(h.cells, cell.first, direction);
+  unsigned lanes = group.lanes_above(Floats{} + (largest(group.highest()) - direction.tie));
+  if (lanes == 0) [[unlikely]]
+    return furthest_of_groups(h, cell, u, counters);
+  const auto vertex = [&] {
+    const auto lane = static_cast<std::size_t>(__builtin_ctz(lanes));
+    return blocks[cell.first[lane / kScanLanes]].vertex[lane % kScanLanes];
+  };
+  const std::int32_t found = vertex();
+  while ((lanes &= lanes - 1) != 0) {  // blocks and lanes may be repeated
+    if (vertex() != found) [[unlikely]]
+      return furthest_of_groups(h, cell, u, counters);
+  }
+  counters.blocks += static_cast<long>(kGroup * (kScanLanes / kBlockLanes));
+  return found;
 }
 
 SearchCursor cursor_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
@@ -156,13 +185,9 @@ SearchCursor cursor_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
   return h.top_cursors[found / kBlockLanes].cursor(found % kBlockLanes);
 }
 
-std::int32_t extreme_of_top(const Levels& h, Vec3 u, QueryCounters& counters) {
-  if (h.top_cursors.size() <= kFewCursors) return extreme_of_few(h, u, counters);
-  const auto vertex = [&](std::size_t i) { return h.top[i]; };
-  const auto further = [&](std::int32_t v, std::int32_t than) {
-    return dot(u, h.points[at(v)]) > dot(u, h.points[at(than)]);
-  };
-  return scanned_top(h, u, vertex, further, counters);
+std::int32_t extreme_of_top(const Levels& h, double x, double y, double z, QueryCounters& counters) {
+  if (h.top_cursors.size() <= kFewCursors) return extreme_of_few(h, x, y, z, counters);
+  return extreme_of_many(h, x, y, z, counters);
 }
 
 }  // namespace plannercheck

@@ -1,0 +1,33 @@
+// Triangles in the order of a tree's leaves, cut so that few boxes of two trees meet.
+//
+// In: boxes around triangles. Out: an order, and how its nodes are cut. Idea: of all cuts across an axis the one whose
+// two sides have the least surface, each times its number of leaves, is taken (the surface area heuristic of Goldsmith
+// and Salmon, 1987); the part with the largest surface is cut again, until there are as many as a node has children
+// (Wald, Benthin and Boulos, 2008). Cuts are at whole leaves, so that all leaves but the last one are full. Where such
+// cuts would make the tree too deep, a node is cut evenly.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "math/vec.hpp"
+
+namespace plannercheck {
+
+// Along the frame's axes.
+struct TriangleBounds {
+  Vec3 low, high;
+};
+
+struct TriangleOrder {
+  std::vector<std::int32_t> order;
+  // Of each node whose triangles are more than a leaf holds: how many children it has, and how many triangles each of
+  // them. A node comes before what is below it, and that before the node's next neighbour.
+  std::vector<std::size_t> children;
+};
+
+// `levels`: how deep the tree may be, leaves counted, which are enough for so many triangles.
+TriangleOrder order_triangles(const std::vector<TriangleBounds>& bounds, std::size_t levels);
+
+}  // namespace plannercheck
