@@ -169,6 +169,14 @@ def test_balls_that_hardly_move(tmp_path):
     assert all(found[0])
 
 
+def test_balls_that_pass_through_each_other(tmp_path):
+    """Far apart at both ends, which are the only states that are posed: they slide."""
+    (tmp_path / "balls.urdf").write_text(BALLS)
+    robot = pc.Robot.from_urdf(tmp_path / "balls.urdf")
+    for checker in with_switches(robot, None, own=True):
+        assert not checker.check_motion(np.array([-1.0, 0.0]), np.array([1.5, 0.0]))
+
+
 def test_middles_that_collide_do_not_hide_that_rounding_is_too_large():
     robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
     q = robot.random_configurations(400, 1)
@@ -268,6 +276,28 @@ def test_motions_of_links_with_several_bodies(tmp_path):
         assert 0.1 < free.mean() < 0.95
         for other in others:
             assert (other.check_motions(starts, ends, tolerance=tolerance) == free).all()
+
+
+def test_links_of_several_bodies_that_meet_between_states(tmp_path):
+    """An arm of two pieces swings into a wall of two by 0.4 mm, half way between two states of the grid."""
+
+    def box(x, z, size):
+        return f'<collision><origin xyz="{x} 0 {z}"/><geometry><box size="{size}"/></geometry></collision>'
+
+    limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    arm = box(0.625, 0, "0.25 0.002 0.05") + box(0.875, 0, "0.25 0.002 0.05")
+    wall = box(1.0496, -0.1, "0.1 0.5 0.2") + box(1.0496, 0.1, "0.1 0.5 0.2")
+    (tmp_path / "wall.urdf").write_text(
+        f'<robot name="wall"><link name="base"/><link name="arm">{arm}</link><link name="wall">{wall}</link>'
+        '<joint name="swing" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>'
+        f'{limit}</joint><joint name="lift" type="prismatic"><parent link="base"/><child link="wall"/>'
+        f'<axis xyz="0 0 1"/>{limit}</joint></robot>'
+    )
+    robot = pc.Robot.from_urdf(tmp_path / "wall.urdf")
+    for checker in with_switches(robot, None, own=True):
+        assert checker.check_states(np.array([[-0.12, 0.0], [-0.04, 0.0], [0.04, 0.0], [0.12, 0.0]])).all()
+        assert not checker.is_valid(np.zeros(2))
+        assert not checker.check_motion(np.array([-0.12, 0.0]), np.array([0.12, 0.0]))
 
 
 def test_ends_that_often_collide_are_judged_first():
