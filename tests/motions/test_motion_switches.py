@@ -290,7 +290,7 @@ def test_links_of_several_bodies_that_meet_between_states(tmp_path):
     (tmp_path / "wall.urdf").write_text(
         f'<robot name="wall"><link name="base"/><link name="arm">{arm}</link><link name="wall">{wall}</link>'
         '<joint name="swing" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>'
-        f'{limit}</joint><joint name="lift" type="prismatic"><parent link="base"/><child link="wall"/>'
+        f'{limit}</joint><joint name="up" type="prismatic"><parent link="base"/><child link="wall"/>'
         f'<axis xyz="0 0 1"/>{limit}</joint></robot>'
     )
     robot = pc.Robot.from_urdf(tmp_path / "wall.urdf")
