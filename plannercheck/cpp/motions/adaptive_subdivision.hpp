@@ -238,14 +238,16 @@ class AdaptiveSubdivision {
   bool touches_where_deepest(const Open& found) {
     if (!(found.depth < 0)) return false;
     PairState s = state_of(found);
-    const std::size_t inner = inner_state(found.state);
-    return touches_at(s, inner) || (inner != found.state && touches_at(s, found.state));
+    const int state = touching_state(s, found.state);
+    return state >= 0 && !refuse_at(w_.grid.parameter(static_cast<std::size_t>(state)), found.pair);
   }
 
-  bool touches_at(PairState& s, std::size_t state) {
-    if (!self().touches(s, state)) return false;
-    refuse_at(w_.grid.parameter(state), s.index);
-    return true;
+  // The state at which the pair shares a point, of the one where the bounds overlap deepest and the one inside of it if
+  // that is an end; −1 if there is none.
+  int touching_state(PairState& s, std::size_t deepest) {
+    const std::size_t inner = inner_state(deepest);
+    if (self().touches(s, inner)) return static_cast<int>(inner);
+    return inner != deepest && self().touches(s, deepest) ? static_cast<int>(deepest) : -1;
   }
 
   // Planners ask for motions between states that are free, so the state next to an end is likelier to collide.
@@ -258,7 +260,7 @@ class AdaptiveSubdivision {
   bool settle(const Open& found) {
     PairState s = state_of(found);
     // In order as well: what this teaches about the plane may decide where rounding does.
-    if (ordered_ && found.depth < 0) self().touches(s, found.state);
+    if (ordered_ && found.depth < 0) touching_state(s, found.state);
     for (unsigned open = found.open; open != 0; open &= open - 1) {
       const auto i = static_cast<std::size_t>(__builtin_ctz(open));
       if (self().hulls_settle(s, i) || self().parts_settle(s, i)) {
