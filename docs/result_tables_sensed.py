@@ -124,9 +124,13 @@ def sensed_pages() -> str:
         (
             row["scene"],
             f"{row['parts']:,}",
-            *(number(row[field]) for field in ("megabytes", "seconds", "still", "moving")),
+            *(number(row[field]) for field in ("megabytes", "seconds", "still", "sliced")),
+            f"{row['slices']:.0f}",
+            number(row["moving"]),
+            f"{row['moving share']:.0%}",
         )
         for row in found["rows"]
     ]
-    header = ("page of", "parts", "MB", "written in s", "a frame, ms of the processor", "while it moves")
+    header = ("page of", "parts", "MB", "written in s", "all parts in one frame, ms of the processor")
+    header += ("in slices", "slices", "a frame while it moves, ms", "of all parts")
     return table(header, lines) + "\n" + provenance(found)

@@ -19,6 +19,7 @@ from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration
 from plannercheck.common.core import core
 from plannercheck.common.counters import sum_counters
+from plannercheck.robots.unit_lengths import UNIT_TOLERANCE
 
 JudgeOfRow: TypeAlias = Callable[[Configuration], bool | None]
 JudgeOfSet: TypeAlias = Callable[[Any], NDArray[np.uint8] | None]
@@ -96,10 +97,11 @@ class CompiledTables:
 
         `kernel` poses the links.
         """
-        if kernel is None or self._source.robot.configuration_map.units:  # they do not look at unit vectors' lengths
+        if kernel is None:
             return _never_known, _never_known
-        pairs = self.within_limits.core
-        return core.row_validity(pairs, kernel), core.set_validity(pairs, kernel)
+        pairs, lengths = self.within_limits.core, self._source.robot.configuration_map.lengths
+        units = np.array(lengths.columns, dtype=np.int32).reshape(-1, 2), min(UNIT_TOLERANCE, lengths.harmless)
+        return core.row_validity(pairs, kernel, *units), core.set_validity(pairs, kernel, *units)
 
     def check_states(self, kernel: Any, rows: Floats, threads: int) -> Bools:
         """(n,) whether each configuration (n, nq) is free of collision; `kernel` poses the links."""
@@ -135,4 +137,4 @@ class CompiledTables:
 
 
 def _never_known(q: Configuration) -> None:
-    """For robots whose configurations all need care."""
+    """For robots that the kernel does not pose."""

@@ -200,7 +200,7 @@ def _show(found: Plan, names: list[str], unit: str) -> None:
         )
     )
     print(
-        f"\n{found.planner} found a path in {found.time:.3f} s, "
-        f"shortened in {found.simplification_time:.3f} s: "
+        f"\n{found.planner} found a path in {1e3 * found.time:.1f} ms, "
+        f"shortened in {1e3 * found.simplification_time:.1f} ms: "
         f"{len(found.path)} configurations, length {found.length:.3f} {unit}"
     )

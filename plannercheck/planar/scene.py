@@ -50,7 +50,8 @@ from plannercheck.planar.pieces import convex_pieces
 from plannercheck.planar.polygons import checked_poses
 from plannercheck.planar.robot_files import outline, planar_document, planar_file
 from plannercheck.scenes.declared_states import DeclaredStates
-from plannercheck.scenes.scene_files import read_states, states_node
+from plannercheck.scenes.scene_files import read_states
+from plannercheck.scenes.written_scenes import states_node
 
 _SHAPES = ("box", "polygon", "polygons")
 _KEYS = ("kind", "name", "bounds", "objects", "states")

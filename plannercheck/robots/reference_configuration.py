@@ -47,6 +47,9 @@ def checked_values(model: pin.Model, given: Mapping[str, Any]) -> dict[str, Floa
     values = {}
     for name, value in given.items():
         width = joint_width(joint_by_name(model, name))
+        if type(value) is float and width == 1 and math.isfinite(value):  # most of all; what follows takes 10 µs
+            values[name] = np.array([value])
+            continue
         try:
             array = np.atleast_1d(np.array(value, dtype=np.float64))
         except (TypeError, ValueError, OverflowError):

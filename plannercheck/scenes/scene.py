@@ -74,10 +74,11 @@ from plannercheck.common.errors import unknown_name
 from plannercheck.common.package_data import is_file, is_folder, is_planar_file, shipped_folder
 from plannercheck.common.public_names import set_module
 from plannercheck.scenes.contents import SceneContents
-from plannercheck.scenes.scene_files import read_scene, write_scene
+from plannercheck.scenes.scene_files import read_scene
 from plannercheck.scenes.scene_hints import scale_hint
 from plannercheck.scenes.scene_paths import MeshKind
 from plannercheck.scenes.scene_table import scene_html
+from plannercheck.scenes.written_scenes import write_scene
 
 
 @set_module("plannercheck")

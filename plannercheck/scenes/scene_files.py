@@ -1,26 +1,21 @@
-"""Reads and writes scene files of our own format, which scene.py documents.
+"""Reads scene files of our own format, which scene.py documents; written_scenes.py writes them.
 
-In: a file and an empty scene. Out: the filled scene; and the other way round. YAML with the keys of MoveIt's messages
-is read by moveit_scene.py, a file that ends in `.scene` by moveit_text.py.
+In: a file and an empty scene. Out: the filled scene. YAML with the keys of MoveIt's messages is read by
+moveit_scene.py, a file that ends in `.scene` by moveit_text.py.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from plannercheck.bodies.ellipsoids import ELLIPSOID_EXCESS, Ellipsoid
 from plannercheck.bodies.half_spaces import HalfSpace
-from plannercheck.bodies.objects import Part, SceneObject, unplaced
-from plannercheck.bodies.part_sets import PartSet
-from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
-from plannercheck.bodies.solids import Solid
-from plannercheck.common.atomic_files import write_atomically
+from plannercheck.bodies.objects import Part
+from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Shape, Sphere, checked_pose
 from plannercheck.common.checked_yaml import (
     Node,
     check_keys,
@@ -36,33 +31,32 @@ from plannercheck.common.checked_yaml import (
 )
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_file, is_folder
-from plannercheck.common.transforms import pose_of, quaternion_of_rotation, rotation_of_quaternion, rotation_of_rpy
+from plannercheck.common.transforms import pose_of, rotation_of_quaternion, rotation_of_rpy
 from plannercheck.scenes import moveit_scene as moveit
 from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
-from plannercheck.scenes.files_beside import FilesBeside
 from plannercheck.scenes.moveit_messages import single_document
 from plannercheck.scenes.scene_meshes import Source, read_hull, read_mesh, read_solid
 from plannercheck.scenes.scene_paths import FindFile, MeshKind
-from plannercheck.scenes.sensed_shapes import SENSED_KEYS, SensedSource, read_sensed, sensed_kind, sensed_node
+from plannercheck.scenes.sensed_shapes import SENSED_KEYS, SensedSource, read_sensed
 
 # Keys of pairs, and whether the pairs may touch. Pairs of links have keys of their own, so that a misspelt object does
 # not pass for a link.
-_LINK_PAIRS = ("allowed_links", "forbidden_links")
-_PAIRS = {"allowed": True, "forbidden": False, "allowed_links": True, "forbidden_links": False}
-_SCENE_KEYS = ("name", "objects", "attached", *_PAIRS, "allowed_by_default", "states")
+LINK_PAIRS = ("allowed_links", "forbidden_links")
+PAIRS = {"allowed": True, "forbidden": False, "allowed_links": True, "forbidden_links": False}
+_SCENE_KEYS = ("name", "objects", "attached", *PAIRS, "allowed_by_default", "states")
 _STATE_KEYS = ("start", "goal", "samples")
 _POSE_KEYS = ("position", "quaternion", "rpy", "matrix")
 
 # The keys of a shape's mapping, by the shape's key in a file; meshes, hulls and sensed shapes have their own readers.
-_SIZED: dict[str, tuple[Callable[..., Shape], tuple[str, ...]]] = {
+SIZED: dict[str, tuple[Callable[..., Shape], tuple[str, ...]]] = {
     "sphere": (Sphere, ("radius",)),
     "cylinder": (Cylinder, ("radius", "length")),
     "capsule": (Capsule, ("radius", "length")),
     "cone": (Cone, ("radius", "length")),
 }
-_SHAPE_KEYS = ("box", *_SIZED, "ellipsoid", "half_space", "mesh", "hull", "solid", *SENSED_KEYS)
+_SHAPE_KEYS = ("box", *SIZED, "ellipsoid", "half_space", "mesh", "hull", "solid", *SENSED_KEYS)
 
 # Shapes that may be the name of their file alone.
 _NAMED = ("solid", *SENSED_KEYS)
@@ -184,7 +178,7 @@ def _shape(kind: str, values: Node, find_file: FindFile) -> tuple[Shape, Source 
     if kind == "half_space":
         check_keys(values, ("normal", "offset"))
         return HalfSpace(_three(values, "normal"), number(values.get("offset", 0.0), "offset")), None
-    make, keys = _SIZED[kind]
+    make, keys = SIZED[kind]
     check_keys(values, keys)
     return make(*(number(required(values, key), key) for key in keys)), None
 
@@ -213,12 +207,12 @@ def _pose(node: Node) -> NDArray[np.float64]:
 def _read_allowed(scene: SceneContents, document: Node) -> None:
     """Reads which pairs may touch."""
     known = [*scene.object_names, *(item.name for item in scene.attached)]
-    for key, allowed in _PAIRS.items():
+    for key, allowed in PAIRS.items():
         for pair in sequence(document.get(key), repr(key)):
             names = [text(name, key) for name in sequence(pair, f"an entry of {key!r}")]
             if len(names) != 2:
                 raise PlannercheckError(f"an entry of {key!r} must be two names, not {names}")
-            if key not in _LINK_PAIRS and not set(names) & set(known):
+            if key not in LINK_PAIRS and not set(names) & set(known):
                 raise PlannercheckError(
                     f"{key!r} names {' and '.join(names)}, none of which is an object: objects are "
                     f"{', '.join(known) or 'none'}"
@@ -236,122 +230,3 @@ def read_states(scene: DeclaredStates, robot: str, node: Node, folder: Path) -> 
     start, goal = (numbers(node[key], key) if key in node else None for key in ("start", "goal"))
     samples = folder / text(node["samples"], "samples") if "samples" in node else None
     scene.set_states(robot, start, goal, samples)
-
-
-def write_scene(scene: SceneContents, path: Path) -> None:
-    """Writes a scene, as MoveIt's text if the path ends in `.scene`, else in our own format."""
-    beside = FilesBeside(path)
-    with error_context(f"scene file {str(path)!r}"):
-        is_text = path.suffix.lower() == moveit_text.SUFFIX
-        text = moveit_text.scene_text(scene) if is_text else _yaml_text(scene, beside)
-    try:
-        with beside.written():
-            write_atomically(path, lambda aside: aside.write_text(text, encoding="utf-8"))
-    except PlannercheckError as error:
-        raise PlannercheckError(f"scene {error}") from None
-
-
-def _yaml_text(scene: SceneContents, beside: FilesBeside) -> str:
-    """A scene in our own format: reading it gives the same doubles."""
-    document: Node = {"name": scene.name} if scene.name else {}
-    document["objects"] = [_object_node(item, beside) for item in scene.objects]
-    document |= {"attached": [_attached_node(item, beside) for item in scene.attached]} if scene.attached else {}
-    document |= _allowed_nodes(scene)
-    states = {robot: states_node(scene, robot, beside.folder) for robot in scene.states}
-    document |= {"states": states} if states else {}
-    return str(yaml.dump(document, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True))
-
-
-def _object_node(item: SceneObject, beside: FilesBeside) -> Node:
-    if item.pose_frame is not None:
-        raise unplaced(item)
-    if len(item.parts) == 1 and item.parts[0].pose is None:
-        return {"name": item.name, **_shape_node(item.parts[0], item.name, beside), **_pose_node(item.pose)}
-    nodes = [
-        _shape_node(part, item.name, beside) | _pose_node(checked_pose(part.pose, item.name)) for part in item.parts
-    ]
-    return {"name": item.name, **_pose_node(item.pose), "parts": nodes}
-
-
-def _attached_node(item: SceneObject, beside: FilesBeside) -> Node:
-    touched = {"touch_links": list(item.touch_links)} if item.touch_links else {}
-    return {**_object_node(item, beside), "link": item.link, **touched}
-
-
-def _shape_node(part: Part, owner: str, beside: FilesBeside) -> Node:
-    shape = part.shape
-    if part.source is not None:
-        return _file_node(shape, *part.source, beside.folder)
-    if isinstance(shape, PartSet):
-        return sensed_node(shape, owner, beside)
-    if isinstance(shape, Solid):
-        return {"solid": {"vertices": shape.vertices.tolist(), "triangles": shape.triangles.tolist()}}
-    if isinstance(shape, Hull):
-        return {"hull": {"vertices": shape.vertices.tolist()}}
-    if isinstance(shape, Box):
-        return {"box": {"size": list(shape.size)}}
-    if isinstance(shape, Ellipsoid):
-        excess = {} if shape.excess == ELLIPSOID_EXCESS else {"excess": shape.excess}
-        return {"ellipsoid": {"radii": list(shape.radii), **excess}}
-    if isinstance(shape, HalfSpace):
-        return {"half_space": {"normal": list(shape.normal), "offset": shape.offset}}
-    kind = type(shape).__name__.lower()
-    return {kind: {key: getattr(shape, key) for key in _SIZED[kind][1]}}
-
-
-def _file_node(shape: Shape, file: Path, more: float | Sequence[float] | Mapping[str, Any], folder: Path) -> Node:
-    """The mapping of a shape from a file: of a mesh with its scale, of a sensed shape with its other keys."""
-    name = _relative(file, folder)
-    if isinstance(shape, PartSet):
-        assert isinstance(more, Mapping)
-        return {sensed_kind(shape): {"file": name, **more}}
-    kind = "solid" if isinstance(shape, Solid) else "mesh"
-    return {kind: {"file": name, "scale": np.asarray(more).tolist()}}
-
-
-def _pose_node(pose: NDArray[np.float64]) -> Node:
-    """Position and quaternion where they give the same doubles, else the matrix itself."""
-    position = pose[:3, 3].tolist()
-    if np.array_equal(pose[:3, :3], np.eye(3)):
-        return {"position": position} if any(position) else {}
-    quaternion = quaternion_of_rotation(pose[:3, :3])
-    if np.array_equal(rotation_of_quaternion(quaternion), pose[:3, :3]):
-        return {"position": position, "quaternion": quaternion}
-    return {"matrix": pose.tolist()}
-
-
-def _allowed_nodes(scene: SceneContents) -> Node:
-    """Allowed collisions; forbidden pairs matter only where a default would allow them."""
-    known = {*scene.object_names, *(item.name for item in scene.attached)}
-    said = {
-        key: [
-            sorted(pair) * (3 - len(pair))
-            for pair, verdict in scene.allowed.pairs.items()
-            if verdict is allowed and (key in _LINK_PAIRS) == pair.isdisjoint(known)
-        ]
-        for key, allowed in _PAIRS.items()
-    }
-    nodes: Node = {key: said[key] for key in said if said[key] and _PAIRS[key]}
-    if scene.allowed.defaults:
-        nodes |= {"allowed_by_default": dict(scene.allowed.defaults)}
-        nodes |= {key: said[key] for key in said if said[key] and not _PAIRS[key]}
-    return nodes
-
-
-def states_node(scene: DeclaredStates, robot: str, folder: Path) -> Node:
-    """The mapping that `read_states` reads."""
-    states = scene.states[robot]
-    node: Node = {}
-    if states.start is not None:
-        node["start"] = states.start.tolist()
-    if states.goal is not None:
-        node["goal"] = states.goal.tolist()
-    if states.samples is not None:
-        node["samples"] = _relative(states.samples, folder)
-    return node
-
-
-def _relative(file: Path, folder: Path) -> str:
-    """A path relative to a folder, absolute if it is not below that folder."""
-    absolute = file.resolve()
-    return str(absolute.relative_to(folder)) if absolute.is_relative_to(folder) else str(absolute)

@@ -20,7 +20,9 @@ from plannercheck.common.escaping import json_in_script
 from plannercheck.view.drawn_parts import DrawnParts
 from plannercheck.view.model import COLLIDING, COLOURS, PLANE, Mesh, Picture
 
-_TEMPLATE, _SCRIPT = (Path(__file__).with_name(name) for name in ("viewer.html", "viewer_parts.js"))
+_TEMPLATE, *_SCRIPTS = (
+    Path(__file__).with_name(name) for name in ("viewer.html", "viewer_parts.js", "viewer_layer.js")
+)
 _TITLE, _DATA, _PARTS = "<!--TITLE-->", "/*DATA*/", "/*PARTS*/"
 
 
@@ -32,7 +34,7 @@ def write_page(picture: Picture, path: str | Path) -> None:
 
 def page_of(picture: Picture) -> str:
     """The HTML of a picture."""
-    script = _SCRIPT.read_text(encoding="utf-8")
+    script = "".join(each.read_text(encoding="utf-8") for each in _SCRIPTS)
     parts = {_TITLE: html.escape(picture.title), _DATA: json_in_script(data_of(picture)), _PARTS: script}
     template = _TEMPLATE.read_text(encoding="utf-8")
     # In one pass: what is put in is not looked through again.

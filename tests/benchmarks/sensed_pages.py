@@ -1,14 +1,17 @@
 """How large pages of sensed scenes are, and how fast a browser draws them: `python tests/benchmarks/sensed_pages.py`.
 
 A cloud of a million points and a map of a building of a million cells are written as pages of `plannercheck view`.
-Chromium without a window turns each picture around, frame by frame, and waits for every frame's pixels. It draws by
-software (SwiftShader) on the processor, since a test machine has no graphics card: a card takes less. What a frame
-takes is the processor time of all of Chromium for many frames, less that for few: other work does not count.
+Chromium without a window turns each picture around, frame by frame, and waits for every frame's pixels: all parts in
+one frame; all in slices, one a frame, as at rest; or what is drawn while the view moves. It draws by software
+(SwiftShader) on the processor, since a test machine has no graphics card: a card takes less. What a frame takes is the
+processor time of all of Chromium for many frames, less that for few: other work does not count, but for the page's own
+clock, by which it draws less when the processor is busy.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 import resource
 import subprocess
 import sys
@@ -29,19 +32,29 @@ from plannercheck.view.page import page_of
 
 # Goes before the end of a page: turned frames, then a word for the dumped page.
 _TURN = """
-const pixel = new Uint8Array(4);
+const pixel = new Uint8Array(4), drawn = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+let slices = 0, parts_ = 0;
 for (let k = 0; k < COUNT; k++) {
   camera.azimuth += 0.1;
-  moving = MOVING;
-  draw();
-  gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+  DRAW
+  drawn();
+  slices += layer.slices;
+  parts_ += layer.chosen.slice(0, layer.next).reduce((sum, each) => sum + each.count, 0);
 }
-document.documentElement.innerHTML = "<pre>drawn</pre>";
+document.documentElement.innerHTML = `<pre>drawn ${slices / COUNT} ${parts_ / COUNT}</pre>`;
 </script>
 </body>"""
+# How a frame is drawn.
+_WAYS = {
+    "still": "draw(true);",
+    "sliced": "do { prepare(); drawLayer(false); } while (unfinished()); prepare(); paintAll();",
+    "moving": "moving = true; draw();",
+}
 _END = "</script>\n</body>"
 # Frames that are drawn in either run, and what a run may take, s.
 _FEW, _PATIENCE = 2, 900
+# So many times the frames where each takes less: loading a page varies by more than a frame takes.
+_MORE = {"still": 1, "sliced": 1, "moving": 8}
 
 
 def cloud_scene(count: int) -> pc.Scene:
@@ -68,20 +81,25 @@ def measured(name: str, scene: pc.Scene, count: int, size: tuple[int, int]) -> d
     began = time.process_time()
     page = page_of(picture(pc.Checker(robot, scene), robot.reference, planes=0))
     seconds = time.process_time() - began
-    still, moving = (frame_of(page, count, size, each) for each in (False, True))
     row = {"scene": name, "parts": parts, "megabytes": len(page.encode()) / 1e6, "seconds": seconds}
-    return row | {"still": still, "moving": moving, "pixels": f"{size[0]} x {size[1]}"}
+    taken, slices, shown = zip(*(frame_of(page, count, size, way) for way in _WAYS), strict=True)
+    row |= dict(zip(_WAYS, taken, strict=True))
+    return row | {"slices": slices[1], "moving share": shown[2] / shown[0], "pixels": f"{size[0]} x {size[1]}"}
 
 
-def frame_of(page: str, count: int, size: tuple[int, int], moving: bool) -> float:
-    """Milliseconds of the processor that a frame of a page takes; NaN without a browser."""
-    script = _TURN.replace("MOVING", str(moving).lower())
-    spent = [drawing(page, script, each, size) for each in (_FEW, _FEW + count)] if BROWSER else [0.0, float("nan")]
-    return 1e3 * (spent[1] - spent[0]) / count
+def frame_of(page: str, count: int, size: tuple[int, int], way: str) -> tuple[float, float, float]:
+    """Milliseconds of the processor that a frame of a page takes, its slices and parts; NaN without a browser."""
+    if not BROWSER:
+        return (float("nan"),) * 3
+    script = _TURN.replace("DRAW", _WAYS[way])
+    few, _, _ = drawing(page, script, _FEW, size)
+    count *= _MORE[way]
+    spent, slices, parts = drawing(page, script, _FEW + count, size)
+    return 1e3 * (spent - few) / count, slices, parts
 
 
-def drawing(page: str, script: str, count: int, size: tuple[int, int]) -> float:
-    """Seconds of the processor in which Chromium loads a page and draws so many frames."""
+def drawing(page: str, script: str, count: int, size: tuple[int, int]) -> tuple[float, float, float]:
+    """Seconds of the processor in which Chromium loads a page and draws so many frames; slices and parts of one."""
     at = page.rindex(_END)
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         path = Path(folder) / "page.html"
@@ -97,8 +115,9 @@ def drawing(page: str, script: str, count: int, size: tuple[int, int]) -> float:
         ]
         before = of_children()
         shown = subprocess.run(command, check=True, capture_output=True, text=True, timeout=_PATIENCE).stdout
-        assert "<pre>drawn</pre>" in shown, shown[:500]
-        return of_children() - before
+        found = re.search(r"<pre>drawn (\S+) (\S+)</pre>", shown)
+        assert found, shown[:500]
+        return of_children() - before, float(found[1]), float(found[2])
 
 
 def of_children() -> float:

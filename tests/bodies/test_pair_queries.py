@@ -87,6 +87,14 @@ def reflected(pose):
     return pose
 
 
+def sheared(pose):
+    shear = np.eye(3)
+    shear[0, 1] = 1.001 * RIGID_TOLERANCE / np.sqrt(2)  # which makes two entries of M^T M - 1
+    pose = pose.copy()
+    pose[..., :3, :3] = pose[..., :3, :3] @ shear
+    return pose
+
+
 # One stretch of s makes |M^T M - 1| = 2 sqrt(3) s.
 AT_TOLERANCE = RIGID_TOLERANCE / (2 * np.sqrt(3))
 FAULTS = {
@@ -99,6 +107,7 @@ FAULTS = {
     "reflection": reflected,
     "zeros": lambda pose: np.zeros_like(pose),
     "off rigid": stretched(1.001 * AT_TOLERANCE),
+    "sheared": sheared,
     "wide": lambda pose: pose[..., :3, :],
     "vector": lambda pose: pose[..., 0, 0],
     "text": lambda pose: np.full(pose.shape, "a"),
@@ -336,6 +345,50 @@ def test_a_bad_pose_of_many_is_named(fault):
     assert error_of(pc.intersects, P, R, poses, poses, threads=3) == text
     assert error_of(pc.intersects, R, P, poses.tolist()) == text
     assert error_of(pc.intersects, P, R, poses[:5], bad) == error_of(_checked_matrix, bad, "pose_r", RIGID_TOLERANCE)
+
+
+@pytest.mark.parametrize("fault", ["translation NaN", "last row", "last row NaN", "reflection", "off rigid", "sheared"])
+def test_a_bad_pose_is_found_wherever_it_is(fault):
+    """Poses are looked at four at a time, those left over singly."""
+    rng = np.random.default_rng(16)
+    P, R = BODIES["cube"], BODIES["round"]
+    good = np.array([random_pose(rng) for _ in range(7)])
+    for place in range(len(good)):
+        poses = good.copy()
+        poses[place] = FAULTS[fault](poses[place])
+        for arguments in ((P, R, poses, good), (R, P, poses, good[0])):
+            assert f"pose_p[{place}]" in error_of(pc.intersects, *arguments)[1]
+
+
+@pytest.mark.parametrize("far", [0.0, 1.0, 1e4, 1e9, 1e11])
+@pytest.mark.parametrize("off", [1e-15, 1e-9, 1e-5, 1e-2, 1.0])
+def test_pairs_whose_balls_nearly_touch_get_the_verdicts_of_single_calls(off, far):
+    """Of four pairs at a time, the far ones are told by their balls; fewer than four pairs are tested one by one."""
+    rng = np.random.default_rng(17)
+    bodies = [pc.Polytope([point], inflation_radius=0.1) for point in ((0.3, -0.2, 0.5), (0.0, 0.1, -0.7))]
+    centres = [body.vertices[0] for body in bodies]
+    a, b = (np.array([random_pose(rng) for _ in range(203)]) for _ in range(2))
+    directions = rng.normal(size=(203, 3))
+    directions *= (0.2 * (1 + off * rng.uniform(-1, 1, 203)) / np.linalg.norm(directions, axis=1))[:, None]
+    a[:, :3, 3] = far * rng.normal(size=(203, 3))
+    b[:, :3, 3] = a[:, :3, 3] + a[:, :3, :3] @ centres[0] + directions - b[:, :3, :3] @ centres[1]
+    expected = [pc.intersects(*bodies, x, y) for x, y in zip(a, b, strict=True)]
+    assert pc.intersects(*bodies, a, b).tolist() == expected
+    assert pc.intersects(*bodies[::-1], b, a).tolist() == expected
+    assert 0 < sum(expected) < len(expected)
+    for k in range(10):
+        alone = [pc.intersects(*bodies, a[k], y) for y in b[: 8 * k]]
+        assert pc.intersects(*bodies, a[k], b[: 8 * k]).tolist() == alone
+
+
+def test_more_poses_than_are_looked_at_at_a_time():
+    rng = np.random.default_rng(18)
+    poses = np.array([random_pose(rng) for _ in range(2500)])
+    poses[:, :3, 3] *= 3
+    for P, R in ((BODIES["cube"], BODIES["round"]), (BODIES["flat"], BODIES["cube"])):
+        found = pc.intersects(P, R, poses)
+        assert found.tolist() == intersects_checked(P, R, poses).tolist()
+        assert 0 < found.sum() < 1000
 
 
 def test_numbers_of_poses_must_agree():

@@ -16,6 +16,7 @@ from plannercheck.bodies import exact_reference
 from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
 from plannercheck.cli.main import main
 from plannercheck.evaluation.stress.failure_tables import EXCEPTION, TIMEOUT, WRONG
+from plannercheck.evaluation.stress.posed_pairs import Outcome
 from plannercheck.evaluation.stress.random_cases import GAPS
 from plannercheck.evaluation.stress_parts import judges
 from plannercheck.evaluation.stress_parts import run as stress
@@ -29,7 +30,6 @@ from plannercheck.evaluation.stress_parts.motions import FREE, MISSED, REFUSED, 
 from plannercheck.evaluation.stress_parts.set_families import SETS, random_set
 from plannercheck.evaluation.stress_parts.tables import lines
 from plannercheck.evaluation.stress_parts.truth import decide
-from plannercheck.evaluation.stress_solids.judges import Outcome
 
 SAMPLE = 4000  # pairs, about 4 s
 
@@ -375,8 +375,8 @@ def test_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None
 def test_a_wrong_verdict_fails_the_command(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told = judges._batch
-    monkeypatch.setattr(judges, "_batch", lambda *a: [not shared for shared in told(*a)])
+    told = judges.batch
+    monkeypatch.setattr(judges, "batch", lambda *a: [not shared for shared in told(*a)])
     monkeypatch.setattr(stress, "KEPT", 1)
     assert main(["stress", "--parts", "20", "--seed", "4", "--cases", str(tmp_path)]) == 1
     assert "failed: draw 0" in capsys.readouterr().out

@@ -10,6 +10,7 @@ import pytest
 
 import plannercheck as pc
 from plannercheck.cli.main import main
+from plannercheck.evaluation.stress import posed_pairs
 from plannercheck.evaluation.stress.failure_tables import EXCEPTION, TIMEOUT, WRONG
 from plannercheck.evaluation.stress.supervised_process import Supervised
 from plannercheck.evaluation.stress_solids import judges, robot_links
@@ -60,13 +61,13 @@ def test_runs_do_not_depend_on_the_number_of_processes() -> None:
 
 @pytest.mark.parametrize(
     ("outcome", "kind"),
-    [("wrong", WRONG), (EXCEPTION, judges.EXCEPTION), (TIMEOUT, judges.TIMEOUT)],
+    [("wrong", WRONG), (EXCEPTION, EXCEPTION), (TIMEOUT, TIMEOUT)],
 )
 def test_failures_are_counted_and_kept(outcome: str, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of one contestant, at one pair of each draw."""
 
-    def answers(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[judges.Outcome]]:
-        told: list[judges.Outcome] = [*truth]
+    def answers(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[posed_pairs.Outcome]]:
+        told: list[posed_pairs.Outcome] = [*truth]
         told[0] = not truth[0] if outcome == "wrong" else outcome
         return {judges.BATCH: told}
 
@@ -82,15 +83,15 @@ def test_failures_are_counted_and_kept(outcome: str, kind: str, monkeypatch: pyt
 def test_a_question_that_takes_too_long_is_left_behind() -> None:
     import time
 
-    def sleeps() -> list[judges.Outcome]:
+    def sleeps() -> list[posed_pairs.Outcome]:
         time.sleep(5)
         return [True]
 
-    def fails() -> list[judges.Outcome]:
+    def fails() -> list[posed_pairs.Outcome]:
         raise RuntimeError
 
-    assert judges.limited(sleeps, 2, limit=0.05) == [TIMEOUT] * 2
-    assert judges.limited(fails, 2) == [EXCEPTION] * 2
+    assert posed_pairs.limited(sleeps, 2, limit=0.05) == [TIMEOUT] * 2
+    assert posed_pairs.limited(fails, 2) == [EXCEPTION] * 2
 
 
 def test_distances_that_are_wrong_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -184,8 +185,8 @@ def test_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None
 def test_a_wrong_verdict_fails_the_command(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told = judges._batch
-    monkeypatch.setattr(judges, "_batch", lambda *a: [not shared for shared in told(*a)])
+    told = judges.batch
+    monkeypatch.setattr(judges, "batch", lambda *a: [not shared for shared in told(*a)])
     monkeypatch.setattr(stress, "KEPT", 1)
     assert main(["stress", "--solids", "20", "--seed", "4", "--cases", str(tmp_path)]) == 1
     assert "failed: draw 0" in capsys.readouterr().out

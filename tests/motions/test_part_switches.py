@@ -87,9 +87,11 @@ def test_verdicts_of_states(name, others, padding):
 
 @pytest.mark.parametrize("name", SETS)
 @pytest.mark.parametrize("length", [0.1, 0.7])
-def test_verdicts_of_motions(name, length):
+@pytest.mark.parametrize("bounds", [True, False])
+def test_verdicts_of_motions(name, length, bounds):
     scene = scene_of(SETS[name](), tilted())
-    on, off = (pc.Checker(panda(), scene, part_trees=each, self_collision=False) for each in (True, False))
+    others = {"self_collision": False, "bounds": bounds}
+    on, off = (pc.Checker(panda(), scene, part_trees=each, **others) for each in (True, False))
     start, end = motions(120, 5, length)
     free, plainly = on.check_motions(start, end), off.check_motions(start, end)
     for k in np.flatnonzero(free != plainly):  # either may refuse what comes within the tolerance

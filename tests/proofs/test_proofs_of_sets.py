@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import warnings
 from dataclasses import replace
 from fractions import Fraction
 
@@ -12,62 +11,15 @@ import numpy as np
 import pytest
 from flint import arb, arb_mat
 from proof_cases import CUBE, STILL, at, claim, point, turn
+from set_proof_cases import END, SETS, START, replaced, scene_of, set_of, tilted, with_set
 
 import plannercheck as pc
-from plannercheck.cli.main import main
-from plannercheck.motions import part_covers
 from plannercheck.proofs import Entry, Joint, PosedBody, load_proofs
 from plannercheck.proofs.data import WORLD
 from plannercheck.proofs.entries import EntryChecker
-from plannercheck.proofs.faults import UnprovedError
-from plannercheck.proofs.nesting import check_not_nested
 from plannercheck.proofs.parts import part_count, parts_of
 from plannercheck.proofs.verify import model_confirmed
 from plannercheck.proofs.well_formed import hashes_of
-
-START = np.array([0, -0.785, 0, -2.356, 0, 1.571, 0.785])
-END = START + np.array([0.3, 0.1, 0, 0.1, 0, 0, 0])
-
-
-def shell(count, seed=4):
-    rng = np.random.default_rng(seed)
-    points = rng.normal(size=(count, 3))
-    return 1.2 * points / np.linalg.norm(points, axis=1)[:, None] + [0, 0, 0.4]
-
-
-def hollow():
-    full = np.zeros((20, 20, 16), dtype=bool)
-    full[[0, -1]] = full[:, [0, -1]] = full[:, :, [-1]] = True
-    return full
-
-
-def valley():
-    heights = np.full((20, 20), -0.5)
-    heights[0] = heights[:, -1] = 1.5
-    heights[3, 4] = np.nan
-    return heights
-
-
-SETS = {
-    "balls": lambda: pc.PointCloud(shell(300), np.random.default_rng(1).uniform(0.005, 0.03, 300)),
-    "one radius": lambda: pc.PointCloud(shell(200), 0.01),
-    "boxes": lambda: pc.VoxelGrid(hollow(), 0.1, (-1, -1, 0.2)),
-    "leaves": lambda: pc.Octree.from_cells(np.unique(np.floor(shell(200) / 0.06).astype(int), axis=0), 0.06),
-    "prisms": lambda: pc.HeightField(valley(), 0.1, -1, (-1, -1)),
-}
-
-
-def tilted():
-    pose = np.eye(4)
-    pose[:3, :3] = [[np.cos(0.02), 0, np.sin(0.02)], [0, 1, 0], [-np.sin(0.02), 0, np.cos(0.02)]]
-    pose[:3, 3] = 0.02, 0.01, 0.03
-    return pose
-
-
-def scene_of(shape):
-    scene = pc.Scene("sensed")
-    scene.add("camera", shape, tilted())
-    return scene
 
 
 @pytest.fixture(scope="module")
@@ -81,22 +33,6 @@ def case(request, panda):
     shape = SETS[request.param]()
     (proof,) = pc.Checker(panda, scene_of(shape)).certify_motions(START[None], END[None])
     return shape, proof
-
-
-def replaced(proof, **changes):
-    fields = ("kind", "robot", "scene", "hashes", "model", "motion", "margin", "entries")
-    return type(proof)(*(changes.get(name, getattr(proof, name)) for name in fields))
-
-
-def with_set(proof, **changes):
-    """A proof whose set is another one, with hashes that fit."""
-    bodies = tuple(replace(body, **changes) if body.parts else body for body in proof.model.bodies)
-    model = replace(proof.model, bodies=bodies)
-    return replaced(proof, model=model, hashes=hashes_of(model))
-
-
-def set_of(proof):
-    return next(body for body in proof.model.bodies if body.parts)
 
 
 def of_set(proof):
@@ -334,131 +270,6 @@ def test_motions_with_other_ends_hold_only_if_they_are_free(case, panda):
     assert seen == {True, False}
 
 
-def test_free_motions_near_parts_are_proved(panda):
-    rng = np.random.default_rng(3)
-    points = rng.uniform((0.25, -0.6, 0.0), (0.8, 0.6, 1.0), size=(80, 3))
-    scene = pc.Scene("near")
-    scene.add("camera", pc.PointCloud(points, rng.uniform(0.002, 0.03, 80)))
-    checker = pc.Checker(panda, scene, padding={"panda_hand": 0.003})
-    start = panda.random_configurations(200, seed=5)
-    end = np.clip(start + 0.2 * rng.normal(size=start.shape), panda.lower, panda.upper)
-    free = checker.check_motions(start, end)
-    assert free.sum() > 20
-    proofs = checker.certify_motions(start, end)
-    assert [proof is not None for proof in proofs] == free.tolist()
-    for proof in proofs:
-        assert proof is None or proof.verify()
-
-
-def test_two_sets_are_proved_apart(panda):
-    rng = np.random.default_rng(3)
-    scene = scene_of(SETS["balls"]())
-    scene.attach("held", "panda_hand", parts=pc.PointCloud(rng.normal(size=(12, 3)) * 0.05 + [0, 0, 0.2], 0.01))
-    for link in ("panda_hand", "panda_leftfinger", "panda_rightfinger", "panda_link7", "panda_link8"):
-        scene.allow("held", link)
-    checker = pc.Checker(panda, scene)
-    assert checker.check_motion(START, END)
-    (proof,) = checker.certify_motions(START[None], END[None])
-    assert proof.verify()
-    k = next(k for k, body in enumerate(proof.model.bodies) if body.label == "held")
-    for row in range(12):
-        held = proof.model.bodies[k]
-        vertices = held.vertices.copy()
-        vertices[row] = [0.0, 0.0, 3.0]
-        bodies = (*proof.model.bodies[:k], replace(held, vertices=vertices, reach=9.0), *proof.model.bodies[k + 1 :])
-        model = replace(proof.model, bodies=bodies)
-        assert not replaced(proof, model=model, hashes=hashes_of(model)).verify()
-
-
-def test_a_carried_cloud_over_a_half_space_counts_ball_by_ball(panda):
-    scene = pc.Scene("slope")
-    scene.add("slope", pc.HalfSpace((0.0, 0.0, 1.0), -0.4))
-    row = np.column_stack([np.zeros(30), np.zeros(30), np.linspace(0.12, 0.5, 30)])
-    scene.attach("row", "panda_hand", parts=pc.PointCloud(row, np.linspace(0.001, 0.01, 30)))
-    for link in ("panda_hand", "panda_leftfinger", "panda_rightfinger", "panda_link7", "panda_link8"):
-        scene.allow("row", link)
-    checker = pc.Checker(panda, scene)
-    assert checker.check_motion(START, END)
-    (proof,) = checker.certify_motions(START[None], END[None])
-    assert proof.verify()
-    body = set_of(proof)
-    assert with_set(proof, radii=body.radii + 0.001).verify()
-    longer = body.vertices.copy()
-    longer[7, 2] += 1.5
-    flint.ctx.prec = 64
-    sets = [k for k, body in enumerate(proof.model.bodies) if body.parts]
-    pair = max(k for k, bodies in enumerate(proof.model.pairs) if sets[0] in bodies)
-    (over,) = [entry for entry in proof.entries if entry.pair == pair and entry.by == "half-space"]
-    assert EntryChecker(proof).holds(over)
-    assert not EntryChecker(with_set(proof, vertices=longer)).holds(over)
-    assert not EntryChecker(with_set(proof, radii=body.radii + 0.8)).holds(over)
-
-
-CARRIAGE = """<robot name="carriage"><link name="rail"/>
-<link name="cube"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
-<joint name="x" type="prismatic"><parent link="rail"/><child link="cube"/><axis xyz="1 0 0"/>
-<limit lower="-9" upper="9" effort="1" velocity="1"/></joint></robot>"""
-BOX = np.array(list(itertools.product([-1.0, 1.0], repeat=3)))
-SIDES = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6]])
-SIDES = np.vstack([SIDES, [[0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]])
-
-
-@pytest.fixture
-def in_a_cavity(tmp_path):
-    """A cube with a cloud around it that moves in the cavity of a hollow solid."""
-    (tmp_path / "carriage.urdf").write_text(CARRIAGE)
-    scene = pc.Scene("shell")
-    scene.add("shell", pc.Solid(np.vstack([3 * BOX, 2 * BOX]), np.vstack([SIDES, SIDES[:, ::-1] + 8])))
-    scene.attach("held", "cube", parts=pc.PointCloud(0.3 * BOX, 0.02))
-    (proof,) = pc.Checker(pc.Robot.from_urdf(tmp_path / "carriage.urdf"), scene).certify_motions([[0.0]], [[0.02]])
-    return proof
-
-
-def test_parts_in_a_cavity_are_outside(in_a_cavity):
-    assert in_a_cavity.verify()
-    pairs = {k: {in_a_cavity.model.bodies[b].label for b in pair} for k, pair in enumerate(in_a_cavity.model.pairs)}
-    assert any(
-        pairs[entry.pair] == {"held", "shell"} and (entry.first or entry.second) for entry in in_a_cavity.entries
-    )
-
-
-def test_each_part_inside_of_a_solid_is_found(in_a_cavity):
-    """Around one part alone a surface that no plane was to keep away."""
-    held = next(body for body in in_a_cavity.model.bodies if body.parts)
-    shell_ = next(body for body in in_a_cavity.model.bodies if body.triangles)
-    identity = arb_mat(4, 4, [int(k % 5 == 0) for k in range(16)])
-    check_not_nested(held, identity, shell_, identity)
-    for k in range(8):
-        small = replace(shell_, vertices=0.1 * BOX + 0.3 * BOX[k], triangles=tuple(map(tuple, SIDES.tolist())))
-        with pytest.raises(UnprovedError, match="is inside shell"):
-            check_not_nested(held, identity, small, identity)
-
-
-def test_solids_before_a_cloud_are_proved():
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # an open mesh keeps its hull
-        robot = pc.Robot.load("ur10", geometry={"upper_arm_link": "solid", "forearm_link": "solid"})
-    rng = np.random.default_rng(0)
-    scene = pc.Scene("sensed")
-    scene.add("camera", pc.PointCloud(rng.uniform((-1, -1, -0.2), (1, 1, 1.2), size=(60, 3)), 0.02))
-    checker = pc.Checker(robot, scene, self_collision=False)
-    start = robot.random_configurations(100, seed=1)
-    end = start + 0.1 * rng.normal(size=start.shape)
-    free = np.flatnonzero(checker.check_motions(start, end))[:8]
-    assert len(free) > 4
-    for proof in checker.certify_motions(start[free], end[free]):
-        assert proof.verify()
-
-
-def test_pairs_without_a_proof_are_named(panda, monkeypatch):
-    checker = pc.Checker(panda, scene_of(SETS["balls"]()))
-    monkeypatch.setattr(part_covers, "_DEEPEST", 0)
-    far = START + np.array([1.2, 0.2, 0, 0.3, 0.5, 0.5, 0])
-    assert checker.check_motion(START, far)
-    with pytest.raises(pc.PlannercheckError, match=r"no proof of it was found, since of panda_\w+ and camera: "):
-        checker.certify_motions(START[None], far[None])
-
-
 def exact_lowest(kind, vertices, base, row):
     """The least value on a part, in fractions."""
     points = [[Fraction(x) for x in point] for point in vertices.tolist()]
@@ -492,17 +303,3 @@ def test_heights_are_at_most_those_in_fractions(kind, width):
                 assert Fraction(value) <= exact_lowest(kind, own, base, exact)
             least = exact_lowest(kind, own, base, [Fraction(x) for x in middle.tolist()])
             assert float(least - Fraction(value)) < 1e-14 * size + 1.01 * slack
-
-
-def test_commands_prove_and_verify_before_a_cloud(case, tmp_path, capsys):
-    shape, _ = case
-    scene_of(shape).save(tmp_path / "sensed.yaml")
-    np.save(tmp_path / "path.npy", np.array([START, END]))
-    where = ["--robot", "panda", "--scene", str(tmp_path / "sensed.yaml")]
-    path = ["--path", str(tmp_path / "path.npy"), "--proof", str(tmp_path / "path.proof.npz")]
-    assert main(["validate", *where, *path, "--certify"]) == 0
-    assert "certified" in capsys.readouterr().out
-    assert main(["verify", str(tmp_path / "path.proof.npz")]) == 0
-    assert main(["verify", str(tmp_path / "path.proof.npz"), *where]) == 0
-    assert "confirmed" in capsys.readouterr().out
-    assert main(["verify", str(tmp_path / "path.proof.npz"), "--robot", "panda", "--scene", "table"]) == 1

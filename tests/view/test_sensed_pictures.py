@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 import dataclasses
+import json
+import re
 import subprocess
 
 import numpy as np
@@ -172,3 +174,117 @@ def test_a_browser_draws_them(seen, tmp_path, which):
     assert shares[0] > 0.05
     assert shares[1] > 0.8 * shares[0]
     assert shares[2] < 0.005
+
+
+# Goes before the end of a page: what it finds, it leaves in the page, which the browser is asked for.
+_WATCH = """
+function copied() {
+  const bytes = new Uint8Array(4 * canvas.width * canvas.height);
+  gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+  return bytes;
+}
+const same = (a, b) => a.every((byte, i) => byte === b[i]), found = {};
+function dragged(type, x) {
+  canvas.dispatchEvent(new PointerEvent(type, { clientX: x, clientY: 100, buttons: 1 }));
+}
+canvas.setPointerCapture = () => {};  // which refuses made-up pointers
+WHAT
+document.documentElement.innerHTML = `<pre>${JSON.stringify(found)}</pre>`;
+</script>
+</body>"""
+# One portion a slice, as if each took long.
+_SLOW = """
+pace.whole = Infinity;
+pace.first = [1, 1];
+layer.key = "";
+const go = () => { layer.count = 1; prepare(); drawLayer(false); };"""
+
+
+def found_in_browser(shown, tmp_path, what):
+    """What a script finds in a page."""
+    page = page_of(shown)
+    head, _, _ = page.rpartition("</script>\n</body>")
+    (tmp_path / "page.html").write_text(head + _WATCH.replace("WHAT", what), encoding="utf-8")
+    flags, profile = browser_flags(400, 300), f"--user-data-dir={tmp_path / 'profile'}"
+    address = (tmp_path / "page.html").as_uri() + "#distance=9&elevation=40"
+    command = [str(BROWSER), *flags, profile, "--dump-dom", address]
+    seen = subprocess.run(command, check=True, capture_output=True, timeout=120, text=True).stdout
+    return json.loads(re.search(r"<pre>(.*?)</pre>", seen, re.DOTALL)[1])
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium: apt-get install chromium")
+def test_slices_give_what_one_draw_gives(seen, tmp_path):
+    found = found_in_browser(
+        seen,
+        tmp_path,
+        f"""
+        draw(true);
+        const whole = copied();
+        {_SLOW}
+        found.first = (go(), prepare(), paintAll(), same(copied(), whole));
+        while (unfinished()) go();
+        prepare();
+        paintAll();
+        Object.assign(found, {{ slices: layer.slices, portions: pieces.length, last: same(copied(), whole) }});
+        found.colours = new Set(new Uint32Array(whole.buffer)).size;""",
+    )
+    assert found["slices"] == found["portions"] > 5
+    assert found["last"]
+    assert not found["first"]
+    assert found["colours"] > 300
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium: apt-get install chromium")
+def test_a_drag_ends_the_slices_and_rest_goes_on_with_them(seen, tmp_path):
+    found = found_in_browser(
+        seen,
+        tmp_path,
+        f"""
+        const frames = [];
+        requestAnimationFrame = (next) => frames.push(next);  // frame by frame, as told
+        const frame_ = () => frames.shift()();
+        waiting = false;
+        {_SLOW}
+        go();
+        const width = canvas.width, before = {{ key: layer.key, next: layer.next, asked: frames.length }};
+        dragged("pointerdown", 100); dragged("pointermove", 160); dragged("pointermove", 190);
+        found.asked = [before.asked, frames.length];
+        frame_();
+        Object.assign(found, {{ before: before.next, other: layer.key !== before.key, moving: layer.next }});
+        Object.assign(found, {{ coarse: layer.width < width, quiet: frames.length === 0 }});
+        found.portions = pieces.length;
+        moving = false;
+        drawSoon();
+        for (let k = 0; frames.length && k < 1000; k++) frame_();
+        found.drawn = [layer.next, layer.chosen.length, layer.width - width];
+        const rested = copied();
+        layer.key = "";
+        draw(true);
+        found.same = same(rested, copied());""",
+    )
+    assert found["before"] == 1
+    assert found["asked"] == [1, 1]
+    assert found["other"]
+    assert found["coarse"]
+    assert found["quiet"]
+    assert found["moving"] < found["portions"] == found["drawn"][0] == found["drawn"][1]
+    assert found["drawn"][2] == 0
+    assert found["same"]
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium: apt-get install chromium")
+def test_a_click_names_bodies_without_drawing_their_parts_again(seen, tmp_path):
+    found = found_in_browser(
+        seen,
+        tmp_path,
+        """
+        draw(true);
+        const before = copied();
+        drawPieces = () => { found.again = true; };
+        const named = (_, k) => nameAt(10 * (k % 40) + 3, 10 * Math.floor(k / 40) + 5);
+        found.names = [...new Set(Array.from({ length: 1200 }, named))];
+        found.kept = same(before, copied());""",
+    )
+    assert {"camera", "map", ""} <= set(found["names"])
+    assert "again" not in found
+    assert found["kept"]

@@ -15,6 +15,7 @@
 #include "bindings/numpy_row.hpp"
 #include "bindings/ompl_states.hpp"
 #include "bindings/plain_floats.hpp"
+#include "bindings/unit_parts.hpp"
 #include "bindings/verdict_dicts.hpp"
 #include "bindings/workspace_pool.hpp"
 #include "checking/checker.hpp"
@@ -107,14 +108,17 @@ auto first_of_states(BoundChecker& checker, const Kinematics& kinematics, Config
       });
 }
 
+using Columns = InputArray<std::int32_t, -1, 2>;
+
 // A function of one configuration, without the overhead of sets. It returns None for anything but finite numbers within
-// the limits, in a NumPy row, a list or a tuple; the caller then handles it.
-nb::object row_validity(nb::object checker, nb::object kinematics) {
+// the limits, with unit vectors of length 1, in a NumPy row, a list or a tuple; the caller then handles it.
+nb::object row_validity(nb::object checker, nb::object kinematics, Columns units, double tolerance) {
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
   const auto width = static_cast<std::size_t>(kernel->width());
-  const auto judged = [checker, kinematics, judge, kernel](const double* q) -> nb::object {
-    if (!judge->may_judge(q)) return nb::none();
+  const auto judged = [checker, kinematics, judge, kernel,
+                       lengths = UnitParts(units, tolerance)](const double* q) -> nb::object {
+    if (!judge->may_judge(q) || !lengths.are_unit(q)) return nb::none();
     return nb::bool_(judge->is_valid(*kernel, q));
   };
   const auto is_free = [judged, width, array = NumpyArray(), listed = ListedNumbers()](nb::handle row) -> nb::object {
@@ -126,15 +130,16 @@ nb::object row_validity(nb::object checker, nb::object kinematics) {
 }
 
 // The same for sets of configurations, an (n, nq) array: an array (n,) of whether each is free, or None.
-nb::object set_validity(nb::object checker, nb::object kinematics) {
+nb::object set_validity(nb::object checker, nb::object kinematics, Columns units, double tolerance) {
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
   const auto width = static_cast<std::size_t>(kernel->width());
-  const auto are_free = [checker, kinematics, judge, kernel, width,
-                         array = NumpyArray()](nb::handle rows) -> nb::object {
+  const auto are_free = [checker, kinematics, judge, kernel, width, array = NumpyArray(),
+                         lengths = UnitParts(units, tolerance)](nb::handle rows) -> nb::object {
     const NumpyRows q(array, rows, width);
     bool may_judge = q.n > 0;
-    for (std::size_t i = 0; may_judge && i < q.n; ++i) may_judge = judge->may_judge(q.data + i * width);
+    for (std::size_t i = 0; may_judge && i < q.n; ++i)
+      may_judge = judge->may_judge(q.data + i * width) && lengths.are_unit(q.data + i * width);
     if (!may_judge) return nb::none();
     return nb::cast(judge->of_rows<std::uint8_t>(
         q.n, 1, [&](std::size_t, std::size_t n, std::uint8_t* valid, CheckerCore::Workspace& w) {
@@ -256,8 +261,10 @@ void bind_checker(nb::module_& m) {
       .def("body_poses", &body_poses, plain_floats)
       .def("statistics", &BoundChecker::statistics, plain_floats);
   m.def("placed_on_links", &placed_on_links, plain_floats);
-  m.def("row_validity", &row_validity, nb::arg("checker"), nb::arg("kinematics"), plain_floats);
-  m.def("set_validity", &set_validity, nb::arg("checker"), nb::arg("kinematics"), plain_floats);
+  m.def("row_validity", &row_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("units"),
+        nb::arg("tolerance"), plain_floats);
+  m.def("set_validity", &set_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("units"),
+        nb::arg("tolerance"), plain_floats);
   m.def("state_validity", &state_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("elsewhere"),
         nb::arg("serialize").none() = nb::none(), nb::arg("failure").none() = nb::none(), plain_floats);
 }

@@ -12,7 +12,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "bodies/height_ceilings.hpp"
 #include "bodies/huge_page_allocator.hpp"
+#include "bodies/lazy_value.hpp"
 #include "bodies/part_order.hpp"
 #include "math/vec.hpp"
 
@@ -91,6 +93,18 @@ class PartSet {
   bool has_one_radius() const { return radii_.size() == 1; }
   // The boxes of the parts of a leaf.
   PartNode leaf_boxes(std::size_t leaf) const;
+  // What prisms are made of. `corner`: x and y of the first height, and the base.
+  struct Lattice {
+    const double* heights;
+    std::array<std::size_t, 2> size;
+    std::array<double, 2> step;
+    Vec3 corner;
+  };
+  Lattice lattice() const { return {heights_.data(), {rows_, columns_}, step_, {origin_.x, origin_.y, base_}}; }
+  const HeightCeilings& ceilings() const {
+    return lazy_ceilings_.get(
+        [this] { return HeightCeilings(heights_.data(), rows_, columns_, step_, {origin_.x, origin_.y, base_}); });
+  }
 
   std::size_t bytes() const;
 
@@ -145,6 +159,7 @@ class PartSet {
   std::size_t rows_ = 0, columns_ = 0;
   std::array<double, 2> step_{1, 1};
   double base_ = 0;
+  LazyValue<HeightCeilings> lazy_ceilings_;
 
   double lattice(int axis, std::int64_t key) const;
   PartShape ball(std::size_t place) const;

@@ -11,15 +11,15 @@
 namespace plannercheck {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 // Ranges up to so many triangles are cut at the best of all places, larger ones at the best of some (measured).
 constexpr std::size_t kMostSwept = 128;
-constexpr std::size_t kBins = 32;
+constexpr std::size_t kCutBins = 32;
 
 // Around any number of triangles.
 struct GrowingBox {
-  Vec3 low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
+  Vec3 low{kUnbounded, kUnbounded, kUnbounded}, high{-kUnbounded, -kUnbounded, -kUnbounded};
 
   void add(Vec3 from, Vec3 to) {
     low = {smaller(low.x, from.x), smaller(low.y, from.y), smaller(low.z, from.z)};
@@ -37,7 +37,7 @@ struct GrowingBox {
 
 // Where a range is cut.
 struct Cut {
-  double cost = kInfinity;
+  double cost = kUnbounded;
   int axis = 0;
   std::size_t place = 0;  // triangles before it
 };
@@ -129,7 +129,7 @@ class Ordering {
 
   std::int32_t* cut_in_two(IndexRange range, std::size_t step) {
     const std::size_t count = size_of(range), leaves = (count + step - 1) / step;
-    Cut best{kInfinity, 0, leaves / 2 * step};
+    Cut best{kUnbounded, 0, leaves / 2 * step};
     for (int axis = 0; axis < 3; ++axis) {
       const Cut found = count <= kMostSwept ? best_of_all(range, axis, step) : best_of_some(range, axis, step);
       if (found.cost < best.cost) best = found;
@@ -164,25 +164,25 @@ class Ordering {
 
   // Of cuts between bins of equal width, each moved to the next whole step.
   Cut best_of_some(IndexRange range, int axis, std::size_t step) const {
-    double low = kInfinity, high = -kInfinity;
+    double low = kUnbounded, high = -kUnbounded;
     for (const std::int32_t* i = range.first; i != range.last; ++i)
       low = smaller(low, middle(*i, axis)), high = larger(high, middle(*i, axis));
-    if (!(low < high)) return {};
-    std::array<GrowingBox, kBins> around;
-    std::array<std::size_t, kBins> inside{};
-    const double bins = static_cast<double>(kBins) / (high - low);
+    const double bins = static_cast<double>(kCutBins) / (high - low);
+    if (!(bins < kUnbounded)) return {};  // all middles are one, nearly
+    std::array<GrowingBox, kCutBins> around;
+    std::array<std::size_t, kCutBins> inside{};
     for (const std::int32_t* i = range.first; i != range.last; ++i) {
-      const auto bin = std::min(static_cast<std::size_t>((middle(*i, axis) - low) * bins), kBins - 1);
+      const auto bin = std::min(static_cast<std::size_t>((middle(*i, axis) - low) * bins), kCutBins - 1);
       around[bin].add(box(i)), ++inside[bin];
     }
-    std::array<double, kBins> after;  // the surface of each bin and those that follow
+    std::array<double, kCutBins> after;  // the surface of each bin and those that follow
     GrowingBox sum;
-    for (std::size_t k = kBins; k-- > 0;) sum.add(around[k]), after[k] = sum.surface();
+    for (std::size_t k = kCutBins; k-- > 0;) sum.add(around[k]), after[k] = sum.surface();
     const std::size_t count = size_of(range), last = (count - 1) / step * step;
     Cut best;
     sum = {};
     std::size_t before = 0;
-    for (std::size_t k = 0; k + 1 < kBins; ++k) {
+    for (std::size_t k = 0; k + 1 < kCutBins; ++k) {
       sum.add(around[k]), before += inside[k];
       if (before == 0 || before == count) continue;
       const double both = cost(sum.surface(), before, step) + cost(after[k + 1], count - before, step);

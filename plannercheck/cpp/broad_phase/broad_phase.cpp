@@ -14,6 +14,9 @@ constexpr int kFewStates = 3;
 // Scenes of up to this many obstacles are tested one by one faster than by the tree (measured).
 constexpr std::size_t kFewObstacles = 64;
 
+// No box is looked at before these filters' own tests.
+bool is_unboxed(const GeometryObject& object) { return object.body->half_space || HeightFilter::is_for(object); }
+
 // The box around a static body, with room for the rounding of its posed vertices.
 WorldBox world_box(const GeometryObject& object) {
   const Polytope& body = *object.body;
@@ -41,7 +44,7 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   std::vector<bool> used(bodies.size(), false);
   for (const auto& pair : pairs) {
     const bool moves = bodies[at(pair[0])].link >= 0 || bodies[at(pair[1])].link >= 0;
-    for (const std::int32_t b : pair) used[at(b)] = used[at(b)] || (moves && !bodies[at(b)].body->half_space);
+    for (const std::int32_t b : pair) used[at(b)] = used[at(b)] || (moves && !is_unboxed(bodies[at(b)]));
   }
   std::vector<WorldBox> boxes;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -66,6 +69,9 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
     const std::int32_t still = pairs[k][first ? 1 : 0];
     if (first != second && bodies[at(still)].body->half_space) {
       plane_filter_.add(pair, at(first ? a : b), bodies[at(still)]);
+    } else if (first != second && HeightFilter::is_for(bodies[at(still)])) {
+      const std::size_t mover = at(first ? a : b);
+      height_filter_.add(pair, mover, movers_[mover], still, bodies[at(still)]);
     } else if (first && second) {
       moving_pairs_.push_back({a, b, pair});
     } else if (!first && !second) {
@@ -118,7 +124,7 @@ BroadPhase::Workspace BroadPhase::new_workspace() const {
   w.boxes = boxes_.new_workspace();
   w.overlaps = overlaps_.new_workspace();
   w.candidates.reserve(pairs_.size());
-  w.over_planes.reserve(plane_filter_.size());
+  w.unboxed.reserve(plane_filter_.size() + height_filter_.size());
   w.found.reserve(obstacles_);
   w.reached.reserve(obstacles_);
   w.states.resize(obstacles_);
@@ -127,7 +133,7 @@ BroadPhase::Workspace BroadPhase::new_workspace() const {
 }
 
 void BroadPhase::begin(Workspace& w) {
-  w.candidates.clear(), w.over_planes.clear();
+  w.candidates.clear(), w.unboxed.clear();
   w.boxed = false;
   w.boxes_apart = w.skipped = 0;
   w.overlapping = 0;
@@ -174,7 +180,7 @@ void BroadPhase::filter(int count, Filters filters, Workspace& w) const {
     }
   };
   for (const Candidate& candidate : w.candidates) take(candidate, candidate.states);
-  for (const Candidate& candidate : w.over_planes) {
+  for (const Candidate& candidate : w.unboxed) {
     take(candidate, candidate.states & ~w.overlapping);
     w.skipped += __builtin_popcount(candidate.states & w.overlapping);
   }
@@ -199,7 +205,9 @@ void BroadPhase::find_for_block(int count, Workspace& w) const {
   pose_balls(w);
   find_among_movers(count, w);
   const auto posed = [&](std::size_t mover) -> const Balls& { return w.balls[mover]; };
-  plane_filter_.find(posed, (1U << count) - 1, [&](auto pair, auto near) { w.over_planes.push_back({pair, near}); });
+  const auto take = [&](std::int32_t pair, unsigned near) { w.unboxed.push_back({pair, near}); };
+  plane_filter_.find(posed, (1U << count) - 1, take);
+  height_filter_.find(posed, (1U << count) - 1, take);
   if (obstacles_ <= kFewObstacles) {
     const auto groups = [&] { return mover_groups(movers_, world_boxes_, pair_of_, *sampled_); };
     for (const MoverGroup& group : mover_groups_.get(groups)) find_listed(group, count, w);
@@ -228,7 +236,8 @@ void BroadPhase::find_for_state(const PoseColumns* links, std::size_t state, Wor
     const SingleStateFilter::Ball ball = SingleStateFilter::ball(mover, w.single_state_filter);
     return Balls{StateFloats{} + ball.x, StateFloats{} + ball.y, StateFloats{} + ball.z, StateFloats{} + ball.radius};
   };
-  plane_filter_.find(posed, 1, [&](auto pair, auto) { w.over_planes.push_back({pair, bit}); });
+  plane_filter_.find(posed, 1, [&](auto pair, auto) { w.unboxed.push_back({pair, bit}); });
+  height_filter_.find(w.single_state_filter, [&](auto pair) { w.unboxed.push_back({pair, bit}); });
   for (std::size_t k = 0; obstacles_ > kFewObstacles && k < movers_with_obstacles_.size(); ++k) {
     const std::size_t mover = at(movers_with_obstacles_[k]);
     const SingleStateFilter::Ball ball = SingleStateFilter::ball(mover, w.single_state_filter);

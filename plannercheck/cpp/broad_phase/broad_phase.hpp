@@ -17,6 +17,7 @@
 #include "broad_phase/box_filter.hpp"
 #include "broad_phase/float_link_poses.hpp"
 #include "broad_phase/geometry_object.hpp"
+#include "broad_phase/height_filter.hpp"
 #include "broad_phase/mover_groups.hpp"
 #include "broad_phase/obstacle_tree.hpp"
 #include "broad_phase/overlap_filter.hpp"
@@ -52,7 +53,7 @@ class BroadPhase {
     BlockBoxes::Workspace boxes;
     BlockOverlaps::Workspace overlaps;
     std::vector<Candidate> candidates;
-    std::vector<Candidate> over_planes;        // the same with half-spaces
+    std::vector<Candidate> unboxed;            // the same with half-spaces and fields of heights
     std::vector<std::int32_t> found, reached;  // obstacles near the ball: in one state, in any state
     std::vector<unsigned> states;              // per obstacle, those in which it is near; 0 between searches
     std::array<std::vector<std::int32_t>, kBlockStates> near;  // pairs, by state
@@ -93,6 +94,7 @@ class BroadPhase {
   std::vector<MovingPair> moving_pairs_;
   std::vector<std::int32_t> permanent_pairs_;  // these collide in every state
   PlaneFilter plane_filter_;                   // of movers before half-spaces
+  HeightFilter height_filter_;                 // and before fields of heights
   std::size_t obstacles_;
   std::vector<std::int32_t> pair_of_;                // pair_of_[mover * obstacles_ + obstacle], or −1
   std::vector<std::int32_t> movers_with_obstacles_;  // movers that have a pair with an obstacle

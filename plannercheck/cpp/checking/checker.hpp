@@ -39,7 +39,7 @@ struct CheckerOptions {
   bool boxes = true;
   bool overlaps = true;    // of balls inside bodies with boxes inside others, where any collision decides
   bool learning = true;    // tests the pair that collided most often first, where any collision decides
-  bool part_trees = true;  // of sets of parts; boxes around several bodies
+  bool part_trees = true;  // of sets of parts; boxes around several bodies; looks at heights under them
 };
 
 // What a state's verdict depends on: whether any pair shares a point, or which ones.
@@ -112,6 +112,7 @@ class CheckerCore {
   bool is_clear_of_parts(std::size_t pair, std::size_t state, Workspace& workspace) const;
   double inflation(std::size_t pair) const;  // of both bodies
   std::uint32_t clear_states(std::size_t pair, const Workspace& workspace) const;
+  Answer look_under(std::size_t pair, std::size_t state, const Workspace& workspace) const;
   bool parts_share(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool half_space_shared(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool is_free(std::size_t state, Workspace& workspace) const;

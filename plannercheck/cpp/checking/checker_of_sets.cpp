@@ -1,6 +1,9 @@
 // The checker's pairs of bodies without a hull that says enough: sets of parts and half-spaces.
+#include <utility>
+
 #include "broad_phase/part_clearances.hpp"
 #include "checking/checker_workspace.hpp"
+#include "narrow_phase/height_look.hpp"
 
 namespace plannercheck {
 
@@ -44,9 +47,25 @@ std::uint32_t CheckerCore::clear_states(std::size_t pair, const Workspace& w) co
   return clear;
 }
 
+// Of a body before a field of heights; any other pair is undecided.
+Answer CheckerCore::look_under(std::size_t pair, std::size_t state, const Workspace& w) const {
+  auto [body, field] = pairs_[pair];
+  if (bodies_[at(body)].body->parts) std::swap(body, field);
+  const Polytope &under = *bodies_[at(field)].body, &over = *bodies_[at(body)].body;
+  if (!under.parts || under.parts->kind() != PartSet::Kind::kColumns || over.parts || over.half_space)
+    return Answer::kUndecided;
+  return look_at_heights({&over, posed(at(body), state, w)}, {&under, posed(at(field), state, w)});
+}
+
 // The hull of a set of parts says nothing, so that it is not asked.
 bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w) const {
   const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
+  if (options_.part_trees) {
+    const Answer seen = look_under(pair, state, w);
+    if (seen == Answer::kSeparated) ++w.counters.bounds;
+    if (seen == Answer::kShared) ++w.counters.overlaps, ++w.hits[pair], ++w.tests[pair];
+    if (seen != Answer::kUndecided) return seen == Answer::kShared;
+  }
   if (options_.bounds && is_clear_of_parts(pair, state, w)) {
     ++w.counters.bounds;
     return false;

@@ -126,6 +126,26 @@ inline LaneIndices gathered_bytes(const unsigned char* from, LaneIndices index) 
 #endif
 }
 
+// The same of 16-bit numbers, by their indices, for lanes of any number; one after each is read as well.
+template <class Indices>
+inline Indices gathered_shorts(const unsigned short* from, Indices index) {
+#if defined(__AVX512F__)
+  if constexpr (sizeof(Indices) == 64) {
+    const auto at = reinterpret_cast<__m512i>(index);
+    return reinterpret_cast<Indices>(_mm512_mask_i32gather_epi32(_mm512_setzero_si512(), 0xffff, at, from, 2)) & 0xffff;
+  }
+#endif
+#if defined(__AVX2__)
+  if constexpr (sizeof(Indices) == 32) {
+    const auto* const words = reinterpret_cast<const int*>(from);
+    return reinterpret_cast<Indices>(_mm256_i32gather_epi32(words, reinterpret_cast<__m256i>(index), 2)) & 0xffff;
+  }
+#endif
+  Indices shorts;
+  for (std::size_t k = 0; k < sizeof index / sizeof index[0]; ++k) shorts[k] = from[index[k]];
+  return shorts;
+}
+
 // Bit k of the result: lane k of a comparison.
 inline unsigned bits(LaneMask mask) {
 #if defined(__AVX512DQ__)

@@ -303,7 +303,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   bool solids_clear(PairState& s, std::size_t state, double limit) {
     const PosedPair pose = filters_.posed(s.pair, state);
     if (is_of_parts(s.pair)) {
-      if (parts_stay_further(s.pair, &pose, 1, limit + filters_.inflation_radii(s.pair))) return true;
+      const double further = limit + filters_.inflation_radii(s.pair);
+      if (certifier_.options_.part_trees && parts_stay_further(s.pair, &pose, 1, further)) return true;
       const PosedPolytope a = posed_a(s, pose), b = posed_b(s, pose);
       return !share_a_point(s, pose) &&
              parts_distance(a, b, limit, 0, w_.counters.pair, certifier_.options_.part_trees).lower > limit;

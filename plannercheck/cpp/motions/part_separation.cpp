@@ -44,21 +44,22 @@ Interval grown(Interval interval, double by) { return {interval.low - by, interv
 class PartSeparation {
  public:
   PartSeparation(const Polytope& set, const Polytope& body, bool set_is_first, const PosedPair* poses, int count,
-                 double limit, PairCounters& counters)
+                 double limit, PairCounters& counters, bool trees)
       : set_(*set.parts),
         body_(body),
         set_is_first_(set_is_first),
         poses_(poses),
         count_(static_cast<std::size_t>(count)),
         limit_(limit),
-        counters_(counters) {
+        counters_(counters),
+        trees_(trees) {
     looks_ = count_ > 1 && stands_still() ? 1 : count_;
     if (looks_ == 1) fill_rows();
   }
 
-  bool run(bool trees) {
+  bool run() {
     if (looks_ > kLooksAtMost) return false;
-    if (!trees) return each_swept_apart();
+    if (!trees_) return each_swept_apart();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       add_axis(body_pose(count_ / 2), axis);
       add_axis(set_pose(0), axis);
@@ -94,6 +95,7 @@ class PartSeparation {
   std::size_t looks_ = 1;
   double limit_;
   PairCounters& counters_;
+  bool trees_;
   std::array<AtPoses, kKeptDirections> directions_;
   std::array<std::array<double, kGridStates>, 12> rows_;  // if the set is looked at once
   std::size_t groups_ = 0;
@@ -299,7 +301,7 @@ class PartSeparation {
     const PosedPair& middle = poses_[count_ / 2];
     const Vec3 hint = middle.frame.from_world(middle.a.apply(a.centre) - middle.b.apply(b.centre));
     const double limit = limit_ + part.radius * kPartStretch;
-    if (count_ > 2) {  // mostly what parts both ends parts all poses
+    if (trees_ && count_ > 2) {  // mostly what parts both ends parts all poses
       const std::array<PosedPair, 2> ends{poses_[0], poses_[count_ - 1]};
       const SweptAnswer<Vec3> answer = swept_distance(a, b, ends.data(), 2, limit, hint, counters_);
       if (!answer.apart) return false;
@@ -339,7 +341,7 @@ bool sets_further(const Polytope& a, const Polytope& b, const PosedPair* poses, 
     if (part.corners == 0) continue;
     mover.fill(part, 0);
     const double apart = limit + part.radius * kPartStretch;
-    if (!PartSeparation(first ? a : b, mover.body(), first, poses, count, apart, counters).run(trees)) return false;
+    if (!PartSeparation(first ? a : b, mover.body(), first, poses, count, apart, counters, trees).run()) return false;
   }
   return true;
 }
@@ -350,7 +352,7 @@ bool parts_further(const Polytope& a, const Polytope& b, const PosedPair* poses,
                    PairCounters& counters, bool trees) {
   if (a.parts && b.parts) return sets_further(a, b, poses, count, limit, counters, trees);
   const bool first = a.parts != nullptr;
-  return PartSeparation(first ? a : b, first ? b : a, first, poses, count, limit, counters).run(trees);
+  return PartSeparation(first ? a : b, first ? b : a, first, poses, count, limit, counters, trees).run();
 }
 
 }  // namespace plannercheck

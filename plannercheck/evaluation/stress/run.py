@@ -24,14 +24,12 @@ from plannercheck.evaluation.stress.failing_cases import Case, shrunk
 from plannercheck.evaluation.stress.failure_tables import EXCEPTION, TIMEOUT, WRONG, Belongs, Key, total
 from plannercheck.evaluation.stress.oracle import Oracle
 from plannercheck.evaluation.stress.other_libraries import Peer
+from plannercheck.evaluation.stress.posed_pairs import UNFIT, Outcome
 from plannercheck.evaluation.stress.random_cases import GAPS, Draw, numbered_draw
 from plannercheck.evaluation.stress.sample_bodies import Specimen
 from plannercheck.evaluation.stress.supervised_process import Supervised
 from plannercheck.evaluation.worker_processes import Workers, workers
 
-Outcome = bool | str  # a verdict, or the kind of failure
-
-UNFIT = "unfit"
 # Longest time for one query, s: a thousand times what any should take.
 QUERY_LIMIT = 1.0
 # Every so many draws the oracle's proofs are held against all vertices, and against another oracle.

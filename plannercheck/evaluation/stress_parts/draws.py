@@ -10,14 +10,14 @@ the sizes, the rotation, the distance from the origin.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from plannercheck.bodies.circumscribed import ball_around
 from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.stress.contact_poses import random_directions
+from plannercheck.evaluation.stress.posed_pairs import ANY_OFFSET, PosedPairs
 from plannercheck.evaluation.stress.random_cases import (
     DISTANCES,
     GAPS,
@@ -53,35 +53,12 @@ _EXCESSES, _THINNEST, _POINTS = (0.5, 0.1, 0.02), 1e-3, 0.5
 # Which part is put in contact: any, one that is furthest along a direction, or the hull of the whole set.
 _ANY_PART, _OUTER_PART, _WHOLE = range(3)
 _MOST_CORNERS_OF_WHOLE = 600
-# The row of all poses that are not about a contact; the part of the draws that have only such.
-ANY_OFFSET = "any"
+# The part of the draws that have only poses that are not about a contact.
 _ANYWHERE, _POSES = 0.15, 24
 _SOLID_TRIANGLES = (12, 30, 60)
 FAMILY_NAMES = (*SETS, WITH_HALF_SPACE, WITH_ELLIPSOID)
 OFFSET_NAMES = (*GAPS, *(name for name in OFFSETS if name not in GAPS), ANY_OFFSET)
-
-
-@dataclass(frozen=True, eq=False)
-class Draw:
-    """A set and another body at poses.
-
-    Attributes:
-        family: The set's, or that of what it meets if this has a row of its own.
-        label: Everything that was drawn.
-        p: The set; on a half-space any body.
-        r: The other body.
-        poses_p: (k, 4, 4), m.
-        poses_r: (k, 4, 4), m.
-        offsets: A name for each pose, of OFFSET_NAMES.
-    """
-
-    family: str
-    label: str
-    p: Body
-    r: Body
-    poses_p: Floats
-    poses_r: Floats
-    offsets: tuple[str, ...]
+Draw: TypeAlias = PosedPairs[Body]  # of a set, or on a half-space of any body, and another body
 
 
 def numbered_draw(seed: int, number: int) -> Draw:

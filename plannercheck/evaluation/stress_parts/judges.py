@@ -12,21 +12,19 @@ import numpy as np
 
 from plannercheck.bodies.certificates import Separation, SharedPoint
 from plannercheck.bodies.distance import distance
-from plannercheck.bodies.intersection import METHODS, certify, intersects, pair_options
+from plannercheck.bodies.intersection import certify
 from plannercheck.bodies.part_certificates import PartSeparation
-from plannercheck.common.array_types import Floats
-from plannercheck.common.core import core
+from plannercheck.evaluation.stress.posed_pairs import UNFIT, Outcome, batch, limited, method_of, one_by_one, some_of
 from plannercheck.evaluation.stress_parts.bodies import Body
 from plannercheck.evaluation.stress_parts.draws import Draw
 from plannercheck.evaluation.stress_parts.ellipsoid_truth import decide_ellipsoids
 from plannercheck.evaluation.stress_parts.truth import decide
-from plannercheck.evaluation.stress_solids.judges import UNFIT, Outcome, limited
 
 BATCH, SWAPPED, SHUFFLED, SINGLE = "batch", "swapped", "shuffled", "single"
 CERTIFICATE, DISTANCE, BETWEEN = "certificate", "distance", "between"
 OURS = (BATCH, SWAPPED, SHUFFLED, SINGLE, CERTIFICATE, DISTANCE, BETWEEN)
-# Of a draw: pairs that are asked one by one, proved, and measured; and in how many draws they are.
-_SINGLES, _PROVED, _MEASURED = 3, 3, 2
+# Of a draw: pairs that are proved, and measured; and in how many draws they are.
+_PROVED, _MEASURED = 3, 2
 PROVED_DRAWS, MEASURED_DRAWS = 8, 8
 # Numbers of draws of which each contestant and each method is asked.
 ASK_ALL = (0, MEASURED_DRAWS // 2, PROVED_DRAWS)
@@ -48,36 +46,23 @@ def verdicts(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outc
         Outcomes (k,) by contestant; of CERTIFICATE, DISTANCE and BETWEEN the truth if what they say is right, else not.
     """
     count = len(drawn.poses_p)
-    method = METHODS[number % len(METHODS)]
-    some = [(number + i * (count // _SINGLES)) % count for i in range(_SINGLES)]
+    method, some = method_of(number), some_of(count, number)
     return {
-        BATCH: limited(lambda: _batch(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r, method), count),
-        SWAPPED: limited(lambda: _batch(drawn.r, drawn.poses_r, drawn.p, drawn.poses_p, method), count),
+        BATCH: limited(lambda: batch(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r, method), count),
+        SWAPPED: limited(lambda: batch(drawn.r, drawn.poses_r, drawn.p, drawn.poses_p, method), count),
         SHUFFLED: limited(lambda: _shuffled(drawn, method, number), count),
-        SINGLE: limited(lambda: _one_by_one(drawn, some), count),
+        SINGLE: limited(lambda: one_by_one(drawn, some), count),
         CERTIFICATE: limited(lambda: _certificates(drawn, truth, some, number), count),
         DISTANCE: limited(lambda: _distances(drawn, truth, some, number), count),
         BETWEEN: limited(lambda: _between(drawn, truth, method), count),
     }
 
 
-def _batch(p: Body, poses_p: Floats, r: Body, poses_r: Floats, method: Any) -> list[Outcome]:
-    shared, _, _ = core.intersect_batch(p.polytope.core, poses_p, r.polytope.core, poses_r, pair_options(method))
-    return list(shared.astype(bool).tolist())
-
-
 def _shuffled(drawn: Draw, method: Any, number: int) -> list[Outcome]:
     """In another order, in which the parts that are tried first are those of other poses."""
     order = np.random.default_rng(number).permutation(len(drawn.poses_p))
-    told = _batch(drawn.p, drawn.poses_p[order], drawn.r, drawn.poses_r[order], method)
+    told = batch(drawn.p, drawn.poses_p[order], drawn.r, drawn.poses_r[order], method)
     return [told[k] for k in np.argsort(order).tolist()]
-
-
-def _one_by_one(drawn: Draw, some: list[int]) -> list[Outcome]:
-    outcomes: list[Outcome] = [UNFIT] * len(drawn.poses_p)
-    for k in some:
-        outcomes[k] = bool(intersects(drawn.p.polytope, drawn.r.polytope, drawn.poses_p[k], drawn.poses_r[k]))
-    return outcomes
 
 
 def _certificates(drawn: Draw, truth: list[bool], some: list[int], number: int) -> list[Outcome]:
@@ -108,9 +93,9 @@ def _between(drawn: Draw, truth: list[bool], method: Any) -> list[Outcome]:
     themselves = decide_ellipsoids(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r)
     if themselves is None:
         return [UNFIT] * len(drawn.poses_p)
-    outer = _batch(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r, method)
+    outer = batch(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r, method)
     p, r = (body.inner or body for body in (drawn.p, drawn.r))
-    inner = _batch(p, drawn.poses_p, r, drawn.poses_r, method)
+    inner = batch(p, drawn.poses_p, r, drawn.poses_r, method)
     verdicts_of_each = zip(truth, inner, themselves.tolist(), outer, strict=True)
     return [told == (within <= itself <= around) for told, within, itself, around in verdicts_of_each]
 

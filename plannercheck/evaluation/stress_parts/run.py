@@ -19,14 +19,14 @@ import numpy as np
 
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress.failure_tables import WRONG, Key
+from plannercheck.evaluation.stress.posed_pairs import ANY_OFFSET, UNFIT, Outcome
 from plannercheck.evaluation.stress.shared_runs import KEPT, Tally, gathered
 from plannercheck.evaluation.stress_parts.bodies import Body
 from plannercheck.evaluation.stress_parts.cases import PartCase, shrunk
-from plannercheck.evaluation.stress_parts.draws import ANY_OFFSET, Draw, numbered_draw
+from plannercheck.evaluation.stress_parts.draws import Draw, numbered_draw
 from plannercheck.evaluation.stress_parts.judges import ASK_ALL, verdicts
 from plannercheck.evaluation.stress_parts.motions import MISSED, judge_motions
 from plannercheck.evaluation.stress_parts.truth import decide
-from plannercheck.evaluation.stress_solids.judges import UNFIT, Outcome
 from plannercheck.evaluation.worker_processes import workers
 
 # Every so many draws of few pairs of parts, some of the oracle's verdicts are held against whole numbers alone, all

@@ -9,12 +9,13 @@ its mesh (`variations`), the sizes, the distance from the origin, the rotations.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.stress.contact_poses import identities, random_directions
+from plannercheck.evaluation.stress.posed_pairs import ANY_OFFSET, PosedPairs
 from plannercheck.evaluation.stress.random_cases import EXTREME_SIZES
 from plannercheck.evaluation.stress_solids.bodies import CONVEX_FAMILIES, Body, random_convex, random_solid
 from plannercheck.evaluation.stress_solids.common_frames import PARTNERS
@@ -37,37 +38,13 @@ _RELATIONS = (CONTACT, ANYWHERE, INSIDE, EXTREME, *PARTNERS)
 _RELATION_WEIGHTS = (0.59, 0.06, 0.14, 0.01, *[0.2 / len(PARTNERS)] * len(PARTNERS))
 # Families for which whole numbers of thousands of digits take no longer than others for doubles.
 _FEW_TRIANGLES = ("tetrahedra", "triangle soup", "one triangle", "star", "nested boxes")
-# The row of all poses that are not about a contact.
-ANY_OFFSET = "any"
 # Powers of two by which a body is smaller than one that it may be inside of, and how far it is from a face, over
 # its size.
 _SMALLER_EXPONENTS, _DEPTHS = (-14, -10, -8, -7, -6), (0.005, 0.02, 0.05, 0.1)
 # Moments of contact of the same two bodies, and poses anywhere.
 _CONTACTS, _POSES = 2, 24
 FAMILY_NAMES = (*SOLID_FAMILIES, *CONVEX_FAMILIES, *PARTNERS, EXTREME)
-
-
-@dataclass(frozen=True, eq=False)
-class Draw:
-    """Two bodies at poses.
-
-    Attributes:
-        family: The row of the table.
-        label: Everything that was drawn.
-        p: The first body.
-        r: The second body.
-        poses_p: (k, 4, 4), m.
-        poses_r: (k, 4, 4), m.
-        offsets: A name for each pose: of OFFSETS, or ANY_OFFSET.
-    """
-
-    family: str
-    label: str
-    p: Body
-    r: Body
-    poses_p: Floats
-    poses_r: Floats
-    offsets: tuple[str, ...]
+Draw: TypeAlias = PosedPairs[Body]
 
 
 def numbered_draw(seed: int, number: int) -> Draw:

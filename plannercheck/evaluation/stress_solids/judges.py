@@ -5,36 +5,28 @@ In: a draw. Out: outcomes (k,) of each contestant: a verdict, or how it failed.
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from plannercheck.bodies.distance import distance
-from plannercheck.bodies.intersection import METHODS, intersects, pair_options
+from plannercheck.bodies.intersection import intersects
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
-from plannercheck.common.core import core
-from plannercheck.evaluation.stress.failure_tables import EXCEPTION, TIMEOUT
+from plannercheck.evaluation.stress.posed_pairs import UNFIT, Outcome, batch, limited, method_of, one_by_one, some_of
 from plannercheck.evaluation.stress_solids.bodies import Body, decided
 from plannercheck.evaluation.stress_solids.draws import Draw
 from plannercheck.evaluation.stress_solids.surfaces import surface
 
-Outcome = bool | str  # a verdict, or the kind of failure
-
-UNFIT = "unfit"
-# Longest time for one draw's questions, s: large meshes included, hundreds of times what any takes.
-LIMIT = 60.0
 BATCH, SWAPPED, PUBLIC, SINGLE, DISTANCE, POINTS = "batch", "swapped", "public", "single", "distance", "points"
 OURS = (BATCH, SWAPPED, PUBLIC, SINGLE, DISTANCE, POINTS)
 # What `plannercheck.distance` promises: its error over the distance, or over a part of the larger body's radius, for
 # which its size stands here; and in m.
 _DISTANCE_ERROR, _LEAST_OF_RADIUS, _SMALLEST_ERROR = 1e-9, 1e-3, 1e-319
-# Of a draw: single pairs that are asked one by one, and points of which it is asked whether a solid contains them.
-_SINGLES, _POINTS = 3, 4
+# Points of which it is asked whether a solid of a draw contains them.
+_POINTS = 4
 
 
 def verdicts(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outcome]]:
@@ -50,44 +42,22 @@ def verdicts(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outc
         that they say is right, else not.
     """
     count = len(drawn.poses_p)
-    method = METHODS[number % len(METHODS)]
-    single = [(number + i * (count // _SINGLES)) % count for i in range(_SINGLES)]
+    method, single = method_of(number), some_of(count, number)
     return {
-        BATCH: limited(lambda: _batch(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r, method), count),
+        BATCH: limited(lambda: batch(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r, method), count),
         SWAPPED: limited(lambda: _with_inner_shapes(drawn, method), count),
         PUBLIC: limited(lambda: _public(drawn), count),
-        SINGLE: limited(lambda: _one_by_one(drawn, single), count),
+        SINGLE: limited(lambda: one_by_one(drawn, single), count),
         DISTANCE: limited(lambda: _distances(drawn, truth, single), count),
         POINTS: limited(lambda: _of_single_solids(drawn, truth, number), count),
     }
-
-
-def limited(ask: Callable[[], list[Outcome]], count: int, limit: float = LIMIT) -> list[Outcome]:
-    """Outcomes (count,) of a question, from a thread that is left behind when it takes too long."""
-    answer: list[Outcome] = [TIMEOUT] * count
-
-    def work() -> None:
-        try:
-            answer[:] = ask()
-        except Exception:
-            answer[:] = [EXCEPTION] * count
-
-    thread = threading.Thread(target=work, daemon=True)
-    thread.start()
-    thread.join(limit)
-    return list(answer)
-
-
-def _batch(p: Body, poses_p: Floats, r: Body, poses_r: Floats, method: Any) -> list[Outcome]:
-    shared, _, _ = core.intersect_batch(p.polytope.core, poses_p, r.polytope.core, poses_r, pair_options(method))
-    return list(shared.astype(bool).tolist())
 
 
 def _with_inner_shapes(drawn: Draw, method: Any) -> list[Outcome]:
     """The other way round, and with what is inside of bodies known, as it is to checkers: that may tell first."""
     for body in (drawn.p, drawn.r):
         body.polytope.core.inner_shapes()
-    return _batch(drawn.r, drawn.poses_r, drawn.p, drawn.poses_p, method)
+    return batch(drawn.r, drawn.poses_r, drawn.p, drawn.poses_p, method)
 
 
 def _public(drawn: Draw) -> list[Outcome]:
@@ -98,13 +68,6 @@ def _public(drawn: Draw) -> list[Outcome]:
 
 def _as_given(body: Body) -> Solid | Polytope:
     return body.polytope if body.inflation_radius else body.given
-
-
-def _one_by_one(drawn: Draw, some: list[int]) -> list[Outcome]:
-    outcomes: list[Outcome] = [UNFIT] * len(drawn.poses_p)
-    for k in some:
-        outcomes[k] = bool(intersects(drawn.p.polytope, drawn.r.polytope, drawn.poses_p[k], drawn.poses_r[k]))
-    return outcomes
 
 
 def _distances(drawn: Draw, truth: list[bool], some: list[int]) -> list[Outcome]:

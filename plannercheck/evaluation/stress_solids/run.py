@@ -18,12 +18,13 @@ from typing import Any, NamedTuple
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress.failure_tables import WRONG, Key
 from plannercheck.evaluation.stress.other_libraries import Peer
+from plannercheck.evaluation.stress.posed_pairs import ANY_OFFSET, UNFIT, Outcome
 from plannercheck.evaluation.stress.shared_runs import KEPT, Tally, gathered
 from plannercheck.evaluation.stress.supervised_process import Supervised
 from plannercheck.evaluation.stress_solids.bodies import decided
 from plannercheck.evaluation.stress_solids.cases import SolidCase, shrunk
-from plannercheck.evaluation.stress_solids.draws import ANY_OFFSET, Draw, numbered_draw
-from plannercheck.evaluation.stress_solids.judges import OURS, UNFIT, Outcome, verdicts
+from plannercheck.evaluation.stress_solids.draws import Draw, numbered_draw
+from plannercheck.evaluation.stress_solids.judges import OURS, verdicts
 from plannercheck.evaluation.stress_solids.robot_links import link_draw
 from plannercheck.evaluation.worker_processes import workers
 

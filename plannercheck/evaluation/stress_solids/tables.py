@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from plannercheck.evaluation.stress.failure_tables import Column, of, table, total
-from plannercheck.evaluation.stress_solids.draws import ANY_OFFSET, FAMILY_NAMES
+from plannercheck.evaluation.stress.posed_pairs import ANY_OFFSET
+from plannercheck.evaluation.stress_solids.draws import FAMILY_NAMES
 from plannercheck.evaluation.stress_solids.judges import OURS
 from plannercheck.evaluation.stress_solids.placing import OFFSETS
 from plannercheck.evaluation.stress_solids.run import SolidTally

@@ -1,0 +1,151 @@
+"""Writes scene files of our own format, as scene_files.py reads them: the same doubles.
+
+In: a scene and a path. Out: the file, and files beside it for shapes that were made in memory. A path that ends in
+`.scene` gets MoveIt's text, by moveit_text.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from plannercheck.bodies.ellipsoids import ELLIPSOID_EXCESS, Ellipsoid
+from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.objects import Part, SceneObject, unplaced
+from plannercheck.bodies.part_sets import PartSet
+from plannercheck.bodies.shapes import Box, Hull, Shape, checked_pose
+from plannercheck.bodies.solids import Solid
+from plannercheck.common.atomic_files import write_atomically
+from plannercheck.common.checked_yaml import Node, error_context
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.transforms import quaternion_of_rotation, rotation_of_quaternion
+from plannercheck.scenes import moveit_text
+from plannercheck.scenes.contents import SceneContents
+from plannercheck.scenes.declared_states import DeclaredStates
+from plannercheck.scenes.files_beside import FilesBeside
+from plannercheck.scenes.scene_files import LINK_PAIRS, PAIRS, SIZED
+from plannercheck.scenes.sensed_shapes import sensed_kind, sensed_node
+
+
+def write_scene(scene: SceneContents, path: Path) -> None:
+    """Writes a scene, as MoveIt's text if the path ends in `.scene`, else in our own format."""
+    beside = FilesBeside(path)
+    with error_context(f"scene file {str(path)!r}"):
+        is_text = path.suffix.lower() == moveit_text.SUFFIX
+        text = moveit_text.scene_text(scene) if is_text else _yaml_text(scene, beside)
+    try:
+        with beside.written():
+            write_atomically(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+    except PlannercheckError as error:
+        raise PlannercheckError(f"scene {error}") from None
+
+
+def _yaml_text(scene: SceneContents, beside: FilesBeside) -> str:
+    """A scene in our own format: reading it gives the same doubles."""
+    document: Node = {"name": scene.name} if scene.name else {}
+    document["objects"] = [_object_node(item, beside) for item in scene.objects]
+    document |= {"attached": [_attached_node(item, beside) for item in scene.attached]} if scene.attached else {}
+    document |= _allowed_nodes(scene)
+    states = {robot: states_node(scene, robot, beside.folder) for robot in scene.states}
+    document |= {"states": states} if states else {}
+    return str(yaml.dump(document, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True))
+
+
+def _object_node(item: SceneObject, beside: FilesBeside) -> Node:
+    if item.pose_frame is not None:
+        raise unplaced(item)
+    if len(item.parts) == 1 and item.parts[0].pose is None:
+        return {"name": item.name, **_shape_node(item.parts[0], item.name, beside), **_pose_node(item.pose)}
+    nodes = [
+        _shape_node(part, item.name, beside) | _pose_node(checked_pose(part.pose, item.name)) for part in item.parts
+    ]
+    return {"name": item.name, **_pose_node(item.pose), "parts": nodes}
+
+
+def _attached_node(item: SceneObject, beside: FilesBeside) -> Node:
+    touched = {"touch_links": list(item.touch_links)} if item.touch_links else {}
+    return {**_object_node(item, beside), "link": item.link, **touched}
+
+
+def _shape_node(part: Part, owner: str, beside: FilesBeside) -> Node:
+    shape = part.shape
+    if part.source is not None:
+        return _file_node(shape, *part.source, beside.folder)
+    if isinstance(shape, PartSet):
+        return sensed_node(shape, owner, beside)
+    if isinstance(shape, Solid):
+        return {"solid": {"vertices": shape.vertices.tolist(), "triangles": shape.triangles.tolist()}}
+    if isinstance(shape, Hull):
+        return {"hull": {"vertices": shape.vertices.tolist()}}
+    if isinstance(shape, Box):
+        return {"box": {"size": list(shape.size)}}
+    if isinstance(shape, Ellipsoid):
+        excess = {} if shape.excess == ELLIPSOID_EXCESS else {"excess": shape.excess}
+        return {"ellipsoid": {"radii": list(shape.radii), **excess}}
+    if isinstance(shape, HalfSpace):
+        return {"half_space": {"normal": list(shape.normal), "offset": shape.offset}}
+    kind = type(shape).__name__.lower()
+    return {kind: {key: getattr(shape, key) for key in SIZED[kind][1]}}
+
+
+def _file_node(shape: Shape, file: Path, more: float | Sequence[float] | Mapping[str, Any], folder: Path) -> Node:
+    """The mapping of a shape from a file: of a mesh with its scale, of a sensed shape with its other keys."""
+    name = _relative(file, folder)
+    if isinstance(shape, PartSet):
+        assert isinstance(more, Mapping)
+        return {sensed_kind(shape): {"file": name, **more}}
+    kind = "solid" if isinstance(shape, Solid) else "mesh"
+    return {kind: {"file": name, "scale": np.asarray(more).tolist()}}
+
+
+def _pose_node(pose: NDArray[np.float64]) -> Node:
+    """Position and quaternion where they give the same doubles, else the matrix itself."""
+    position = pose[:3, 3].tolist()
+    if np.array_equal(pose[:3, :3], np.eye(3)):
+        return {"position": position} if any(position) else {}
+    quaternion = quaternion_of_rotation(pose[:3, :3])
+    if np.array_equal(rotation_of_quaternion(quaternion), pose[:3, :3]):
+        return {"position": position, "quaternion": quaternion}
+    return {"matrix": pose.tolist()}
+
+
+def _allowed_nodes(scene: SceneContents) -> Node:
+    """Allowed collisions; forbidden pairs matter only where a default would allow them."""
+    known = {*scene.object_names, *(item.name for item in scene.attached)}
+    said = {
+        key: [
+            sorted(pair) * (3 - len(pair))
+            for pair, verdict in scene.allowed.pairs.items()
+            if verdict is allowed and (key in LINK_PAIRS) == pair.isdisjoint(known)
+        ]
+        for key, allowed in PAIRS.items()
+    }
+    nodes: Node = {key: said[key] for key in said if said[key] and PAIRS[key]}
+    if scene.allowed.defaults:
+        nodes |= {"allowed_by_default": dict(scene.allowed.defaults)}
+        nodes |= {key: said[key] for key in said if said[key] and not PAIRS[key]}
+    return nodes
+
+
+def states_node(scene: DeclaredStates, robot: str, folder: Path) -> Node:
+    """The mapping that `read_states` reads."""
+    states = scene.states[robot]
+    node: Node = {}
+    if states.start is not None:
+        node["start"] = states.start.tolist()
+    if states.goal is not None:
+        node["goal"] = states.goal.tolist()
+    if states.samples is not None:
+        node["samples"] = _relative(states.samples, folder)
+    return node
+
+
+def _relative(file: Path, folder: Path) -> str:
+    """A path relative to a folder, absolute if it is not below that folder."""
+    absolute = file.resolve()
+    return str(absolute.relative_to(folder)) if absolute.is_relative_to(folder) else str(absolute)
