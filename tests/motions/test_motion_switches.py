@@ -169,6 +169,14 @@ def test_balls_that_hardly_move(tmp_path):
     assert all(found[0])
 
 
+def test_balls_that_pass_through_each_other(tmp_path):
+    """Far apart at both ends, which are the only states that are posed: they slide."""
+    (tmp_path / "balls.urdf").write_text(BALLS)
+    robot = pc.Robot.from_urdf(tmp_path / "balls.urdf")
+    for checker in with_switches(robot, None, own=True):
+        assert not checker.check_motion(np.array([-1.0, 0.0]), np.array([1.5, 0.0]))
+
+
 def test_middles_that_collide_do_not_hide_that_rounding_is_too_large():
     robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
     q = robot.random_configurations(400, 1)
@@ -207,16 +215,89 @@ def test_middles_that_often_collide_are_judged_first():
     grids = []
     for kind, size in ((colliding, 1000), (free, 1000), (colliding, 1000), (free, 10), (colliding, 10)):
         a, b = starts[kind[:1000]], ends[kind[:1000]]
-        for _ in range(2):
+        for _ in range(3):
             before = checker.motion_certifier.statistics()["grids"]
             sets = [slice(k, k + size) for k in range(0, 1000, size)]
             found = np.concatenate([checker.check_motions(a[part], b[part]) for part in sets])
             assert (found == (kind is free)).all()
             grids.append((checker.motion_certifier.statistics()["grids"] - before) / len(a))
-    assert max(grids[0], grids[1], grids[5], grids[9]) < 0.05
-    assert min(grids[4], grids[8]) > 0  # at first they are taken for motions like those before
-    assert max(grids[4], grids[8]) < 0.3
-    assert min(grids[2], grids[3], grids[6], grids[7]) >= 1
+    assert max(grids[0], grids[2], grids[8], grids[14]) < 0.05
+    assert min(grids[6], grids[12]) > 0  # at first they are taken for motions like those before
+    assert max(grids[6], grids[12]) < 0.6
+    assert min(grids[3:6] + grids[9:12]) >= 1
+
+
+def test_late_states_that_often_collide_are_judged_first():
+    """Sets of motions with free middles and ends that collide at three quarters; most are refused without a grid."""
+    robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
+    checker, plain = pc.Checker(robot, scene), pc.Checker(robot, scene, middle_states=False)
+    starts, ends = (robot.random_configurations(30000, seed) for seed in (1, 2))
+    ends = starts + 0.4 * (ends - starts)
+    early, late, last = (plain.check_states(starts + t * (ends - starts)) for t in (0.5, 0.75, 1.0))
+    chosen = np.flatnonzero(early & ~late & last)
+    assert len(chosen) > 200
+    a, b = starts[chosen], ends[chosen]
+    for _ in range(3):
+        assert not checker.check_motions(a, b).any()
+    before = checker.motion_certifier.statistics()["grids"]
+    assert not checker.check_motions(a, b).any()
+    assert checker.motion_certifier.statistics()["grids"] - before < 0.1 * len(chosen)
+
+
+def test_motions_of_links_with_several_bodies(tmp_path):
+    """Balls, boxes and directions of whole links leave out no pair: two links of several pieces near each other."""
+    pieces = "".join(
+        f'<collision><origin xyz="{x} 0 {z}" rpy="0.3 {x} 0"/><geometry><box size="0.08 0.05 0.06"/></geometry>'
+        "</collision>"
+        for x, z in ((0.05, 0), (0.15, 0.02), (0.25, -0.02), (0.35, 0.03))
+    )
+    joint = """<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>
+    <origin xyz="{place}"/><axis xyz="{axis}"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint>"""
+    joints = [("a", "base", "left", "0 0 0", "0 0 1"), ("b", "base", "yaw", "0 0.3 0", "0 0 1")]
+    joints.append(("c", "yaw", "right", "0 0 0", "1 0 0"))
+    (tmp_path / "pieces.urdf").write_text(
+        f'<robot name="pieces"><link name="base"/><link name="yaw"/><link name="left">{pieces}</link>'
+        f'<link name="right">{pieces}</link>'
+        + "".join(joint.format(name=n, parent=p, child=c, place=o, axis=x) for n, p, c, o, x in joints)
+        + "</robot>"
+    )
+    robot = pc.Robot.from_urdf(tmp_path / "pieces.urdf")
+    scene = pc.Scene("post")
+    pose = np.eye(4)
+    pose[:3, 3] = 0.4, 0.15, 0
+    scene.add_box("post", [0.05, 0.05, 0.4], pose)
+    generator = np.random.default_rng(4)
+    checker, *others = with_switches(robot, scene, own=True)
+    starts = robot.random_configurations(3000, 5)
+    starts = starts[checker.check_states(starts)]
+    ends = starts + generator.normal(size=starts.shape) * 10.0 ** generator.uniform(-2, 0, (len(starts), 1))
+    for tolerance in (1e-4, 1e-3, 1e-2):
+        free = checker.check_motions(starts, ends, tolerance=tolerance)
+        assert 0.1 < free.mean() < 0.95
+        for other in others:
+            assert (other.check_motions(starts, ends, tolerance=tolerance) == free).all()
+
+
+def test_links_of_several_bodies_that_meet_between_states(tmp_path):
+    """An arm of two pieces swings into a wall of two by 0.4 mm, half way between two states of the grid."""
+
+    def box(x, z, size):
+        return f'<collision><origin xyz="{x} 0 {z}"/><geometry><box size="{size}"/></geometry></collision>'
+
+    limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    arm = box(0.625, 0, "0.25 0.002 0.05") + box(0.875, 0, "0.25 0.002 0.05")
+    wall = box(1.0496, -0.1, "0.1 0.5 0.2") + box(1.0496, 0.1, "0.1 0.5 0.2")
+    (tmp_path / "wall.urdf").write_text(
+        f'<robot name="wall"><link name="base"/><link name="arm">{arm}</link><link name="wall">{wall}</link>'
+        '<joint name="swing" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>'
+        f'{limit}</joint><joint name="up" type="prismatic"><parent link="base"/><child link="wall"/>'
+        f'<axis xyz="0 0 1"/>{limit}</joint></robot>'
+    )
+    robot = pc.Robot.from_urdf(tmp_path / "wall.urdf")
+    for checker in with_switches(robot, None, own=True):
+        assert checker.check_states(np.array([[-0.12, 0.0], [-0.04, 0.0], [0.04, 0.0], [0.12, 0.0]])).all()
+        assert not checker.is_valid(np.zeros(2))
+        assert not checker.check_motion(np.array([-0.12, 0.0]), np.array([0.12, 0.0]))
 
 
 def test_ends_that_often_collide_are_judged_first():

@@ -238,16 +238,29 @@ class AdaptiveSubdivision {
   bool touches_where_deepest(const Open& found) {
     if (!(found.depth < 0)) return false;
     PairState s = state_of(found);
-    if (!self().touches(s, found.state)) return false;
-    refuse_at(w_.grid.parameter(found.state), found.pair);
-    return true;
+    const int state = touching_state(s, found.state);
+    return state >= 0 && !refuse_at(w_.grid.parameter(static_cast<std::size_t>(state)), found.pair);
+  }
+
+  // The state at which the pair shares a point, of the one where the bounds overlap deepest and the one inside of it if
+  // that is an end; −1 if there is none.
+  int touching_state(PairState& s, std::size_t deepest) {
+    const std::size_t inner = inner_state(deepest);
+    if (self().touches(s, inner)) return static_cast<int>(inner);
+    return inner != deepest && self().touches(s, deepest) ? static_cast<int>(deepest) : -1;
+  }
+
+  // Planners ask for motions between states that are free, so the state next to an end is likelier to collide.
+  std::size_t inner_state(std::size_t state) const {
+    const std::size_t last = w_.grid.intervals() - 1;
+    return last == 0 ? state : std::clamp<std::size_t>(state, 1, last);
   }
 
   // Settles the intervals of a pair or leaves them as failures; false if the pair is within the tolerance.
   bool settle(const Open& found) {
     PairState s = state_of(found);
     // In order as well: what this teaches about the plane may decide where rounding does.
-    if (ordered_ && found.depth < 0) self().touches(s, found.state);
+    if (ordered_ && found.depth < 0) touching_state(s, found.state);
     for (unsigned open = found.open; open != 0; open &= open - 1) {
       const auto i = static_cast<std::size_t>(__builtin_ctz(open));
       if (self().hulls_settle(s, i) || self().parts_settle(s, i)) {

@@ -1,13 +1,14 @@
 // States of motions that are judged before the motions themselves.
 //
-// In: motions that come at once. Out: which of them have a middle or an end that collides.
+// In: motions that come at once. Out: which of them have a state that collides, of those that are looked at.
 //
-// The middle state of a motion comes first, since it is posed and judged together with those of other motions; then,
-// where these often collide, the end. If such a state collides, no proof can call the motion free, because a proof
-// covers the state as it is posed: the slack of a proof has room for the rounding of that state's numbers and of its
-// pose. So the motion is refused, unless it is so large that its rounding is imprecise, which is looked at as for any
-// other motion. Nothing is concluded from states that are free.
+// A state is posed and judged together with those of other motions, which costs a fraction of a motion. If it collides,
+// no proof can call the motion free, because a proof covers the state as it is posed: the slack of a proof has room for
+// the rounding of that state's numbers and of its pose. So the motion is refused, unless it is so large that its
+// rounding is imprecise, which is looked at as for any other motion. Nothing is concluded from states that are free. So
+// verdicts do not depend on which states are looked at: those that collided most often lately.
 #include <algorithm>
+#include <array>
 
 #include "motions/motion_certifier.hpp"
 #include "motions/motion_workspace.hpp"
@@ -15,30 +16,38 @@
 namespace plannercheck {
 namespace {
 
+// Where motions are looked at. They come from planners, which begin where it is free: late states collide more often,
+// but where the ends have been judged before (measured).
+constexpr std::array<double, kLooks> kLookAt{0.5, 0.75, 1};
+
 // Fewer states are judged one by one, which costs more than it saves (measured), except before sets of parts: a motion
 // that collides with one is refused late, as no descent tells.
-constexpr std::size_t kFewestMiddles = 3;
+constexpr std::size_t kFewestLooks = 3;
 
-// Of so many motions, kTried have their middles judged to learn how often these collide, and as many of those with free
-// middles their ends. If at least one in kMiddlesWorth or kEndsWorth does, all are judged: one that collides saves so
-// many times what judging one costs (measured). Middles are judged at first. A tally is halved when it is full, so that
-// it follows what is asked.
-constexpr std::size_t kTried = 8, kMiddlesWorth = 16, kEndsWorth = 12, kRemembered = 256;
+// All places are looked at on the first kTried motions of each kBetweenTrials, to learn how often they collide. If at
+// the likeliest one at least one motion in kFirstWorth does, all are looked at there; then those that are left at
+// another one, by kSecondWorth: a motion that collides saves so many times what a look costs (measured). A tally begins
+// with one collision in eight, and is halved when it is full, so that it follows what is asked.
+constexpr std::size_t kTried = 8, kBetweenTrials = 512, kFirstWorth = 16, kSecondWorth = 12, kRemembered = 64;
 
 void add(StateTally& tally, const std::uint8_t* is_free, std::size_t n) {
   const auto free = static_cast<std::size_t>(std::count(is_free, is_free + n, std::uint8_t{1}));
   tally.judged += n, tally.collided += n - free;
-  if (tally.judged > kRemembered) tally.judged /= 2, tally.collided /= 2;
+  while (tally.judged > kRemembered) tally.judged /= 2, tally.collided /= 2;
 }
 
-// How many of the motions that come at once have their middles judged.
-std::size_t worthy_middles(std::size_t count, StateTally& tally) {
-  if (tally.collided * kMiddlesWorth >= tally.judged) return count;
-  tally.passed_over += count;
-  if (tally.passed_over < kMiddles) return 0;
-  tally.passed_over = 0;
-  return std::min(count, kTried);
+bool is_likelier(const StateTally& a, const StateTally& b) { return a.collided * b.judged > b.collided * a.judged; }
+
+// The place, other than `but`, where most of the motions collide.
+std::size_t likeliest(const LookTallies& tallies, std::size_t but) {
+  std::size_t best = but == 0 ? 1 : 0;
+  for (std::size_t look = best + 1; look < kLooks; ++look) {
+    if (look != but && is_likelier(tallies[look], tallies[best])) best = look;
+  }
+  return best;
 }
+
+bool pays(const StateTally& tally, std::size_t worth) { return tally.collided * worth >= tally.judged; }
 
 }  // namespace
 
@@ -46,41 +55,56 @@ void MotionCertifier::judge_states(const Kinematics& kinematics, const double* q
                                    Workspace& w) const {
   std::fill_n(w.is_free.begin(), count, std::uint8_t{1});
   const bool has_parts = !part_groups_.groups.empty();
-  if (states_ == nullptr || (count < kFewestMiddles && !has_parts)) return;
-  judge_middles(kinematics, q0, q1, has_parts ? count : worthy_middles(count, w.middles), w);
-  judge_ends(kinematics, q1, count, w);
-}
-
-void MotionCertifier::judge_middles(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
-                                    Workspace& w) const {
-  const std::size_t width = at(model_.width);
-  const double middle = 0.5;
-  w.rows.resize(kMiddles * width);
-  if (count == 0) return;
-  for (std::size_t i = 0; i < count; ++i) {
-    w.path.set(q0 + i * width, q1 + i * width);
-    w.path.at(&middle, 1, 1, &w.rows[i * width]);
+  if (states_ == nullptr || (count < kFewestLooks && !has_parts)) return;
+  std::size_t tried = 0;
+  if (w.untried == 0) {
+    w.untried = kBetweenTrials, tried = std::min(count, kTried);
+    try_all_looks(kinematics, q0, q1, tried, w);
   }
-  states_->check_states(kinematics, w.rows.data(), count, w.is_free.data(), *w.states);
-  add(w.middles, w.is_free.data(), count);
+  w.untried -= std::min(count, w.untried);
+  const std::size_t first = likeliest(w.looks, kLooks);
+  if (!has_parts && !pays(w.looks[first], kFirstWorth)) return;
+  judge_at(kinematics, q0, q1, {first, tried, count}, w.looks[first], w);
+  const std::size_t second = likeliest(w.later_looks[first], first);
+  StateTally& tally = w.later_looks[first][second];
+  if (pays(tally, kSecondWorth)) judge_at(kinematics, q0, q1, {second, tried, count}, tally, w);
 }
 
-// Of motions with free middles: all ends if that pays, or else few, to learn whether it does.
-void MotionCertifier::judge_ends(const Kinematics& kinematics, const double* q1, std::size_t count,
-                                 Workspace& w) const {
+// Judges all looks at the first motions.
+void MotionCertifier::try_all_looks(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
+                                    Workspace& w) const {
+  std::array<std::array<std::uint8_t, kTried>, kLooks> free;
+  for (std::size_t look = 0; look < kLooks; ++look) {
+    std::fill_n(w.is_free.begin(), count, std::uint8_t{1});
+    judge_at(kinematics, q0, q1, {look, 0, count}, w.looks[look], w);
+    std::copy_n(w.is_free.begin(), count, free[look].begin());
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t first = 0; first < kLooks; ++first) {
+      if (free[first][i] == 0) w.is_free[i] = 0;
+      for (std::size_t second = 0; second < kLooks; ++second) {
+        if (second != first && free[first][i] != 0) add(w.later_looks[first][second], &free[second][i], 1);
+      }
+    }
+  }
+}
+
+// Judges the states at one place on those of some motions that no look has refused yet.
+void MotionCertifier::judge_at(const Kinematics& kinematics, const double* q0, const double* q1, const Look& look,
+                               StateTally& tally, Workspace& w) const {
   const std::size_t width = at(model_.width);
-  const bool pays = w.ends.collided * kEndsWorth > w.ends.judged;
-  const std::size_t most = pays ? count : count < kMiddles ? 0 : kTried;
+  w.rows.resize(kMotionsAtOnce * width);
   std::size_t rows = 0;
-  for (std::size_t i = 0; i < count && rows < most; ++i) {
+  for (std::size_t i = look.first; i < look.past; ++i) {
     if (w.is_free[i] == 0) continue;
-    std::copy_n(q1 + i * width, width, &w.rows[rows * width]);
+    w.path.set(q0 + i * width, q1 + i * width);
+    w.path.at(&kLookAt[look.place], 1, 1, &w.rows[rows * width]);
     w.motion_of_row[rows++] = i;
   }
   if (rows == 0) return;
   states_->check_states(kinematics, w.rows.data(), rows, w.found.data(), *w.states);
   for (std::size_t row = 0; row < rows; ++row) w.is_free[w.motion_of_row[row]] = w.found[row];
-  add(w.ends, w.found.data(), rows);
+  add(tally, w.found.data(), rows);
 }
 
 }  // namespace plannercheck

@@ -72,6 +72,7 @@ class ChainTable;
 class MotionScreen;
 class MotionCollisions;
 class PartClearances;
+struct StateTally;
 
 class MotionCertifier {
  public:
@@ -114,12 +115,18 @@ class MotionCertifier {
   // How far bodies extend: static ones from the world's origin, the others from their links', m.
   double still_size_ = 0, mounted_size_ = 0;
 
-  // Of `count` motions at once, at most kMiddles: whether the middles and ends that are judged are free.
+  // Some of the motions at once, and a place on them.
+  struct Look {
+    std::size_t place, first, past;
+  };
+
+  // Of `count` motions at once, at most kMotionsAtOnce: whether the states that are judged are free.
   void judge_states(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
                     Workspace& workspace) const;
-  void judge_middles(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
+  void try_all_looks(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
                      Workspace& workspace) const;
-  void judge_ends(const Kinematics& kinematics, const double* q1, std::size_t count, Workspace& workspace) const;
+  void judge_at(const Kinematics& kinematics, const double* q0, const double* q1, const Look& look, StateTally& tally,
+                Workspace& workspace) const;
 };
 
 }  // namespace plannercheck

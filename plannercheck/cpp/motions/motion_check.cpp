@@ -394,8 +394,8 @@ MotionCounters MotionCertifier::take_counters(Workspace& workspace) { return std
 void MotionCertifier::check(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t n,
                             double tolerance, double kinematic_error, std::uint8_t* answers, Workspace& w) const {
   const std::size_t width = at(model_.width);
-  for (std::size_t first = 0; first < n; first += kMiddles) {
-    const std::size_t count = std::min(kMiddles, n - first);
+  for (std::size_t first = 0; first < n; first += kMotionsAtOnce) {
+    const std::size_t count = std::min(kMotionsAtOnce, n - first);
     const double *starts = q0 + first * width, *ends = q1 + first * width;
     judge_states(kinematics, starts, ends, count, w);
     for (std::size_t i = 0; i < count; ++i) {

@@ -43,9 +43,10 @@ LaneVector turned(const MotionGrid& grid, std::int32_t frame, std::size_t first,
   return out;
 }
 
-// The least product of a direction with the points of a posed body's box.
-Lanes least_of_box(const Polytope& body, const Lanes* m, const LaneVector& d) {
-  const Vec3 middle = 0.5 * (body.low + body.high), half = 0.5 * (body.high - body.low);
+// The least product of a direction with the points of a posed box of a body or a link.
+template <class Box>
+Lanes least_of_box(const Box& box, const Lanes* m, const LaneVector& d) {
+  const Vec3 middle = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
   Lanes sum = (d[0] * m[3] + d[1] * m[7]) + d[2] * m[11];
   for (std::size_t k = 0; k < 3; ++k) {
     const Lanes along = (d[0] * m[k] + d[1] * m[k + 4]) + d[2] * m[k + 8];
@@ -72,18 +73,35 @@ Floats largest_of_each(const std::array<Floats, 6>& v) {
   return larger(shuffled<0, 1, 2, 3, 8, 9, 10, 11>(a, b), shuffled<4, 5, 6, 7, 12, 13, 14, 15>(a, b));
 }
 
+// A direction of a frame, of length 1 up to rounding: to a point out of a posed box if it is outside, else from the
+// centre.
+Vec3 out_of_box(Vec3 point, const Pose& pose, Vec3 low, Vec3 high, Vec3 centre, const FrameTurn& frame) {
+  const Vec3 c = pose.rotate_back(point - pose.translation());
+  const auto beyond = [](double x, double low, double high) { return x < low ? x - low : x > high ? x - high : 0; };
+  Vec3 d{beyond(c.x, low.x, high.x), beyond(c.y, low.y, high.y), beyond(c.z, low.z, high.z)};
+  if (norm_1(d) == 0) d = c - centre;
+  // Poses may stretch, so the direction's length is taken in the frame, where gaps are compared in metres.
+  const Vec3 seen = frame.from_world(pose.rotate(d));
+  const double length = norm(seen);
+  return length > 0 && std::isfinite(length) ? (1 / length) * seen : Vec3{1, 0, 0};
+}
+
 // Of a path's corners in floats: rounding them, and the sum with what they grow by, errs by 2^-24 of the numbers each.
 constexpr double kCornerRounding = 0x1p-22;
 
 }  // namespace
 
 Floats MotionFilters::box_around_path(std::int32_t index, std::int32_t chain) const {
-  const double grown = sphere_radius(body(index)) + chord_deviation(curvature(chain)) + slack_;
+  return box_around_path(grid_.centre(index), sphere_radius(body(index)), curvature(chain));
+}
+
+Floats MotionFilters::box_around_path(const double* centre, double radius, double curvature) const {
+  const double grown = radius + chord_deviation(curvature) + slack_;
   std::array<Floats, 6> corners;
 #pragma GCC unroll 3
   for (std::size_t k = 0; k < 3; ++k) {
     // Lanes beyond the last state repeat it.
-    const double* row = grid_.centre(index) + k * kGridRow;
+    const double* row = centre + k * kGridRow;
     Lanes low = load_lanes(row), high = low;
     for (std::size_t i = kStep; i <= grid_.intervals(); i += kStep) {
       low = smaller(low, load_lanes(row + i)), high = larger(high, load_lanes(row + i));
@@ -209,6 +227,16 @@ void MotionFilters::boxes_settle(DirectedPair& found, Vec3 direction, double bey
   }
 }
 
+bool MotionFilters::are_apart(const LinkBox& a, const LinkBox& b, std::int32_t frame, Vec3 direction,
+                              double limit) const {
+  for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
+    const LaneVector d = turned(grid_, frame, i, direction), opposite{-d[0], -d[1], -d[2]};
+    const Lanes gap = least_of_box(a, grid_.link(a.link, i), d) + least_of_box(b, grid_.link(b.link, i), opposite);
+    if (bits(gap > broadcast(limit)) != (1U << kStep) - 1) return false;
+  }
+  return true;
+}
+
 PosedPair MotionFilters::posed(const CertifiedPair& pair, std::size_t state) {
   return {grid_.pose(pair.a, state), grid_.pose(pair.b, state), grid_.turn(pair.frame, state)};
 }
@@ -216,14 +244,13 @@ PosedPair MotionFilters::posed(const CertifiedPair& pair, std::size_t state) {
 Vec3 MotionFilters::between(const CertifiedPair& pair, std::size_t state) {
   const PosedPair p = posed(pair, state);
   const Polytope &a = body(pair.a), &b = body(pair.b);
-  const Vec3 c = p.b.rotate_back(p.a.apply(a.centre) - p.b.translation());
-  const auto beyond = [](double x, double low, double high) { return x < low ? x - low : x > high ? x - high : 0; };
-  Vec3 d{beyond(c.x, b.low.x, b.high.x), beyond(c.y, b.low.y, b.high.y), beyond(c.z, b.low.z, b.high.z)};
-  if (norm_1(d) == 0) d = c - b.centre;
-  // Poses may stretch, so the direction's length is taken in the frame, where gaps are compared in metres.
-  const Vec3 seen = p.frame.from_world(p.b.rotate(d));
-  const double length = norm(seen);
-  return length > 0 && std::isfinite(length) ? (1 / length) * seen : Vec3{1, 0, 0};
+  return out_of_box(p.a.apply(a.centre), p.b, b.low, b.high, b.centre, p.frame);
+}
+
+Vec3 MotionFilters::between(const LinkBox& a, const LinkBox& b, std::int32_t frame, std::size_t state) const {
+  const Vec3 middle = 0.5 * (a.low + a.high);
+  return out_of_box(grid_.link_pose(a.link, state).apply(middle), grid_.link_pose(b.link, state), b.low, b.high,
+                    0.5 * (b.low + b.high), grid_.turn(frame, state));
 }
 
 }  // namespace plannercheck

@@ -10,6 +10,7 @@
 
 #include "bodies/half_space.hpp"
 #include "motions/adaptive_subdivision.hpp"
+#include "motions/link_bounds.hpp"
 #include "motions/motion_certifier.hpp"
 #include "motions/motion_grid.hpp"
 #include "motions/motion_rounding.hpp"
@@ -60,6 +61,8 @@ class MotionFilters {
   // The box around the whole path of a body, given its chain from the world, rounded outwards: the high corner, then
   // the low one with its sign changed.
   Floats box_around_path(std::int32_t body, std::int32_t chain) const;
+  // The same of a ball, given the rows of its centre and its radius.
+  Floats box_around_path(const double* centre, double radius, double curvature) const;
   // What bounding spheres leave open: on chords, against each other or against the box of a static body.
   unsigned near(const CertifiedPair& pair) const;
   // The same against a half-space, given by its plane.
@@ -67,6 +70,10 @@ class MotionFilters {
   // Settles the intervals whose boxes are apart along a direction of the frame, by `beyond` more than needed; records
   // at which end of those left open the gap along it is least.
   void boxes_settle(DirectedPair& found, Vec3 direction, double beyond = 0);
+  // Whether the boxes of two links are further apart than the limit along a direction of a frame, at all states.
+  bool are_apart(const LinkBox& a, const LinkBox& b, std::int32_t frame, Vec3 direction, double limit) const;
+  // A first direction for them, as `between`.
+  Vec3 between(const LinkBox& a, const LinkBox& b, std::int32_t frame, std::size_t state) const;
   // A first direction, of length 1 up to rounding: out of b's box if a's centre is outside, else between the centres.
   Vec3 between(const CertifiedPair& pair, std::size_t state);
   PosedPair posed(const CertifiedPair& pair, std::size_t state);

@@ -13,6 +13,12 @@ Lanes first_states() {
   return out;
 }
 
+Pose pose_in(const Lanes* lanes, std::size_t state) {
+  Pose out;
+  for (std::size_t k = 0; k < 12; ++k) out.m[k] = lanes[k][state % kStep];
+  return out;
+}
+
 }  // namespace
 
 MotionGrid::MotionGrid(const std::vector<GeometryObject>& bodies, std::size_t width, std::size_t links)
@@ -30,12 +36,12 @@ MotionGrid::MotionGrid(const std::vector<GeometryObject>& bodies, std::size_t wi
   const std::size_t movers = centre_on_link_.size();
   centres_.resize(movers * 3 * kGridRow / kStep);
   poses_.resize(movers * kPosedStates / kStep * 12);
-  posed_.resize(movers);
+  posed_.resize(movers), centred_.resize(movers);
 }
 
 MotionGrid::Choice MotionGrid::choice(const Kinematics& kinematics, const std::vector<std::int32_t>& bodies,
                                       const std::vector<std::int32_t>& frames) const {
-  Choice out{bodies, {}};
+  Choice out;
   std::vector<unsigned char> needed(link_count_);
   for (const std::int32_t body : bodies) needed[at((*bodies_)[at(body)].link)] = 1;
   for (const std::int32_t link : frames) needed[at(link)] = 1;
@@ -57,17 +63,17 @@ void MotionGrid::place(Choice& choice, const ConfigurationPath& path, double fro
   for (std::size_t first = 0; first < filled; first += kStep) {
     for (std::size_t c = 0; c < q_.size(); ++c) q_[c] = columns_[(c * kGridRow + first) / kStep];
     choice.poser.pose(q_.data(), &links_[first / kStep * link_count_ * 12]);
-    for (const std::int32_t body : choice.bodies) pose_centre(body, first);
   }
 }
 
-void MotionGrid::pose_centre(std::int32_t body, std::size_t first) {
-  const Vec3 c = centre_on_link_[mover(body)];
-  const Lanes* m = link((*bodies_)[at(body)].link, first);
-  Lanes* out = &centres_[(mover(body) * 3 * kGridRow + first) / kStep];
-  for (std::size_t row = 0; row < 3; ++row) {
-    const Lanes* r = m + 4 * row;
-    out[row * kGridRow / kStep] = (r[0] * c.x + r[1] * c.y) + (r[2] * c.z + r[3]);
+void MotionGrid::pose_point(std::size_t link, Vec3 p, double* rows) const {
+  for (std::size_t first = 0; first <= intervals_; first += kStep) {
+    const Lanes* const m = links_at(first) + link * 12;
+#pragma GCC unroll 3
+    for (std::size_t row = 0; row < 3; ++row) {
+      const Lanes* const r = m + 4 * row;
+      store_lanes(rows + row * kGridRow + first, (r[0] * p.x + r[1] * p.y) + (r[2] * p.z + r[3]));
+    }
   }
 }
 
@@ -93,10 +99,11 @@ const Lanes* MotionGrid::posed(std::int32_t body) {
 Pose MotionGrid::pose(std::int32_t body, std::size_t state) {
   const GeometryObject& object = (*bodies_)[at(body)];
   if (object.link < 0) return object.placement;
-  const Lanes* const lanes = poses(body, state);
-  Pose out;
-  for (std::size_t k = 0; k < 12; ++k) out.m[k] = lanes[k][state % kStep];
-  return out;
+  return pose_in(poses(body, state), state);
+}
+
+Pose MotionGrid::link_pose(std::int32_t link, std::size_t state) const {
+  return pose_in(this->link(link, state), state);
 }
 
 FrameTurn MotionGrid::turn(std::int32_t frame, std::size_t state) const {

@@ -31,7 +31,6 @@ class MotionGrid {
   // What a grid poses: bodies that move, and links that serve as frames. Prepared for one kinematics, which has to
   // outlive it.
   struct Choice {
-    std::vector<std::int32_t> bodies;
     LinkPoser poser;
   };
   Choice choice(const Kinematics& kinematics, const std::vector<std::int32_t>& bodies,
@@ -45,20 +44,31 @@ class MotionGrid {
   // The length of the longest interval, rounded up, since parameters are rounded.
   double step() const { return step_; }
 
-  // Rows x, y, z of a body's centre; static bodies have none.
-  const double* centre(std::int32_t body) const { return centres() + mover(body) * 3 * kGridRow; }
-  Vec3 centre_at(std::int32_t body, std::size_t state) const {
+  // Rows x, y, z of a body's centre, computed on first use; static bodies have none.
+  const double* centre(std::int32_t body) {
+    const std::size_t place = mover(body);
+    double* const rows = reinterpret_cast<double*>(&centres_[place * 3 * kGridRow / kStep]);
+    if (centred_[place] != grid_) {
+      centred_[place] = grid_;
+      pose_point(at((*bodies_)[at(body)].link), centre_on_link_[place], rows);
+    }
+    return rows;
+  }
+  Vec3 centre_at(std::int32_t body, std::size_t state) {
     const double* rows = centre(body) + state;
     return {rows[0], rows[kGridRow], rows[2 * kGridRow]};
   }
   // The twelve numbers of a body's pose at the states from `first` on, a multiple of kStep; computed on first use.
   const Lanes* poses(std::int32_t body, std::size_t first) { return posed(body) + first / kStep * 12; }
+  // Writes rows x, y, z of a point of a link, given in the link's frame.
+  void pose_point(std::size_t link, Vec3 point, double* rows) const;
   // The same of a link.
   const Lanes* link(std::int32_t link, std::size_t first) const { return links_at(first) + at(link) * 12; }
   // All links' at these states, as state_block.hpp has them.
   const Lanes* links_at(std::size_t first) const { return &links_[first / kStep * link_count_ * 12]; }
 
   Pose pose(std::int32_t body, std::size_t state);
+  Pose link_pose(std::int32_t link, std::size_t state) const;
   FrameTurn turn(std::int32_t frame, std::size_t state) const;
 
  private:
@@ -71,14 +81,12 @@ class MotionGrid {
   std::vector<Lanes> columns_, centres_;  // rows of numbers: where lanes begin, cache lines do
   std::vector<Lanes> links_, poses_;      // poses: by state group, and by mover and state group
   std::vector<Vec3> centre_on_link_;
-  std::vector<long> posed_;  // the grid for which a mover's poses were computed
+  std::vector<long> posed_, centred_;  // the grids for which a mover's poses and centre were computed
   long grid_ = 0;
   std::vector<Lanes> q_;
 
-  const double* centres() const { return reinterpret_cast<const double*>(centres_.data()); }
   std::size_t mover(std::int32_t body) const { return at(mover_of_[at(body)]); }
   const Lanes* posed(std::int32_t body);
-  void pose_centre(std::int32_t body, std::size_t first);
 };
 
 }  // namespace plannercheck

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 namespace plannercheck {
 namespace {
@@ -38,53 +40,102 @@ std::size_t pieces_for(double way) {
   return pieces;
 }
 
+// Whether two points, given by rows, are no further apart than a distance at one of the states.
+bool come_within(const double* a, const double* b, std::size_t intervals, double distance) {
+  const Lanes limit = broadcast(distance * distance);
+  unsigned within = 0;
+  for (std::size_t i = 0; i <= intervals; i += kStep) {
+    const Lanes x = load_lanes(a + i) - load_lanes(b + i),
+                y = load_lanes(a + kGridRow + i) - load_lanes(b + kGridRow + i),
+                z = load_lanes(a + 2 * kGridRow + i) - load_lanes(b + 2 * kGridRow + i);
+    within |= ~bits((x * x + y * y) + z * z > limit) & ((1U << kStep) - 1);
+  }
+  return within != 0;
+}
+
 }  // namespace
 
 MotionScreen::MotionScreen(const MotionModel& model, const std::vector<std::int32_t>& movers,
                            const std::vector<std::int32_t>& still)
-    : moving_(movers), tree_({}) {
+    : tree_({}) {
   std::vector<std::size_t> place(model.bodies.size());
   for (std::size_t m = 0; m < movers.size(); ++m) place[at(movers[m])] = m;
   for (std::size_t s = 0; s < still.size(); ++s) place[at(still[s])] = s;
   const std::size_t eights = (still.size() + kFloats - 1) / kFloats;
-  const auto radius = [&](std::int32_t body) { return sphere_radius(*model.bodies[at(body)].body); };
   std::vector<Mover> all(movers.size());
   for (std::size_t p = 0; p < model.pairs.size(); ++p) {
     const CertifiedPair& pair = model.pairs[p];
-    const std::size_t a = place[at(pair.a)], b = place[at(pair.b)];
+    const auto index = static_cast<std::int32_t>(p);
     if (model.bodies[at(pair.b)].body->half_space) {
-      unbounded_pairs_.push_back(static_cast<std::int32_t>(p));
+      unbounded_pairs_.push_back(index);
       continue;
     }
     if (model.bodies[at(pair.b)].link >= 0) {
-      const double radii = radius(pair.a) + radius(pair.b);
-      moving_pairs_.push_back({a, b, pair.chain_a, pair.chain_b, radii, static_cast<std::int32_t>(p)});
+      moving_pairs_.push_back(index);
       continue;
     }
-    Mover& mover = all[a];
-    mover.body = pair.a, mover.chain = pair.chain_a, mover.radius = radius(pair.a);
+    Mover& mover = all[place[at(pair.a)]];
+    const std::size_t b = place[at(pair.b)];
+    mover.body = pair.a, mover.chain = pair.chain_a;
     mover.pair.resize(eights * kFloats, -1), mover.paired.resize(eights);
-    mover.pair[b] = static_cast<std::int32_t>(p);
+    mover.pair[b] = index;
     mover.paired[b / kFloats] |= 1U << b % kFloats;
   }
-  for (Mover& mover : all) {
-    if (!mover.pair.empty()) movers_.push_back(std::move(mover));
-  }
+  std::vector<std::size_t> ball_of;
+  balls_ = link_bounds(model, movers, ball_of);
+  group_movers(model, std::move(all), ball_of);
+  group_pairs(model, ball_of);
   bound_obstacles(model, still);
 }
 
+MotionScreen::ChainRange MotionScreen::chains(const MotionModel& model, std::vector<std::int32_t> of_bodies) {
+  const std::size_t first = chains_.size();
+  for (const std::int32_t chain : longest_chains(model.chains, std::move(of_bodies))) chains_.push_back(chain);
+  return {first, chains_.size()};
+}
+
+void MotionScreen::group_movers(const MotionModel& model, std::vector<Mover> movers,
+                                const std::vector<std::size_t>& ball_of) {
+  std::vector<MoverGroup> groups(balls_.size());
+  for (Mover& mover : movers) {
+    if (mover.pair.empty()) continue;
+    MoverGroup& group = groups[ball_of[at(mover.body)]];
+    group.paired.resize(mover.paired.size());
+    for (std::size_t k = 0; k < mover.paired.size(); ++k) group.paired[k] |= mover.paired[k];
+    group.movers.push_back(std::move(mover));
+  }
+  for (std::size_t ball = 0; ball < groups.size(); ++ball) {
+    MoverGroup& group = groups[ball];
+    if (group.movers.empty()) continue;
+    std::vector<std::int32_t> of_bodies;
+    for (const Mover& mover : group.movers) of_bodies.push_back(mover.chain);
+    group.ball = ball, group.chains = chains(model, of_bodies);
+    mover_groups_.push_back(std::move(group));
+  }
+}
+
+void MotionScreen::group_pairs(const MotionModel& model, const std::vector<std::size_t>& ball_of) {
+  const auto pair = [&](std::size_t place) -> const CertifiedPair& { return model.pairs[at(moving_pairs_[place])]; };
+  const auto key = [&](const CertifiedPair& p) { return std::tuple(ball_of[at(p.a)], ball_of[at(p.b)], p.frame); };
+  std::stable_sort(moving_pairs_.begin(), moving_pairs_.end(),
+                   [&](std::int32_t p, std::int32_t q) { return key(model.pairs[at(p)]) < key(model.pairs[at(q)]); });
+  for (std::size_t first = 0, past = 0; first < moving_pairs_.size(); first = past) {
+    const auto [a, b, frame] = key(pair(first));
+    std::vector<std::int32_t> of_a, of_b;
+    for (past = first; past < moving_pairs_.size() && key(pair(past)) == key(pair(first)); ++past) {
+      of_a.push_back(pair(past).chain_a), of_b.push_back(pair(past).chain_b);
+    }
+    const ChainRange chains_a = chains(model, of_a), chains_b = chains(model, of_b);
+    moving_groups_.push_back({a, b, frame, chains_a, chains_b, balls_[a].radius + balls_[b].radius, first, past});
+  }
+}
+
 void MotionScreen::bound_obstacles(const MotionModel& model, const std::vector<std::int32_t>& still) {
-  const double infinity = std::numeric_limits<double>::infinity();
   eights_.resize((still.size() + kFloats - 1) / kFloats);
   std::vector<WorldBox> boxes;
   for (std::size_t s = 0; s < still.size(); ++s) {
     const GeometryObject& object = model.bodies[at(still[s])];
-    WorldBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-    for (const Vec3& v : object.body->inner.points) {
-      const Vec3 p = object.placement.apply(v);
-      box.low = {smaller(box.low.x, p.x), smaller(box.low.y, p.y), smaller(box.low.z, p.z)};
-      box.high = {larger(box.high.x, p.x), larger(box.high.y, p.y), larger(box.high.z, p.z)};
-    }
+    const WorldBox box = box_around_hull(object);
     const double inflated = object.body->inflation_radius;
     boxes.push_back({box.low - Vec3{inflated, inflated, inflated}, box.high + Vec3{inflated, inflated, inflated}});
     for (std::size_t k = 0; k < 3; ++k) {
@@ -98,19 +149,13 @@ void MotionScreen::bound_obstacles(const MotionModel& model, const std::vector<s
 
 void MotionScreen::find_by_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const {
   found = unbounded_pairs_;
-  for (const MovingPair& pair : moving_pairs_) found.push_back(pair.pair);
-  find_near_paths(filters, found);
-}
-
-// What eight eights leave is looked at in one go: which obstacles are near is hard to predict.
-void MotionScreen::find_near_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const {
-  for (const Mover& mover : movers_) {
-    const Floats box = filters.box_around_path(mover.body, mover.chain);
-    for (std::size_t first = 0; first < eights_.size(); first += kFloats) {
-      const std::size_t past = std::min(first + kFloats, eights_.size());
-      std::uint64_t near = 0;
-      for (std::size_t k = past; k-- > first;) near = near << kFloats | (meeting(eights_[k], box) & mover.paired[k]);
-      take(mover, first, near, found);
+  found.insert(found.end(), moving_pairs_.begin(), moving_pairs_.end());
+  for (const MoverGroup& group : mover_groups_) {
+    for (const Mover& mover : group.movers) {
+      const Floats box = filters.box_around_path(mover.body, mover.chain);
+      for (std::size_t first = 0; first < eights_.size(); first += kFloats) {
+        take(mover, first, near_boxes(first, box, mover.paired), found);
+      }
     }
   }
 }
@@ -118,19 +163,73 @@ void MotionScreen::find_near_paths(const MotionFilters& filters, std::vector<std
 void MotionScreen::find_by_speeds(const MotionGrid& grid, const MotionFilters& filters, const ChainBounds& bounds,
                                   double beyond, Workspace& w, std::vector<std::int32_t>& found) const {
   const double room = filters.slack() + beyond;
-  find_among_movers(grid, bounds, room, w, found);
+  pose_balls(grid, w);
+  find_among_links(grid, filters, bounds, beyond, w, found);
   found.insert(found.end(), unbounded_pairs_.begin(), unbounded_pairs_.end());
-  if (eights_.size() * kFloats <= kFewObstaclesOnPaths) return find_near_paths(filters, found);
-  for (const Mover& mover : movers_) {
-    w.found.clear();
-    find_in_tree(grid, mover, bounds.speed(mover.chain), room, w.found);
+  if (eights_.size() * kFloats <= kFewObstaclesOnPaths) return find_near_links(filters, bounds, beyond, w, found);
+  for (const MoverGroup& group : mover_groups_) {
+    find_in_tree(grid, group, speed(bounds, group.chains), room, w);
     if (w.found.empty()) continue;
-    const Floats box = filters.box_around_path(mover.body, mover.chain);
-    for (const std::int32_t obstacle : w.found) {
-      const std::size_t k = at(obstacle) / kFloats;
-      take(mover, k, meeting(eights_[k], box) & mover.paired[k] & 1U << at(obstacle) % kFloats, found);
+    for (const Mover& mover : group.movers) {
+      const Floats box = filters.box_around_path(mover.body, mover.chain);
+      for (const std::int32_t obstacle : w.found) {
+        const std::size_t k = at(obstacle) / kFloats;
+        take(mover, k, meeting(eights_[k], box) & mover.paired[k] & 1U << at(obstacle) % kFloats, found);
+      }
     }
   }
+}
+
+void MotionScreen::pose_balls(const MotionGrid& grid, Workspace& w) const {
+  constexpr std::size_t kOfBall = 3 * kGridRow / kStep;
+  w.rows.resize(balls_.size() * kOfBall);
+  for (std::size_t k = 0; k < balls_.size(); ++k) {
+    grid.pose_point(balls_[k].link, balls_[k].centre, reinterpret_cast<double*>(&w.rows[k * kOfBall]));
+  }
+}
+
+const double* MotionScreen::rows(const Workspace& w, std::size_t ball) {
+  return reinterpret_cast<const double*>(w.rows.data()) + ball * 3 * kGridRow;
+}
+
+double MotionScreen::speed(const ChainBounds& bounds, ChainRange range) const {
+  double most = 0;
+  for (std::size_t k = range.first; k < range.past; ++k) most = larger(most, bounds.speed(chains_[k]));
+  return most;
+}
+
+double MotionScreen::curvature(const ChainBounds& bounds, ChainRange range) const {
+  double most = 0;
+  for (std::size_t k = range.first; k < range.past; ++k) most = larger(most, bounds.curvature(chains_[k]));
+  return most;
+}
+
+// Boxes around one body take no room, as `find_by_paths` has the same ones.
+void MotionScreen::find_near_links(const MotionFilters& filters, const ChainBounds& bounds, double beyond,
+                                   const Workspace& w, std::vector<std::int32_t>& found) const {
+  for (const MoverGroup& group : mover_groups_) {
+    const bool is_one = group.movers.size() == 1;
+    const LinkBound& ball = balls_[group.ball];
+    const double radius = ball.radius + (is_one ? 0 : beyond);
+    const Floats box = filters.box_around_path(rows(w, group.ball), radius, curvature(bounds, group.chains));
+    for (std::size_t first = 0; first < eights_.size(); first += kFloats) {
+      const std::uint64_t near = near_boxes(first, box, group.paired);
+      if (near == 0) continue;
+      for (const Mover& mover : group.movers) {
+        const std::uint64_t own =
+            is_one ? near : near & near_boxes(first, filters.box_around_path(mover.body, mover.chain), mover.paired);
+        take(mover, first, own, found);
+      }
+    }
+  }
+}
+
+// Which of eight eights of boxes a box may meet; looked at in one go, as which obstacles are near is hard to predict.
+std::uint64_t MotionScreen::near_boxes(std::size_t first, Floats box, const std::vector<unsigned>& paired) const {
+  const std::size_t past = std::min(first + kFloats, eights_.size());
+  std::uint64_t near = 0;
+  for (std::size_t k = past; k-- > first;) near = near << kFloats | (meeting(eights_[k], box) & paired[k]);
+  return near;
 }
 
 void MotionScreen::take(const Mover& mover, std::size_t eight, std::uint64_t near, std::vector<std::int32_t>& found) {
@@ -147,41 +246,62 @@ unsigned MotionScreen::meeting(const Eight& boxes, Floats box) {
   return ~float_bits(beyond > Floats{}) & ((1U << kFloats) - 1);
 }
 
-// Seen from a pair's frame, the two centres approach each other at most at the sum of both speeds.
-void MotionScreen::find_among_movers(const MotionGrid& grid, const ChainBounds& bounds, double room, Workspace& w,
-                                     std::vector<std::int32_t>& found) const {
-  const MotionPiece piece = piece_of(grid, 0, 1);
-  w.centres.resize(moving_.size());
-  for (std::size_t m = 0; m < moving_.size(); ++m) w.centres[m] = grid.centre_at(moving_[m], piece.state);
-  // Without a branch that can't be foreseen: each pair is written, and overwritten unless it is near.
-  found.resize(moving_pairs_.size());
+// Seen from a pair's frame, the two centres approach each other at most at the sum of both speeds, for at most half the
+// time between two states of the grid.
+void MotionScreen::find_among_links(const MotionGrid& grid, const MotionFilters& filters, const ChainBounds& bounds,
+                                    double beyond, Workspace& w, std::vector<std::int32_t>& found) const {
+  // Without a branch that can't be foreseen: each place is written, and overwritten unless it is near.
+  const double room = filters.slack() + beyond;
+  w.near.resize(moving_groups_.size()), w.directions.resize(moving_groups_.size());
   std::size_t near = 0;
-  for (const MovingPair& pair : moving_pairs_) {
-    const Vec3 d = w.centres[pair.a] - w.centres[pair.b];
-    const double way = (bounds.speed(pair.chain_a) + bounds.speed(pair.chain_b)) * piece.part;
-    const double distance = pair.radii + way + room;
-    found[near] = pair.pair;
-    near += dot(d, d) > distance * distance ? 0 : 1;
+  for (std::size_t k = 0; k < moving_groups_.size(); ++k) {
+    const MovingGroup& group = moving_groups_[k];
+    const double way = (speed(bounds, group.chains_a) + speed(bounds, group.chains_b)) * (grid.step() / 2);
+    w.near[near] = k;
+    near += come_within(rows(w, group.a), rows(w, group.b), grid.intervals(), group.radii + way + room) ? 1 : 0;
   }
-  found.resize(near);
+  found.clear();
+  for (std::size_t k = 0; k < near; ++k) {
+    const MovingGroup& group = moving_groups_[w.near[k]];
+    const bool is_one = group.past_pairs == group.first_pair + 1;
+    if (!is_one && boxes_stay_apart(group, grid, filters, bounds, beyond, w.directions[w.near[k]])) continue;
+    for (std::size_t p = group.first_pair; p < group.past_pairs; ++p) found.push_back(moving_pairs_[p]);
+  }
 }
 
-// Writes the obstacles that a body's sphere may come near, piece by piece of its way.
-void MotionScreen::find_in_tree(const MotionGrid& grid, const Mover& mover, double way, double room,
-                                std::vector<std::int32_t>& found) const {
+// One direction settles all pairs of two links at once: the last one, or one that is taken from the boxes.
+bool MotionScreen::boxes_stay_apart(const MovingGroup& group, const MotionGrid& grid, const MotionFilters& filters,
+                                    const ChainBounds& bounds, double beyond, Vec3& direction) const {
+  const LinkBound &a = balls_[group.a], &b = balls_[group.b];
+  const double curved = curvature(bounds, group.chains_a) + curvature(bounds, group.chains_b);
+  const double limit =
+      filters.chord_deviation(curved) + a.inflation_radius + b.inflation_radius + filters.slack() + beyond;
+  if (norm_1(direction) > 0 && filters.are_apart(a.box, b.box, group.frame, direction, limit)) return true;
+  const std::size_t middle = (grid.intervals() + 1) / 2;
+  const Vec3 other = filters.between(a.box, b.box, group.frame, middle);
+  if (!filters.are_apart(a.box, b.box, group.frame, other, limit)) return false;
+  direction = other;
+  return true;
+}
+
+// Writes the obstacles that a ball may come near, piece by piece of its way.
+void MotionScreen::find_in_tree(const MotionGrid& grid, const MoverGroup& group, double way, double room,
+                                Workspace& w) const {
   const std::size_t pieces = pieces_for(way);
+  w.found.clear();
   for (std::size_t k = 0; k < pieces; ++k) {
     const MotionPiece piece = piece_of(grid, k, pieces);
-    const Vec3 centre = grid.centre_at(mover.body, piece.state);
-    const double distance = mover.radius + way * piece.part + room + norm_1(centre) * kFloatRounding;
+    const double* const row = rows(w, group.ball) + piece.state;
+    const Vec3 centre{row[0], row[kGridRow], row[2 * kGridRow]};
+    const double distance = balls_[group.ball].radius + way * piece.part + room + norm_1(centre) * kFloatRounding;
     const float radius = static_cast<float>(distance * (1 + kFloatRounding)) + 1e-37F;
     tree_.collect(
         {static_cast<float>(centre.x), static_cast<float>(centre.y), static_cast<float>(centre.z), far_beyond(radius)},
-        found);
+        w.found);
   }
   if (pieces == 1) return;
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  std::sort(w.found.begin(), w.found.end());
+  w.found.erase(std::unique(w.found.begin(), w.found.end()), w.found.end());
 }
 
 }  // namespace plannercheck

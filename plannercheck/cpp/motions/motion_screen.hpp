@@ -8,6 +8,9 @@
 // away: twice the tolerance, while without this screen a pair is refused only at a state within the tolerance. So
 // verdicts do not depend on it.
 //
+// Bodies of one link come first in one sphere around all of them (the fingers of a hand, the pieces of a link), then,
+// if several pairs of two links are left, in boxes along one direction.
+//
 // By paths: boxes around whole paths are held against those of the obstacles, eight at a time, in floats.
 #pragma once
 
@@ -16,6 +19,7 @@
 #include <vector>
 
 #include "broad_phase/obstacle_tree.hpp"
+#include "motions/link_bounds.hpp"
 #include "motions/motion_filters.hpp"
 
 namespace plannercheck {
@@ -27,8 +31,10 @@ class MotionScreen {
                const std::vector<std::int32_t>& still);
 
   struct Workspace {
-    std::vector<Vec3> centres;        // of the movers, at the state that is looked at
-    std::vector<std::int32_t> found;  // obstacles near one body
+    std::vector<Lanes> rows;          // of the balls' centres, as MotionGrid has them
+    std::vector<std::size_t> near;    // links that may come near each other
+    std::vector<Vec3> directions;     // of links with several pairs: the direction that kept them apart last
+    std::vector<std::int32_t> found;  // obstacles near one ball
   };
 
   // Writes the pairs that may come within `beyond` of each other.
@@ -38,20 +44,33 @@ class MotionScreen {
   void find_by_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const;
 
  private:
+  // Some of `chains_`.
+  struct ChainRange {
+    std::size_t first, past;
+  };
+
   // A body that moves and has pairs with obstacles.
   struct Mover {
-    std::int32_t body, chain;  // its chain from the world
-    double radius;
+    std::int32_t body, chain;        // its chain from the world
     std::vector<std::int32_t> pair;  // by obstacle: the pair, or −1
     std::vector<unsigned> paired;    // the same for eight obstacles at a time: one bit each
   };
 
-  // Two bodies that move, by their places among `moving_`.
-  struct MovingPair {
-    std::size_t a, b;
-    std::int32_t chain_a, chain_b;
+  // Those on one link.
+  struct MoverGroup {
+    std::size_t ball;
+    ChainRange chains;
+    std::vector<Mover> movers;
+    std::vector<unsigned> paired;  // of any of them
+  };
+
+  // The pairs of two links that are seen from one frame: a range of `moving_pairs_`.
+  struct MovingGroup {
+    std::size_t a, b;  // balls
+    std::int32_t frame;
+    ChainRange chains_a, chains_b;
     double radii;
-    std::int32_t pair;
+    std::size_t first_pair, past_pairs;
   };
 
   // Boxes around eight obstacles in the world, rounded outwards: low corners, then high ones with their signs changed.
@@ -60,18 +79,31 @@ class MotionScreen {
   };
 
   std::vector<std::int32_t> unbounded_pairs_;  // with half-spaces: no box or ball is around them
-  std::vector<std::int32_t> moving_;           // bodies in `moving_pairs_`
-  std::vector<MovingPair> moving_pairs_;
-  std::vector<Mover> movers_;
+  std::vector<LinkBound> balls_;
+  std::vector<std::int32_t> chains_;
+  std::vector<std::int32_t> moving_pairs_;  // of two bodies that move
+  std::vector<MovingGroup> moving_groups_;
+  std::vector<MoverGroup> mover_groups_;
   std::vector<Eight> eights_;  // all obstacles
   ObstacleTree tree_;          // where obstacles are many
 
+  void group_movers(const MotionModel& model, std::vector<Mover> movers, const std::vector<std::size_t>& ball_of);
+  void group_pairs(const MotionModel& model, const std::vector<std::size_t>& ball_of);
+  ChainRange chains(const MotionModel& model, std::vector<std::int32_t> of_bodies);
   void bound_obstacles(const MotionModel& model, const std::vector<std::int32_t>& still);
-  void find_among_movers(const MotionGrid& grid, const ChainBounds& bounds, double room, Workspace& w,
-                         std::vector<std::int32_t>& found) const;
-  void find_near_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const;
-  void find_in_tree(const MotionGrid& grid, const Mover& mover, double way, double room,
-                    std::vector<std::int32_t>& found) const;
+
+  double speed(const ChainBounds& bounds, ChainRange chains) const;
+  double curvature(const ChainBounds& bounds, ChainRange chains) const;
+  static const double* rows(const Workspace& w, std::size_t ball);
+  void pose_balls(const MotionGrid& grid, Workspace& w) const;
+  void find_among_links(const MotionGrid& grid, const MotionFilters& filters, const ChainBounds& bounds, double beyond,
+                        Workspace& w, std::vector<std::int32_t>& found) const;
+  bool boxes_stay_apart(const MovingGroup& group, const MotionGrid& grid, const MotionFilters& filters,
+                        const ChainBounds& bounds, double beyond, Vec3& direction) const;
+  void find_near_links(const MotionFilters& filters, const ChainBounds& bounds, double beyond, const Workspace& w,
+                       std::vector<std::int32_t>& found) const;
+  void find_in_tree(const MotionGrid& grid, const MoverGroup& group, double way, double room, Workspace& w) const;
+  std::uint64_t near_boxes(std::size_t first, Floats box, const std::vector<unsigned>& paired) const;
   static void take(const Mover& mover, std::size_t eight, std::uint64_t near, std::vector<std::int32_t>& found);
   static unsigned meeting(const Eight& boxes, Floats box);
 };

@@ -15,13 +15,17 @@
 
 namespace plannercheck {
 
-// So many motions at once have their middle states judged: whole blocks of states.
-inline constexpr std::size_t kMiddles = 64;
+// So many motions at once have states judged: whole blocks of them, also of what a first look leaves.
+inline constexpr std::size_t kMotionsAtOnce = 128;
 
-// How many states of one kind were judged lately, and how many of them collided; and the motions since the last one.
+// How many states of one kind were judged lately, and how many of them collided.
 struct StateTally {
-  std::size_t judged = 0, collided = 0, passed_over = 0;
+  std::size_t judged = 8, collided = 1;
 };
+
+// The same by the places where motions are looked at.
+inline constexpr std::size_t kLooks = 3;
+using LookTallies = std::array<StateTally, kLooks>;
 
 // The Space of adaptive_subdivision.hpp.
 struct SpatialMotions {
@@ -49,11 +53,14 @@ struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
   std::vector<std::int32_t> candidates, bodies, frames;
   std::vector<MotionGroupLook> groups;  // of bodies with pairs with one set of parts
   std::shared_ptr<CheckerCore::Workspace> states;
-  std::array<std::uint8_t, kMiddles> is_free{};  // of the motions at once: no state of it that was judged collides
-  std::array<std::uint8_t, kMiddles> found{};    // verdicts of `rows`
-  std::array<std::size_t, kMiddles> motion_of_row{};
-  std::vector<double> rows;  // configurations that are judged together
-  StateTally middles, ends;  // the ends of motions with free middles
+  std::array<std::uint8_t, kMotionsAtOnce>
+      is_free{};                                     // of the motions at once: no state of it that was judged collides
+  std::array<std::uint8_t, kMotionsAtOnce> found{};  // verdicts of `rows`
+  std::array<std::size_t, kMotionsAtOnce> motion_of_row{};
+  std::vector<double> rows;                     // configurations that are judged together
+  LookTallies looks;                            // of all motions
+  std::array<LookTallies, kLooks> later_looks;  // by a place where the motions were found free
+  std::size_t untried = 0;                      // motions until all looks are tried again
 };
 
 }  // namespace plannercheck
