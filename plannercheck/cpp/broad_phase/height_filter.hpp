@@ -112,7 +112,8 @@ class HeightFilter {
   static void put_beside_others(const Ball& ball, std::vector<Eight>& eights);
 
   template <class Numbers, class Level>
-  static auto is_clear(const Field& field, const Level& level, Numbers x, Numbers y, Numbers z, Numbers radius) {
+  static auto is_clear(const Field& field, const Level& level, Numbers x, Numbers y, Numbers z, Numbers radius)
+      -> decltype(x < y) {
     const Numbers size = (absolute(x) + absolute(y)) + absolute(z);
     const Numbers reach = ((size * kHeightError + field.room) + radius) * (1 + kHeightError);
     const Numbers dx = x - field.origin[0], dy = y - field.origin[1], dz = z - field.origin[2];
