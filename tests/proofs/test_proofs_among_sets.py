@@ -10,6 +10,7 @@ import flint
 import numpy as np
 import pytest
 from flint import arb_mat
+from proof_cases import proofs_where_free
 from set_proof_cases import END, SETS, START, replaced, scene_of, set_of, with_set
 
 import plannercheck as pc
@@ -34,24 +35,25 @@ def test_free_motions_near_parts_are_proved(panda):
     checker = pc.Checker(panda, scene, padding={"panda_hand": 0.003})
     start = panda.random_configurations(200, seed=5)
     end = np.clip(start + 0.2 * rng.normal(size=start.shape), panda.lower, panda.upper)
-    free = checker.check_motions(start, end)
-    assert free.sum() > 20
-    proofs = checker.certify_motions(start, end)
-    assert [proof is not None for proof in proofs] == free.tolist()
-    for proof in proofs:
-        assert proof is None or proof.verify()
+    proofs_where_free(checker, start, end, least=20)
+
+
+def proof_with_carried(panda, scene, name, cloud):
+    """Of the motion from START to END with a cloud on the hand, which may touch the hand and its neighbours."""
+    scene.attach(name, "panda_hand", parts=cloud)
+    for link in ("panda_hand", "panda_leftfinger", "panda_rightfinger", "panda_link7", "panda_link8"):
+        scene.allow(name, link)
+    checker = pc.Checker(panda, scene)
+    assert checker.check_motion(START, END)
+    (proof,) = checker.certify_motions(START[None], END[None])
+    assert proof.verify()
+    return proof
 
 
 def test_two_sets_are_proved_apart(panda):
     rng = np.random.default_rng(3)
     scene = scene_of(SETS["balls"]())
-    scene.attach("held", "panda_hand", parts=pc.PointCloud(rng.normal(size=(12, 3)) * 0.05 + [0, 0, 0.2], 0.01))
-    for link in ("panda_hand", "panda_leftfinger", "panda_rightfinger", "panda_link7", "panda_link8"):
-        scene.allow("held", link)
-    checker = pc.Checker(panda, scene)
-    assert checker.check_motion(START, END)
-    (proof,) = checker.certify_motions(START[None], END[None])
-    assert proof.verify()
+    proof = proof_with_carried(panda, scene, "held", pc.PointCloud(rng.normal(size=(12, 3)) * 0.05 + [0, 0, 0.2], 0.01))
     k = next(k for k, body in enumerate(proof.model.bodies) if body.label == "held")
     for row in range(12):
         held = proof.model.bodies[k]
@@ -66,13 +68,7 @@ def test_a_carried_cloud_over_a_half_space_counts_ball_by_ball(panda):
     scene = pc.Scene("slope")
     scene.add("slope", pc.HalfSpace((0.0, 0.0, 1.0), -0.4))
     row = np.column_stack([np.zeros(30), np.zeros(30), np.linspace(0.12, 0.5, 30)])
-    scene.attach("row", "panda_hand", parts=pc.PointCloud(row, np.linspace(0.001, 0.01, 30)))
-    for link in ("panda_hand", "panda_leftfinger", "panda_rightfinger", "panda_link7", "panda_link8"):
-        scene.allow("row", link)
-    checker = pc.Checker(panda, scene)
-    assert checker.check_motion(START, END)
-    (proof,) = checker.certify_motions(START[None], END[None])
-    assert proof.verify()
+    proof = proof_with_carried(panda, scene, "row", pc.PointCloud(row, np.linspace(0.001, 0.01, 30)))
     body = set_of(proof)
     assert with_set(proof, radii=body.radii + 0.001).verify()
     longer = body.vertices.copy()

@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from flint import arb, arb_mat
-from proof_cases import STILL, at, claim, plane, point, turn
+from proof_cases import STILL, at, claim, plane, point, proofs_where_free, turn
 
 import plannercheck as pc
 from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
@@ -62,13 +62,8 @@ def test_motions_over_half_spaces_are_proved(panda, padding):
     checker, rng = pc.Checker(panda, room(), padding=padding), np.random.default_rng(0)
     start = panda.random_configurations(60, seed=1)
     end = np.clip(start + 0.3 * rng.normal(size=start.shape), panda.lower, panda.upper)
-    free = checker.check_motions(start, end)
-    assert free.sum() > 10
-    proofs = checker.certify_motions(start, end)
-    assert [proof is not None for proof in proofs] == free.tolist()
-    for proof in proofs:
-        assert proof is None or proof.verify(), proof.verify().fault
-        assert proof is None or any(entry.by == "half-space" for entry in proof.entries)
+    for proof in proofs_where_free(checker, start, end, least=10):
+        assert any(entry.by == "half-space" for entry in proof.entries)
 
 
 def test_solids_over_half_spaces_are_proved():

@@ -131,3 +131,15 @@ def plane(direction=(0.0, 1.0, 0.0), frame=-1, start=0.0, end=1.0, pair=0):
 
 def middle(matrix):
     return np.array([float(x) for x in matrix.entries()]).reshape(4, 4)
+
+
+def proofs_where_free(checker, start, end, least):
+    """The proofs of the motions that are free, of which there are more than `least`; every one is confirmed."""
+    free = checker.check_motions(start, end)
+    assert free.sum() > least
+    proofs = checker.certify_motions(start, end)
+    assert [proof is not None for proof in proofs] == free.tolist()
+    found = [proof for proof in proofs if proof is not None]
+    for proof in found:
+        assert proof.verify(), proof.verify().fault
+    return found
