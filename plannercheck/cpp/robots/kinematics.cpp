@@ -1,4 +1,4 @@
-// Computes the poses of kinematics.hpp: placements, then motions of joints, elementwise on Lanes.
+// Makes the table of kinematics.hpp, and poses batches by it.
 #include "robots/kinematics.hpp"
 
 #include <algorithm>
@@ -6,75 +6,21 @@
 #include <atomic>
 
 #include "math/interruption.hpp"
-#include "math/sincos.hpp"
 #include "robots/joint_motions.hpp"
 #include "robots/kinematics_lanes.hpp"
+#include "robots/lane_pose.hpp"
 #include "robots/state_poser.hpp"
 
 namespace plannercheck {
 namespace {
 
-constexpr int kPose = 12;  // numbers in a row-major 3x4 pose
-
-inline void broadcast_pose(const Rigid& pose, Lanes* out) {
-  for (int k = 0; k < kPose; ++k) out[k] = broadcast(pose.m[k]);
-}
-
 // parent * placement, both affine maps; `out` may not overlap `parent`.
-template <class Number>
-inline void place(const Number* parent, const double* p, Number* out) {
+void place(const double* parent, const double* p, double* out) {
   for (int row = 0; row < 3; ++row) {
-    const Number a = parent[4 * row], b = parent[4 * row + 1], c = parent[4 * row + 2];
+    const double a = parent[4 * row], b = parent[4 * row + 1], c = parent[4 * row + 2];
     for (int col = 0; col < 3; ++col) out[4 * row + col] = a * p[col] + b * p[4 + col] + c * p[8 + col];
     out[4 * row + 3] = a * p[3] + b * p[7] + c * p[11] + parent[4 * row + 3];
   }
-}
-
-// The same where the placement's rotation is the identity.
-inline void place_shift(const Lanes* parent, const double* p, Lanes* out) {
-  for (int row = 0; row < 3; ++row) {
-    const Lanes a = parent[4 * row], b = parent[4 * row + 1], c = parent[4 * row + 2];
-    out[4 * row] = a;
-    out[4 * row + 1] = b;
-    out[4 * row + 2] = c;
-    out[4 * row + 3] = a * p[3] + b * p[7] + c * p[11] + parent[4 * row + 3];
-  }
-}
-
-// The same where the placement's rotation keeps one axis.
-template <int axis>
-inline void place_turn(const Lanes* parent, const double* p, Lanes* out) {
-  constexpr int i = (axis + 1) % 3, j = (axis + 2) % 3;
-  place_shift(parent, p, out);
-  for (int row = 0; row < 3; ++row) {
-    const Lanes a = parent[4 * row + i], b = parent[4 * row + j];
-    out[4 * row + i] = a * p[4 * i + i] + b * p[4 * j + i];
-    out[4 * row + j] = a * p[4 * i + j] + b * p[4 * j + j];
-  }
-}
-
-inline void place(const Lanes* parent, const Rigid& placement, PlacementForm form, Lanes* out) {
-  switch (form) {
-    case PlacementForm::kIdentity:
-      for (int k = 0; k < kPose; ++k) out[k] = parent[k];
-      return;
-    case PlacementForm::kShift:
-      return place_shift(parent, placement.m, out);
-    case PlacementForm::kTurnX:
-      return place_turn<0>(parent, placement.m, out);
-    case PlacementForm::kTurnY:
-      return place_turn<1>(parent, placement.m, out);
-    case PlacementForm::kTurnZ:
-      return place_turn<2>(parent, placement.m, out);
-    case PlacementForm::kGeneral:
-      return place(parent, placement.m, out);
-  }
-}
-
-// A placement on a posed joint, or in the world if the joint is null.
-inline void pose_on(const Lanes* joint, const Rigid& placement, PlacementForm form, Lanes* out) {
-  if (joint == nullptr) return broadcast_pose(placement, out);
-  place(joint, placement, form, out);
 }
 
 // Whether the rotation maps the axis to itself, exactly.
@@ -98,72 +44,6 @@ PlacementForm form_of(const Rigid& placement) {
   return PlacementForm::kGeneral;
 }
 
-// pose * rotation by the angle of (cos, sin) that takes column `from` towards column `to`.
-inline void turn_columns(int from, int to, Lanes cos, Lanes sin, Lanes* pose) {
-  for (int row = 0; row < 3; ++row) {
-    const Lanes a = pose[4 * row + from], b = pose[4 * row + to];
-    pose[4 * row + from] = cos * a + sin * b;
-    pose[4 * row + to] = cos * b - sin * a;
-  }
-}
-
-// pose * rotation, rotation 3x3 row-major.
-inline void rotate(const std::array<Lanes, 9>& r, Lanes* pose) {
-  for (std::size_t row = 0; row < 3; ++row) {
-    const Lanes a = pose[4 * row], b = pose[4 * row + 1], c = pose[4 * row + 2];
-    for (std::size_t col = 0; col < 3; ++col) pose[4 * row + col] = a * r[col] + b * r[3 + col] + c * r[6 + col];
-  }
-}
-
-inline void slide(Lanes x, Lanes y, Lanes z, Lanes* pose) {
-  for (int row = 0; row < 3; ++row) {
-    pose[4 * row + 3] = pose[4 * row] * x + pose[4 * row + 1] * y + pose[4 * row + 2] * z + pose[4 * row + 3];
-  }
-}
-
-// Moves a pose by a joint. v: the joint's values, cosine and sine in place of an angle.
-inline void move(JointKind kind, const double* axis, const Lanes* v, Lanes* pose) {
-  switch (kind) {
-    case JointKind::kTurnX:
-    case JointKind::kUnitTurnX:
-      return turn_columns(1, 2, v[0], v[1], pose);
-    case JointKind::kTurnY:
-    case JointKind::kUnitTurnY:
-      return turn_columns(2, 0, v[0], v[1], pose);
-    case JointKind::kTurnZ:
-    case JointKind::kUnitTurnZ:
-      return turn_columns(0, 1, v[0], v[1], pose);
-    case JointKind::kTurnAxis:
-    case JointKind::kUnitTurnAxis:
-      return rotate(turn_about_axis(axis, v[0], v[1]), pose);
-    case JointKind::kSlide:
-      return slide(v[0] * axis[0], v[0] * axis[1], v[0] * axis[2], pose);
-    case JointKind::kPlanar:
-      slide(v[0], v[1], Lanes{}, pose);
-      return turn_columns(0, 1, v[2], v[3], pose);
-    case JointKind::kBall:
-      return rotate(turn_of_quaternion(v), pose);
-    case JointKind::kFree:
-      slide(v[0], v[1], v[2], pose);
-      return rotate(turn_of_quaternion(v + 3), pose);
-  }
-}
-
-inline Lanes value_of(const JointValue& value, const Lanes* q) {
-  return value.column < 0 ? broadcast(value.offset) : value.multiplier * q[value.column] + value.offset;
-}
-
-// Reads a joint's values in the form that `move` takes.
-inline void read_values(JointKind kind, const JointValue* values, const Lanes* q, Lanes* v) {
-  if (is_angle(kind)) {
-    const SinCos turn = sincos(value_of(values[0], q));
-    v[0] = turn.cos;
-    v[1] = turn.sin;
-    return;
-  }
-  for (int k = 0; k < value_count(kind); ++k) v[k] = value_of(values[k], q);
-}
-
 bool is_held(const JointSpec& joint) {
   return std::all_of(joint.values, joint.values + value_count(joint.kind),
                      [](const JointValue& v) { return v.column < 0; });
@@ -183,24 +63,13 @@ Rigid placed(const Anchor& anchor, const Rigid& placement) {
 
 // The pose of a joint that nothing moves, by the same operations as for moving ones.
 Rigid moved_once(const JointSpec& joint, const Rigid& placement) {
-  Lanes pose[kPose], values[7];
-  broadcast_pose(placement, pose);
-  read_values(joint.kind, joint.values, nullptr, values);
-  move(joint.kind, joint.axis, values, pose);
-  Rigid out;
-  for (int k = 0; k < kPose; ++k) out.m[k] = pose[k][0];
-  return out;
-}
-
-void pose_joint(const Kinematics::Joint& joint, const Lanes* q, const Lanes* parent, Lanes* pose) {
+  LanePose pose = lane_pose(placement);
   Lanes values[7];
-  if (joint.held) {
-    for (int k = 0; k < 7; ++k) values[k] = broadcast(joint.held_values[k]);
-  } else {
-    read_values(joint.kind, joint.values, q, values);
-  }
-  pose_on(parent, joint.placement, joint.form, pose);
-  move(joint.kind, joint.axis, values, pose);
+  read_values(joint.kind, joint.values, nullptr, values);
+  move(pose, joint.kind, joint.axis, values);
+  Rigid out;
+  for (std::size_t k = 0; k < kPoseNumbers; ++k) out.m[k] = pose.m[k][0];
+  return out;
 }
 
 // kLanes rows of q, the last one repeated if there are fewer, as Lanes.
@@ -216,7 +85,7 @@ void end_matrix(double* out) {
 }
 
 void scatter_pose(const Lanes* pose, int lane, double* out) {
-  for (int k = 0; k < kPose; ++k) out[k] = pose[k][lane];
+  for (std::size_t k = 0; k < kPoseNumbers; ++k) out[k] = pose[k][lane];
   end_matrix(out);
 }
 
@@ -279,28 +148,6 @@ void PosingOrder::find(const Kinematics& kinematics, const unsigned char* needed
   }
 }
 
-void LinkPoser::begin(const Kinematics& kinematics, const unsigned char* needed) {
-  kinematics_ = &kinematics;
-  order_.find(kinematics, needed);
-  homeless_.resize(kinematics.joints().size() * kPose);
-}
-
-Lanes* LinkPoser::at_joint(int joint, Lanes* out) {
-  const int home = order_.home[static_cast<size_t>(joint)];
-  return home < 0 ? homeless_.data() + joint * kPose : out + home * kPose;
-}
-
-void LinkPoser::pose(const Lanes* q, Lanes* out) {
-  for (const int i : order_.joints) {
-    const auto& joint = kinematics_->joints()[static_cast<size_t>(i)];
-    pose_joint(joint, q, joint.parent < 0 ? nullptr : at_joint(joint.parent, out), at_joint(i, out));
-  }
-  for (const int i : order_.links) {
-    const auto& link = kinematics_->links()[static_cast<size_t>(i)];
-    pose_on(link.joint < 0 ? nullptr : at_joint(link.joint, out), link.placement, link.form, out + i * kPose);
-  }
-}
-
 void Kinematics::link_poses_of_state(const double* q, const unsigned char* needed, double* out) const {
   StatePoser poser;
   poser.begin(*this, needed);
@@ -316,7 +163,7 @@ void Kinematics::link_poses_of_state(const double* q, const unsigned char* neede
 void Kinematics::link_poses_batch(const double* q, long long n, const unsigned char* needed, double* out) const {
   const size_t links = links_.size();
   if (n == 1) return link_poses_of_state(q, needed, out);
-  std::vector<Lanes> lanes(static_cast<size_t>(width_)), poses(links * kPose);
+  std::vector<Lanes> lanes(static_cast<size_t>(width_)), poses(links * kPoseNumbers);
   LinkPoser poser;
   poser.begin(*this, needed);
   for (long long first = 0; first < n; first += kLanes) {
@@ -327,7 +174,7 @@ void Kinematics::link_poses_batch(const double* q, long long n, const unsigned c
     for (int lane = 0; lane < rows; ++lane) {
       double* row = out + (static_cast<size_t>(first) + static_cast<size_t>(lane)) * links * 16;
       for (size_t i = 0; i < links; ++i) {
-        if (needed[i]) scatter_pose(&poses[i * kPose], lane, row + i * 16);
+        if (needed[i]) scatter_pose(&poses[i * kPoseNumbers], lane, row + i * 16);
       }
     }
   }

@@ -19,11 +19,22 @@ class LinkPoser {
   void pose(const Lanes* q, Lanes* out);
 
  private:
-  const Kinematics* kinematics_ = nullptr;
-  PosingOrder order_;
-  std::vector<Lanes> homeless_;
+  // What is posed on `parent`, a place among the poses, or in the world if that is below 0.
+  struct Step {
+    int parent, to;
+    PlacementForm form;
+    const Rigid* placement;
+    const Kinematics::Joint* joint;  // that moves it, or null for a link on a joint
+    std::size_t values;              // the place of the joint's values
+  };
 
-  Lanes* at_joint(int joint, Lanes* out);
+  std::size_t links_ = 0;
+  std::vector<Step> steps_;
+  std::vector<std::size_t> read_;  // steps whose joints' values are those of a configuration
+  std::vector<Lanes> values_;      // of all joints
+  std::vector<Lanes> homeless_;    // poses of joints that are no link's: their places follow those of links
+
+  Lanes* pose_at(int place, Lanes* out);
 };
 
 }  // namespace plannercheck

@@ -1,0 +1,173 @@
+// Poses of kLanes configurations at once, and what places and moves them: elementwise on Lanes.
+//
+// Idea: a chain's pose stays in registers from joint to joint. So all of this changes a pose in place, row by row, and
+// is inlined into the loop over joints.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "math/simd.hpp"
+#include "math/sincos.hpp"
+#include "robots/joint_motions.hpp"
+#include "robots/kinematics.hpp"
+
+namespace plannercheck {
+
+inline constexpr std::size_t kPoseNumbers = 12;  // of a row-major 3x4 pose
+
+struct LanePose {
+  Lanes m[kPoseNumbers];
+};
+
+// The same number in all lanes: of zeros, only the positive one comes through.
+inline LanePose lane_pose(const Rigid& pose) {
+  LanePose out;
+#pragma GCC unroll 12
+  for (std::size_t k = 0; k < kPoseNumbers; ++k) out.m[k] = broadcast(pose.m[k]);
+  return out;
+}
+
+inline LanePose load_pose(const Lanes* from) {
+  LanePose out;
+#pragma GCC unroll 12
+  for (std::size_t k = 0; k < kPoseNumbers; ++k) out.m[k] = from[k];
+  return out;
+}
+
+inline void store_pose(Lanes* to, const LanePose& pose) {
+#pragma GCC unroll 12
+  for (std::size_t k = 0; k < kPoseNumbers; ++k) to[k] = pose.m[k];
+}
+
+// ----- placements
+
+// The translation of a row's pose times a placement.
+inline Lanes placed_origin(const Lanes* row, const double* p) {
+  return row[0] * p[3] + row[1] * p[7] + row[2] * p[11] + row[3];
+}
+
+inline void place_anyhow(LanePose& pose, const double* p) {
+#pragma GCC unroll 3
+  for (std::size_t k = 0; k < 3; ++k) {
+    Lanes* const row = pose.m + 4 * k;
+    const Lanes origin = placed_origin(row, p), a = row[0], b = row[1], c = row[2];
+#pragma GCC unroll 3
+    for (std::size_t col = 0; col < 3; ++col) row[col] = a * p[col] + b * p[4 + col] + c * p[8 + col];
+    row[3] = origin;
+  }
+}
+
+// By a placement whose rotation is the identity.
+inline void place_shifted(LanePose& pose, const double* p) {
+#pragma GCC unroll 3
+  for (std::size_t k = 0; k < 3; ++k) pose.m[4 * k + 3] = placed_origin(pose.m + 4 * k, p);
+}
+
+// By a placement whose rotation keeps one axis.
+template <std::size_t axis>
+inline void place_turned(LanePose& pose, const double* p) {
+  constexpr std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
+#pragma GCC unroll 3
+  for (std::size_t k = 0; k < 3; ++k) {
+    Lanes* const row = pose.m + 4 * k;
+    const Lanes origin = placed_origin(row, p), a = row[i], b = row[j];
+    row[i] = a * p[4 * i + i] + b * p[4 * j + i];
+    row[j] = a * p[4 * i + j] + b * p[4 * j + j];
+    row[3] = origin;
+  }
+}
+
+// A pose times a placement.
+[[gnu::always_inline]] inline void place(LanePose& pose, const Rigid& placement, PlacementForm form) {
+  switch (form) {
+    case PlacementForm::kIdentity:
+      return;
+    case PlacementForm::kShift:
+      return place_shifted(pose, placement.m);
+    case PlacementForm::kTurnX:
+      return place_turned<0>(pose, placement.m);
+    case PlacementForm::kTurnY:
+      return place_turned<1>(pose, placement.m);
+    case PlacementForm::kTurnZ:
+      return place_turned<2>(pose, placement.m);
+    case PlacementForm::kGeneral:
+      return place_anyhow(pose, placement.m);
+  }
+}
+
+// ----- motions of joints
+
+// A pose times the rotation by the angle of (cos, sin) that takes column `from` towards column `to`.
+template <std::size_t from, std::size_t to>
+inline void turn_columns(LanePose& pose, Lanes cos, Lanes sin) {
+#pragma GCC unroll 3
+  for (std::size_t row = 0; row < 3; ++row) {
+    const Lanes a = pose.m[4 * row + from], b = pose.m[4 * row + to];
+    pose.m[4 * row + from] = cos * a + sin * b;
+    pose.m[4 * row + to] = cos * b - sin * a;
+  }
+}
+
+// A pose times a rotation, 3x3 and row-major.
+inline void rotate(LanePose& pose, const std::array<Lanes, 9>& r) {
+#pragma GCC unroll 3
+  for (std::size_t row = 0; row < 3; ++row) {
+    const Lanes a = pose.m[4 * row], b = pose.m[4 * row + 1], c = pose.m[4 * row + 2];
+#pragma GCC unroll 3
+    for (std::size_t col = 0; col < 3; ++col) pose.m[4 * row + col] = a * r[col] + b * r[3 + col] + c * r[6 + col];
+  }
+}
+
+inline void slide(LanePose& pose, Lanes x, Lanes y, Lanes z) {
+#pragma GCC unroll 3
+  for (std::size_t k = 0; k < 3; ++k) {
+    Lanes* const row = pose.m + 4 * k;
+    row[3] = row[0] * x + row[1] * y + row[2] * z + row[3];
+  }
+}
+
+// Moves a pose by a joint. v: the joint's values, cosine and sine in place of an angle.
+[[gnu::always_inline]] inline void move(LanePose& pose, JointKind kind, const double* axis, const Lanes* v) {
+  switch (kind) {
+    case JointKind::kTurnX:
+    case JointKind::kUnitTurnX:
+      return turn_columns<1, 2>(pose, v[0], v[1]);
+    case JointKind::kTurnY:
+    case JointKind::kUnitTurnY:
+      return turn_columns<2, 0>(pose, v[0], v[1]);
+    case JointKind::kTurnZ:
+    case JointKind::kUnitTurnZ:
+      return turn_columns<0, 1>(pose, v[0], v[1]);
+    case JointKind::kTurnAxis:
+    case JointKind::kUnitTurnAxis:
+      return rotate(pose, turn_about_axis(axis, v[0], v[1]));
+    case JointKind::kSlide:
+      return slide(pose, v[0] * axis[0], v[0] * axis[1], v[0] * axis[2]);
+    case JointKind::kPlanar:
+      slide(pose, v[0], v[1], Lanes{});
+      return turn_columns<0, 1>(pose, v[2], v[3]);
+    case JointKind::kBall:
+      return rotate(pose, turn_of_quaternion(v));
+    case JointKind::kFree:
+      slide(pose, v[0], v[1], v[2]);
+      return rotate(pose, turn_of_quaternion(v + 3));
+  }
+}
+
+inline Lanes value_of(const JointValue& value, const Lanes* q) {
+  return value.column < 0 ? broadcast(value.offset) : value.multiplier * q[value.column] + value.offset;
+}
+
+// Reads a joint's values in the form that `move` takes.
+inline void read_values(JointKind kind, const JointValue* values, const Lanes* q, Lanes* v) {
+  if (is_angle(kind)) {
+    const SinCos turn = sincos(value_of(values[0], q));
+    v[0] = turn.cos;
+    v[1] = turn.sin;
+    return;
+  }
+  for (int k = 0; k < value_count(kind); ++k) v[k] = value_of(values[k], q);
+}
+
+}  // namespace plannercheck
