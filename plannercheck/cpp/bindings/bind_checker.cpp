@@ -19,6 +19,7 @@
 #include "bindings/verdict_dicts.hpp"
 #include "bindings/workspace_pool.hpp"
 #include "checking/checker.hpp"
+#include "checking/joint_limits.hpp"
 
 namespace nb = nanobind;
 
@@ -39,16 +40,10 @@ class BoundChecker : public Pooled<CheckerCore> {
       : Pooled(geometry_objects(bodies, links, placements), pairs_from(pairs), link_count,
                CheckerOptions{options, bounds, boxes, overlaps, learning, part_trees},
                of_links(std::move(sampled), link_count)),
-        lower_(lower.data(), lower.data() + lower.shape(0)),
-        upper_(upper.data(), upper.data() + upper.shape(0)) {}
+        limits_({lower.data(), lower.data() + lower.shape(0)}, {upper.data(), upper.data() + upper.shape(0)}) {}
 
-  // Whether a configuration is finite and within the limits that hold for this checker's choice of pairs.
-  bool may_judge(const double* q) const {
-    bool may = true;
-    for (std::size_t i = 0; i < lower_.size(); ++i)
-      may &= std::isfinite(q[i]) && lower_[i] <= q[i] && q[i] <= upper_[i];
-    return may;
-  }
+  // The limits that hold for this checker's choice of pairs: what is within may be judged.
+  const JointLimits& limits() const { return limits_; }
 
   // Of one configuration that may be judged.
   bool is_valid(const Kinematics& kinematics, const double* q) {
@@ -75,7 +70,7 @@ class BoundChecker : public Pooled<CheckerCore> {
   }
 
  private:
-  std::vector<double> lower_, upper_;
+  JointLimits limits_;
 
   static std::vector<GeometryObject> geometry_objects(const std::vector<std::shared_ptr<Polytope>>& bodies,
                                                       InputArray<std::int32_t, -1> links,
@@ -118,7 +113,7 @@ nb::object row_validity(nb::object checker, nb::object kinematics, Columns units
   const auto width = static_cast<std::size_t>(kernel->width());
   const auto judged = [checker, kinematics, judge, kernel,
                        lengths = UnitParts(units, tolerance)](const double* q) -> nb::object {
-    if (!judge->may_judge(q) || !lengths.are_unit(q)) return nb::none();
+    if (!judge->limits().hold(q) || !lengths.are_unit(q)) return nb::none();
     return nb::bool_(judge->is_valid(*kernel, q));
   };
   const auto is_free = [judged, width, array = NumpyArray(), listed = ListedNumbers()](nb::handle row) -> nb::object {
@@ -137,10 +132,7 @@ nb::object set_validity(nb::object checker, nb::object kinematics, Columns units
   const auto are_free = [checker, kinematics, judge, kernel, width, array = NumpyArray(),
                          lengths = UnitParts(units, tolerance)](nb::handle rows) -> nb::object {
     const NumpyRows q(array, rows, width);
-    bool may_judge = q.n > 0;
-    for (std::size_t i = 0; may_judge && i < q.n; ++i)
-      may_judge = judge->may_judge(q.data + i * width) && lengths.are_unit(q.data + i * width);
-    if (!may_judge) return nb::none();
+    if (q.n == 0 || !judge->limits().hold(q.data, q.n) || !lengths.are_unit(q.data, q.n, width)) return nb::none();
     return nb::cast(judge->of_rows<std::uint8_t>(
         q.n, 1, [&](std::size_t, std::size_t n, std::uint8_t* valid, CheckerCore::Workspace& w) {
           judge->core().check_states(*kernel, q.data, n, valid, w);
@@ -164,7 +156,7 @@ nb::object state_validity(nb::object checker, nb::object kinematics, nb::object 
     for (const double value : q) {
       if (!std::isfinite(value)) return false;  // OMPL's spaces hold no such state
     }
-    return judge->may_judge(q.data()) ? judge->is_valid(*kernel, q.data()) : nb::cast<bool>(elsewhere(listed(q)));
+    return judge->limits().hold(q.data()) ? judge->is_valid(*kernel, q.data()) : nb::cast<bool>(elsewhere(listed(q)));
   };
   const auto is_free = [answer, failure](nb::handle s) { return judged_or_failed(failure, [&] { return answer(s); }); };
   return nb::cpp_function(is_free, plain_floats);

@@ -31,6 +31,14 @@ class UnitParts {
     }
     return true;
   }
+  // Of n configurations of so many numbers each.
+  bool are_unit(const double* q, std::size_t n, std::size_t width) const {
+    if (parts_.empty()) return true;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!are_unit(q + i * width)) return false;
+    }
+    return true;
+  }
 
  private:
   std::vector<std::pair<std::size_t, std::size_t>> parts_;

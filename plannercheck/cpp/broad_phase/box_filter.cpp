@@ -81,7 +81,7 @@ unsigned BlockBoxes::apart(RoundedLinks& links, std::size_t a, std::size_t b, Wo
   const StateFloats x = p.centre[0] - q.centre[0], y = p.centre[1] - q.centre[1], z = p.centre[2] - q.centre[2];
   std::array<StateFloats, 3> shadow;  // projections of b's half edges on its own axes and of a's on b's
   for (std::size_t j = 0; j < 3; ++j) shadow[j] = room + half_b[j];
-  StateMask out = {};
+  unsigned out = 0;
 #pragma GCC unroll 3
   for (std::size_t i = 0; i < 3; ++i) {
     const StateFloats ax = p.axes[3 * i], ay = p.axes[3 * i + 1], az = p.axes[3 * i + 2];
@@ -92,14 +92,14 @@ unsigned BlockBoxes::apart(RoundedLinks& links, std::size_t a, std::size_t b, Wo
       own += product * half_b[j];
       shadow[j] += product * half_a[i];
     }
-    out |= absolute((ax * x + ay * y) + az * z) > own;
+    out |= bits_above(absolute((ax * x + ay * y) + az * z), own);
   }
 #pragma GCC unroll 3
   for (std::size_t j = 0; j < 3; ++j) {
     const StateFloats along = (q.axes[3 * j] * x + q.axes[3 * j + 1] * y) + q.axes[3 * j + 2] * z;
-    out |= absolute(along) > shadow[j];
+    out |= bits_above(absolute(along), shadow[j]);
   }
-  return state_bits(out & (room < kLargestRoom));
+  return out & bits_above(StateFloats{} + kLargestRoom, room);
 }
 
 }  // namespace plannercheck

@@ -268,7 +268,7 @@ void BroadPhase::find_among_movers(int count, Workspace& w) const {
   for (const MovingPair& pair : moving_pairs_) {
     const Balls &a = w.balls[at(pair.a)], &b = w.balls[at(pair.b)];
     const StateFloats x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
-    const unsigned near = ~state_bits((x * x + y * y) + z * z > far_beyond(a.radius + b.radius)) & states;
+    const unsigned near = ~bits_above((x * x + y * y) + z * z, far_beyond(a.radius + b.radius)) & states;
     if (near != 0) w.candidates.push_back({pair.pair, near});
   }
 }
@@ -300,15 +300,17 @@ void BroadPhase::find_listed(const MoverGroup& group, int count, Workspace& w) c
   const FloatBox own = around(group, w.balls);
   for (const std::int32_t obstacle : group.obstacles) {
     const FloatBox& box = spread_[at(obstacle)];
-    const auto apart = [&](std::size_t i) { return (own.low[i] > box.high[i]) | (own.high[i] < box.low[i]); };
-    if ((~state_bits(apart(0) | apart(1) | apart(2)) & states) == 0) continue;
+    const auto apart = [&](std::size_t i) {
+      return bits_above(own.low[i], box.high[i]) | bits_above(box.low[i], own.high[i]);
+    };
+    if ((~(apart(0) | apart(1) | apart(2)) & states) == 0) continue;
     for (std::size_t m = group.first; m < group.last; ++m) {
       const std::int32_t pair = pair_with(m, obstacle);
       if (pair < 0) continue;
       const Balls& ball = w.balls[m];
       const StateFloats x = beyond(ball.x, box.low[0], box.high[0]), y = beyond(ball.y, box.low[1], box.high[1]);
       const StateFloats z = beyond(ball.z, box.low[2], box.high[2]);
-      const unsigned near = ~state_bits((x * x + y * y) + z * z > far_beyond(ball.radius)) & states;
+      const unsigned near = ~bits_above((x * x + y * y) + z * z, far_beyond(ball.radius)) & states;
       if (near != 0) w.candidates.push_back({pair, near});
     }
   }

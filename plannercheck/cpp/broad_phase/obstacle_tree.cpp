@@ -72,7 +72,7 @@ unsigned ObstacleTree::near_children(const Node& node, const FloatSphere& sphere
   };
   const Floats x = along(node.low_x, node.high_x, sphere.x), y = along(node.low_y, node.high_y, sphere.y);
   const Floats z = along(node.low_z, node.high_z, sphere.z);
-  return ~float_bits((x * x + y * y) + z * z > sphere.limit) & ((1U << kFloats) - 1);
+  return ~bits_above((x * x + y * y) + z * z, Floats{} + sphere.limit) & ((1U << kFloats) - 1);
 }
 
 }  // namespace plannercheck

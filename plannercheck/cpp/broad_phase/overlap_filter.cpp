@@ -99,7 +99,7 @@ void BlockOverlaps::pose(const FloatPose& link, const Balls& balls, PosedBalls& 
   }
 }
 
-StateMask BlockOverlaps::meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame) {
+unsigned BlockOverlaps::meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame) {
   const StateFloats x = ball.x - frame.centre[0], y = ball.y - frame.centre[1], z = ball.z - frame.centre[2];
   StateFloats square = {};
 #pragma GCC unroll 3
@@ -109,7 +109,7 @@ StateMask BlockOverlaps::meet(const PosedBall& ball, const Box& box, const Block
     square += outside * outside;
   }
   const StateFloats limit = (ball.radius + box.radius) - 2 * frame.room;
-  return (square < limit * limit) & (limit > kShortest);
+  return bits_above(limit * limit, square) & bits_above(limit, StateFloats{} + kShortest);
 }
 
 bool BlockOverlaps::overlap_in_state(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes,
@@ -122,7 +122,7 @@ bool BlockOverlaps::overlap_in_state(RoundedLinks& links, std::size_t pair, cons
     out[0] = posed(links.of(at(own.link)), x, y, z, radius, own.room);
   });
   const BlockBoxes::Posed& frame = boxes.posed(links, at(roles.box), posed_boxes);
-  return state_bits(meet(balls[0], boxes_[at(roles.box)], frame)) != 0;
+  return meet(balls[0], boxes_[at(roles.box)], frame) != 0;
 }
 
 unsigned BlockOverlaps::overlap(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes,
@@ -134,9 +134,9 @@ unsigned BlockOverlaps::overlap(RoundedLinks& links, std::size_t pair, const Blo
       w.of(at(roles.balls), false, [&](PosedBalls& out) { pose(links.of(at(own.link)), own, out); });
   const BlockBoxes::Posed& frame = boxes.posed(links, at(roles.box), posed_boxes);
   const Box& box = boxes_[at(roles.box)];
-  StateMask out = {};
+  unsigned out = 0;
   for (std::size_t k = 0; k < own.count; ++k) out |= meet(balls[k], box, frame);
-  return state_bits(out);
+  return out;
 }
 
 }  // namespace plannercheck

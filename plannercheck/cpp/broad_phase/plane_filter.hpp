@@ -28,7 +28,7 @@ class PlaneFilter {
       const auto& ball = posed(plane.ball);
       const StateFloats size = (absolute(ball.x) + absolute(ball.y)) + absolute(ball.z);
       const StateFloats height = (ball.x * plane.normal[0] + ball.y * plane.normal[1]) + ball.z * plane.normal[2];
-      const unsigned near = ~state_bits(height > (ball.radius + size * kPlaneError) + plane.top) & states;
+      const unsigned near = ~bits_above(height, (ball.radius + size * kPlaneError) + plane.top) & states;
       if (near != 0) found(plane.pair, near);
     }
   }

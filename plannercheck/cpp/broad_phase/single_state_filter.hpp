@@ -97,7 +97,7 @@ void SingleStateFilter::find(Workspace& w, Found found) const {
     const Ball own = ball(test.ball, posed);
     const Posed& others = posed[test.eight];
     const Floats x = others.x - own.x, y = others.y - own.y, z = others.z - own.z;
-    const unsigned far = float_bits((x * x + y * y) + z * z > far_beyond(others.radius + own.radius));
+    const unsigned far = bits_above((x * x + y * y) + z * z, far_beyond(others.radius + own.radius));
     *near++ = static_cast<std::uint8_t>(~far & test.paired);
   }
   for (const Test& test : box_tests_) {
@@ -106,7 +106,7 @@ void SingleStateFilter::find(Workspace& w, Found found) const {
     const Floats x = beyond(everywhere(own.x), boxes.low[0], boxes.high[0]);
     const Floats y = beyond(everywhere(own.y), boxes.low[1], boxes.high[1]);
     const Floats z = beyond(everywhere(own.z), boxes.low[2], boxes.high[2]);
-    const unsigned far = float_bits((x * x + y * y) + z * z > own.limit);
+    const unsigned far = bits_above((x * x + y * y) + z * z, everywhere(own.limit));
     *near++ = static_cast<std::uint8_t>(~far & test.paired);
   }
   for (std::size_t first = 0; first < w.near.size(); first += kFloats) {

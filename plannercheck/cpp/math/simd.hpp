@@ -169,6 +169,50 @@ inline unsigned float_bits(FloatMask mask) {
 #endif
 }
 
+template <class Vector>
+inline unsigned bits_of_lanes(Vector mask) {
+  unsigned out = 0;
+  for (std::size_t k = 0; k < sizeof mask / sizeof mask[0]; ++k) out |= mask[k] != 0 ? 1U << k : 0U;
+  return out;
+}
+
+// Bit k of the result: whether a > b in lane k. AVX-512 compares into bits at once, of which GCC makes a mask in lanes
+// before it can be asked for its bits.
+template <class Vector>
+inline unsigned bits_above(Vector a, Vector b) {
+#if defined(__AVX512VL__) && defined(__AVX512DQ__)
+  if constexpr (!FloatVector<Vector>) {
+    return _mm512_cmp_pd_mask(reinterpret_cast<__m512d>(a), reinterpret_cast<__m512d>(b), _CMP_GT_OS);
+  } else if constexpr (sizeof(Vector) == 64) {
+    return _mm512_cmp_ps_mask(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b), _CMP_GT_OS);
+  } else {
+    return _mm256_cmp_ps_mask(reinterpret_cast<__m256>(a), reinterpret_cast<__m256>(b), _CMP_GT_OS);
+  }
+#else
+  if constexpr (std::is_same_v<Vector, Lanes>) return bits(a > b);
+  if constexpr (std::is_same_v<Vector, Floats>) return float_bits(a > b);
+  return bits_of_lanes(a > b);
+#endif
+}
+
+// The same of a <= b.
+template <class Vector>
+inline unsigned bits_at_most(Vector a, Vector b) {
+#if defined(__AVX512VL__) && defined(__AVX512DQ__)
+  if constexpr (!FloatVector<Vector>) {
+    return _mm512_cmp_pd_mask(reinterpret_cast<__m512d>(a), reinterpret_cast<__m512d>(b), _CMP_LE_OS);
+  } else if constexpr (sizeof(Vector) == 64) {
+    return _mm512_cmp_ps_mask(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b), _CMP_LE_OS);
+  } else {
+    return _mm256_cmp_ps_mask(reinterpret_cast<__m256>(a), reinterpret_cast<__m256>(b), _CMP_LE_OS);
+  }
+#else
+  if constexpr (std::is_same_v<Vector, Lanes>) return bits(a <= b);
+  if constexpr (std::is_same_v<Vector, Floats>) return float_bits(a <= b);
+  return bits_of_lanes(a <= b);
+#endif
+}
+
 inline float largest(Floats floats) {
 #if defined(__AVX__)
   const __m256 all = reinterpret_cast<__m256>(floats);

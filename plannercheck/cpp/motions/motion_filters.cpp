@@ -143,7 +143,7 @@ unsigned MotionFilters::chord_meets_box(const CertifiedPair& pair, double apart)
       const Lanes outside = larger(Lanes{}, beyond);
       square = square + outside * outside;
     }
-    open |= bits(square <= broadcast(apart * apart)) << i;
+    open |= bits_at_most(square, broadcast(apart * apart)) << i;
   }
   return open & all_intervals();
 }
@@ -157,7 +157,7 @@ bool MotionFilters::spheres_come_near(const CertifiedPair& pair, double sum) con
     least = smaller(least, (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);
   }
   const double max_distance = sum + speed(pair) * grid_.step() / 2;
-  return bits(least <= broadcast(max_distance * max_distance)) != 0;
+  return bits_at_most(least, broadcast(max_distance * max_distance)) != 0;
 }
 
 // Let c be the difference of the centres in the middle of a chord and d that of its ends. The distance along the chord
@@ -178,7 +178,7 @@ unsigned MotionFilters::chord_meets_sphere(const CertifiedPair& pair, double sum
       square = square + middle * middle;
       along = along + middle * (to - from);
     }
-    open |= bits(square - absolute(along) <= broadcast(sum * sum)) << i;
+    open |= bits_at_most(square - absolute(along), broadcast(sum * sum)) << i;
   }
   return open & all_intervals();
 }
@@ -198,7 +198,7 @@ unsigned MotionFilters::near_plane(const CertifiedPair& pair, const WorldPlane& 
   unsigned open = 0;
   for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {
     const auto [from, to] = ends_of(heights, i);
-    open |= bits(smaller(from, to) <= apart) << i;
+    open |= bits_at_most(smaller(from, to), apart) << i;
   }
   return open & all_intervals();
 }
@@ -217,7 +217,7 @@ void MotionFilters::boxes_settle(DirectedPair& found, Vec3 direction, double bey
   for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {
     const auto [from, to] = ends_of(gaps, i);
     const Lanes least = smaller(from, to);
-    found.open &= ~((bits(least > limit) & ((1U << kLanes) - 1)) << i);
+    found.open &= ~((bits_above(least, limit) & ((1U << kLanes) - 1)) << i);
   }
   found.depth = std::numeric_limits<double>::infinity();
   for (unsigned states = found.open | found.open << 1; states != 0; states &= states - 1) {
@@ -232,7 +232,7 @@ bool MotionFilters::are_apart(const LinkBox& a, const LinkBox& b, std::int32_t f
   for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
     const LaneVector d = turned(grid_, frame, i, direction), opposite{-d[0], -d[1], -d[2]};
     const Lanes gap = least_of_box(a, grid_.link(a.link, i), d) + least_of_box(b, grid_.link(b.link, i), opposite);
-    if (bits(gap > broadcast(limit)) != (1U << kStep) - 1) return false;
+    if (bits_above(gap, broadcast(limit)) != (1U << kStep) - 1) return false;
   }
   return true;
 }

@@ -48,7 +48,7 @@ bool come_within(const double* a, const double* b, std::size_t intervals, double
     const Lanes x = load_lanes(a + i) - load_lanes(b + i),
                 y = load_lanes(a + kGridRow + i) - load_lanes(b + kGridRow + i),
                 z = load_lanes(a + 2 * kGridRow + i) - load_lanes(b + 2 * kGridRow + i);
-    within |= ~bits((x * x + y * y) + z * z > limit) & ((1U << kStep) - 1);
+    within |= ~bits_above((x * x + y * y) + z * z, limit) & ((1U << kStep) - 1);
   }
   return within != 0;
 }
@@ -243,7 +243,7 @@ unsigned MotionScreen::meeting(const Eight& boxes, Floats box) {
   Floats beyond = boxes.side[0] - box[0];
 #pragma GCC unroll 5
   for (std::size_t k = 1; k < 6; ++k) beyond = larger(beyond, boxes.side[k] - box[k]);
-  return ~float_bits(beyond > Floats{}) & ((1U << kFloats) - 1);
+  return ~bits_above(beyond, Floats{}) & ((1U << kFloats) - 1);
 }
 
 // Seen from a pair's frame, the two centres approach each other at most at the sum of both speeds, for at most half the

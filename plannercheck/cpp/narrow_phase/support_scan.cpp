@@ -68,7 +68,7 @@ struct ScannedGroup {
   unsigned lanes_above(Floats ties) const {
     unsigned lanes = 0;
 #pragma GCC unroll 4
-    for (std::size_t k = 0; k < kGroup; ++k) lanes |= float_bits(value[k] >= ties) << (k * kScanLanes);
+    for (std::size_t k = 0; k < kGroup; ++k) lanes |= bits_at_most(ties, value[k]) << (k * kScanLanes);
     return lanes;
   }
 };
@@ -90,7 +90,7 @@ template <class Vertex, class Further>
   std::int32_t found = -1;
   for (std::size_t i = 0; i < blocks; ++i) {
     const auto in_block = [&](std::size_t lane) { return vertex(i * kScanLanes + lane); };
-    take_furthest(float_bits(values[i] >= ties), in_block, further, &found);
+    take_furthest(bits_at_most(ties, values[i]), in_block, further, &found);
   }
   return found < 0 ? vertex(0) : found;
 }
