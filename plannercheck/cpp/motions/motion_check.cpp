@@ -360,7 +360,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     SolidOptions options;
     options.part_trees = certifier_.options_.part_trees;
     if (is_of_parts(s.pair)) return static_cast<bool>(solids_contact(a, b, {}, w_.counters.pair, options));
-    return test_pair(a, b, {}, nullptr, w_.counters.pair).shared && solids_share(a, b, w_.counters.pair);
+    return bodies_share(test_pair(a, b, {}, nullptr, w_.counters.pair), a, b, w_.counters.pair);
   }
 
   bool is_apart(PairState& s, std::size_t state, double limit) {

@@ -150,8 +150,12 @@ bool surely_inside(const Simplex& s, double error) {
 
 class NearestPoints {
  public:
-  NearestPoints(const PosedPolytope& guest, const PosedPolytope& host, PairCounters& counters)
-      : guest_(guest), host_(host), counters_(counters), shift_(guest.pose.translation() - host.pose.translation()) {
+  NearestPoints(const PosedPolytope& guest, const PosedPolytope& host, PairCounters& counters, double deeper = 0)
+      : guest_(guest),
+        host_(host),
+        counters_(counters),
+        shift_(guest.pose.translation() - host.pose.translation()),
+        deeper_(deeper) {
     inflation_radius_ = guest.body->inflation_radius + host.body->inflation_radius;
     const double size = guest.body->origin_radius + host.body->origin_radius + norm_1(shift_);
     difference_error_ = kDifference * size + kDenormalError;
@@ -180,7 +184,7 @@ class NearestPoints {
   const PosedPolytope &guest_, &host_;
   PairCounters& counters_;
   Vec3 shift_;
-  double inflation_radius_;
+  double inflation_radius_, deeper_;
   double difference_error_, support_error_;  // of a difference as a vector; of a height along a direction of length 1
 
   static Proximity with_corners(Proximity out, const Simplex& simplex) {
@@ -266,8 +270,8 @@ class NearestPoints {
   // Mixing four corners errs by 4u more of their size, the sum of weights by 4u: twice kDifference covers both.
   bool shared(const Simplex& simplex, Vec3 v, Proximity& out) const {
     const bool within =
-        inflation_radius_ > kTrustedLength && norm(v) * kNormAbove + 2 * difference_error_ < inflation_radius_;
-    if (!within && !(simplex.count == 4 && surely_inside(simplex, difference_error_))) return false;
+        inflation_radius_ > kTrustedLength && norm(v) * kNormAbove + 2 * difference_error_ + deeper_ < inflation_radius_;
+    if (!within && !(simplex.count == 4 && deeper_ == 0 && surely_inside(simplex, difference_error_))) return false;
     out.answer = Answer::kShared;
     const double part = inflation_radius_ > 0 ? guest_.body->inflation_radius / inflation_radius_ : 0;
     out.point = simplex.on_guest() - part * v;
@@ -277,8 +281,9 @@ class NearestPoints {
 
 }  // namespace
 
-Proximity nearest_points(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters) {
-  return NearestPoints(guest, host, counters).run(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0});
+Proximity nearest_points(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters,
+                         double deeper) {
+  return NearestPoints(guest, host, counters, deeper).run(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0});
 }
 
 HullDistance hull_distance(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, const DistanceGoal& goal,

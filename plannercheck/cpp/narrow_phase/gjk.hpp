@@ -52,7 +52,9 @@ struct LowestDifference {
 LowestDifference lowest_difference(const PosedPolytope& guest, const PosedPolytope& host, Vec3 direction,
                                    PairCounters& counters);
 
-// `hint`: a world direction to begin with.
-Proximity nearest_points(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters);
+// `hint`: a world direction to begin with. `deeper`: by so much, in m, points that count as shared are closer than the
+// inflation radius; then hulls that share a point do not count.
+Proximity nearest_points(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters,
+                         double deeper = 0);
 
 }  // namespace plannercheck

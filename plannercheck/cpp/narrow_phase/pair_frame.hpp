@@ -22,6 +22,15 @@ struct PosedPolytope {
   Pose pose;
 };
 
+// Whether what the bodies hold is known by their hulls: these are the bodies, or the bodies but for shallow dents.
+inline bool fill_their_hulls(const PosedPolytope& a, const PosedPolytope& b) {
+  return larger(a.body->dent, b.body->dent) < kUnknownDent;
+}
+// Whether there are such dents.
+inline bool have_dents(const PosedPolytope& a, const PosedPolytope& b) {
+  return larger(a.body->dent, b.body->dent) > 0 && fill_their_hulls(a, b);
+}
+
 enum class Answer { kSeparated, kShared, kUndecided };
 
 // How the answer was found.
@@ -50,7 +59,8 @@ inline PairCounters& operator+=(PairCounters& sum, const PairCounters& more) {
 
 class PairFrame {
  public:
-  PairFrame(const PosedPolytope& guest, const PosedPolytope& host);
+  // `dents`: whether a shared point has to be so deep that bodies with dents share one, too.
+  PairFrame(const PosedPolytope& guest, const PosedPolytope& host, bool dents = false);
 
   const Polytope& guest() const { return *guest_.body; }
   const Polytope& host() const { return *host_.body; }
@@ -89,8 +99,9 @@ class PairFrame {
   bool separates(Vec3 q, double value, long mixtures = 0) const {
     return value > 1 + error(mixtures) + (inflation_radius_ > 0 ? inflation_radius_ * norm(q) * (1 + 8 * 0x1p-53) : 0);
   }
-  // Whether R contains x, such a mixture of guest vertices. `value`: the largest q·x over polar points, by `extreme`.
-  bool contains(double value, long mixtures = 0) const { return value < 1 - error(mixtures); }
+  // Whether R contains x, such a mixture of guest vertices; where dents count, so deep that the bodies share a point as
+  // well as their hulls. `value`: the largest q·x over polar points, by `extreme`.
+  bool contains(double value, long mixtures = 0) const { return value < 1 - (error(mixtures) + depth_); }
 
  private:
   PosedPolytope guest_, host_;
@@ -99,8 +110,10 @@ class PairFrame {
   double defect_;
   double pose_error_;  // of a coordinate in this frame, with room for a few operations on it
   double error_, mixture_error_;
+  double depth_ = 0;  // of q·x, for dents
   double inflation_radius_;  // of both bodies, rounded up and stretched by how far the pose may be off rigid
 
+  double depth_for_dents() const;
   double error(long mixtures) const { return error_ + static_cast<double>(mixtures) * mixture_error_; }
 
   Vec3 map(Vec3 v) const {
