@@ -15,8 +15,8 @@ namespace {
 // Solids with deeper dents are better known by the balls and boxes inside of them.
 constexpr double kDeepestDent = 1.0 / 16;
 
-// Of q·y, in parts of the largest |q| times the largest |y|: polar points err by 4u, y by 1u, the product by 3u, and the
-// difference from 1 and the sum with this bound by 1u each of at most 2.
+// Of q·y, in parts of the largest |q| times the largest |y|: polar points err by 4u, y by 1u, the product by 3u, and
+// the difference from 1 and the sum with this bound by 1u each of at most 2.
 constexpr double kDentError = 32 * 0x1p-53;
 
 // The polar points, each with those that are joined to it by an edge of the polar.
@@ -40,9 +40,7 @@ class FacetSearch {
   double height_of(const std::array<Vec3, 3>& corners) {
     const Vec3 sum = corners[0] + corners[1] + corners[2];
     climb([&](Vec3 q) { return dot(q, sum); });
-    return climb([&](Vec3 q) {
-      return smaller(dot(q, corners[0]), smaller(dot(q, corners[1]), dot(q, corners[2])));
-    });
+    return climb([&](Vec3 q) { return smaller(dot(q, corners[0]), smaller(dot(q, corners[1]), dot(q, corners[2]))); });
   }
 
  private:

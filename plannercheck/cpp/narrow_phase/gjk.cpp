@@ -269,8 +269,8 @@ class NearestPoints {
 
   // Mixing four corners errs by 4u more of their size, the sum of weights by 4u: twice kDifference covers both.
   bool shared(const Simplex& simplex, Vec3 v, Proximity& out) const {
-    const bool within =
-        inflation_radius_ > kTrustedLength && norm(v) * kNormAbove + 2 * difference_error_ + deeper_ < inflation_radius_;
+    const bool within = inflation_radius_ > kTrustedLength &&
+                        norm(v) * kNormAbove + 2 * difference_error_ + deeper_ < inflation_radius_;
     if (!within && !(simplex.count == 4 && deeper_ == 0 && surely_inside(simplex, difference_error_))) return false;
     out.answer = Answer::kShared;
     const double part = inflation_radius_ > 0 ? guest_.body->inflation_radius / inflation_radius_ : 0;

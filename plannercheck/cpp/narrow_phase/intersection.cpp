@@ -31,13 +31,6 @@ Proximity along(Vec3 direction) {
   return start;
 }
 
-// How far points of the bodies' hulls are at most, in m, from points of the bodies themselves, where dents count. Poses
-// stretch lengths by less than kDentStretch.
-double reach_of_dents(const PosedPolytope& guest, const PosedPolytope& host) {
-  constexpr double kDentStretch = 1 + 1e-5;
-  return (guest.body->dent * guest.body->radius + host.body->dent * host.body->radius) * kDentStretch;
-}
-
 // What is left open by bodies with dents, whose hulls meet no deeper than these, or hardly.
 PairVerdict open_verdict() {
   PairVerdict verdict;
@@ -49,7 +42,7 @@ PairVerdict open_verdict() {
 // The stage after the solver where dents count: hulls that share a point may be the bodies' only if they are inflated.
 PairVerdict between_dents(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters) {
   if (guest.body->inflation_radius + host.body->inflation_radius == 0) return open_verdict();
-  const Proximity found = nearest_points(guest, host, hint, counters, reach_of_dents(guest, host));
+  const Proximity found = nearest_points(guest, host, hint, counters, reach_of_dents(*guest.body, *host.body));
   return found.answer == Answer::kUndecided ? open_verdict() : near_verdict(found, Stage::kNearest);
 }
 

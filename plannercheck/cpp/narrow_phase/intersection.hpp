@@ -37,8 +37,8 @@ struct CachedPlane {
 
 struct PairVerdict {
   bool shared = false;  // by the hulls
-  // Whether the bodies share a point if `shared`: false of solids, unless their hulls meet deeper than the solids' dents.
-  // Where they are about as deep in each other, `shared` means that the hulls may meet.
+  // Whether the bodies share a point if `shared`: false of solids, unless their hulls meet deeper than the solids'
+  // dents. Where they are about as deep in each other, `shared` means that the hulls may meet.
   bool settles = true;
   Stage stage = Stage::kSolver;
   Certificate certificate;           // up to stage kSolver

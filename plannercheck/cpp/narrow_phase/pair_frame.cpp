@@ -21,18 +21,18 @@ namespace {
 //     |x|, polar points by 4u r_Q |x|, with |x| <= r_P + |shift|. In all: r_Q times 40u (r_P + |shift|) besides (a).
 //     Counted more sharply, as tests/error_bounds/pair_frame does, (b) is 33.6u and (c) 37.2u, (a) included.
 //
-// (d) Dents. A body with the dent s holds P' = c_P + (1 − s)(P − c_P), c_P being its centre, wherever it is posed, as poses
-//     are affine (hull_dents.hpp); likewise R holds R' = (1 − s_R) R in the host's frame. Let g(x) be the largest q·x over
-//     the host's facets, which is convex. If x is in P, then x' = (1 − s) x + s c_P is in P', with g(x') <= (1 − s) g(x) + s
-//     g(c_P); and x' is in R' if that is at most 1 − s_R, that is, if g(x) <= 1 − (s_R + s (g(c_P) − 1)) / (1 − s). Of g(x)
-//     `contains` knows by (c) that it is below 1 less what this takes off, and g(c_P) <= r_Q |c_P| but for (a), which is less
-//     than the error of (c).
+// (d) Dents. A body with the dent s holds P' = c_P + (1 − s)(P − c_P), c_P being its centre, wherever it is posed, as
+// poses
+//     are affine (hull_dents.hpp); likewise R holds R' = (1 − s_R) R in the host's frame. Let g(x) be the largest q·x
+//     over the host's facets, which is convex. If x is in P, then x' = (1 − s) x + s c_P is in P', with g(x') <= (1 −
+//     s) g(x) + s g(c_P); and x' is in R' if that is at most 1 − s_R, that is, if g(x) <= 1 − (s_R + s (g(c_P) − 1)) /
+//     (1 − s). Of g(x) `contains` knows by (c) that it is below 1 less what this takes off, and g(c_P) <= r_Q |c_P| but
+//     for (a), which is less than the error of (c).
 //
 // |shift| <= |w| + |c| up to the rounding above, so one bound serves both. Each game of the coupled walk mixes 16
 // points (32u) and moves the result towards another mixture (3u), which may be mixed again: kMixtureError a game.
 constexpr double kPairError = 64 * 0x1p-53;     // (a) without δ, plus the larger of (b) and (c): at most 60u
 constexpr double kMixtureError = 40 * 0x1p-53;  // of each game whose mixture is mixed again
-constexpr double kDepthRounding = 0x1p-40;      // of (d): a few u of 1 and of r_Q |c_P|, each times a dent
 constexpr double kAxisLength = 1 + 4e-6;        // of a column of M_Rᵀ M_P: both bodies are off rigid by at most 3.6e-6
 constexpr double kAxisDefect = 8e-6;            // of the products of two columns: M_P and M_R both count
 constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six dot products of unit columns

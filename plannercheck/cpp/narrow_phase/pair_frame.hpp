@@ -26,6 +26,12 @@ struct PosedPolytope {
 inline bool fill_their_hulls(const PosedPolytope& a, const PosedPolytope& b) {
   return larger(a.body->dent, b.body->dent) < kUnknownDent;
 }
+// How far points of the bodies' hulls are at most from points of the bodies themselves, in m. Poses stretch lengths by
+// less than kDentStretch.
+inline constexpr double kDentStretch = 1 + 1e-5;
+inline double reach_of_dents(const Polytope& a, const Polytope& b) {
+  return (a.dent * a.radius + b.dent * b.radius) * kDentStretch;
+}
 // Whether there are such dents.
 inline bool have_dents(const PosedPolytope& a, const PosedPolytope& b) {
   return larger(a.body->dent, b.body->dent) > 0 && fill_their_hulls(a, b);
@@ -102,6 +108,11 @@ class PairFrame {
   // Whether R contains x, such a mixture of guest vertices; where dents count, so deep that the bodies share a point as
   // well as their hulls. `value`: the largest q·x over polar points, by `extreme`.
   bool contains(double value, long mixtures = 0) const { return value < 1 - (error(mixtures) + depth_); }
+  // Where dents count: whether R contains x less deep. Then `inner_point` may tell more, whose own largest product has
+  // to be `deep_enough`.
+  bool contains_hardly(double value) const { return depth_ > 0 && value < 1 - (error_ + host().dent); }
+  Vec3 inner_point(Vec3 x) const { return x + guest().dent * (guest_centre() - x); }
+  bool deep_enough(double value) const { return value < 1 - (error_ + kDepthRounding + host().dent); }
 
  private:
   PosedPolytope guest_, host_;
@@ -110,8 +121,10 @@ class PairFrame {
   double defect_;
   double pose_error_;  // of a coordinate in this frame, with room for a few operations on it
   double error_, mixture_error_;
-  double depth_ = 0;  // of q·x, for dents
+  double depth_ = 0;         // of q·x, for dents
   double inflation_radius_;  // of both bodies, rounded up and stretched by how far the pose may be off rigid
+
+  static constexpr double kDepthRounding = 0x1p-40;
 
   double depth_for_dents() const;
   double error(long mixtures) const { return error_ + static_cast<double>(mixtures) * mixture_error_; }
