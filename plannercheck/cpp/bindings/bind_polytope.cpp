@@ -323,7 +323,7 @@ void bind_polytope(nb::module_& m) {
           plain_floats)
       .def(
           "surface", [](const Polytope& b) { return std::make_shared<Solid>(b.surface()); }, plain_floats)
-      .def_ro("dent", &Polytope::dent)
+      .def_prop_ro("dent", [](const Polytope& b) { return b.dents.deepest; })
       .def_prop_ro("is_solid", [](const Polytope& b) { return b.solid != nullptr; })
       .def_prop_ro("solid", [](const Polytope& b) { return std::const_pointer_cast<Solid>(b.solid); })
       .def_prop_ro("parts", [](const Polytope& b) { return std::const_pointer_cast<PartSet>(b.parts); })

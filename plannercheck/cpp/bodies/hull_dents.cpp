@@ -1,9 +1,10 @@
 #include "bodies/hull_dents.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
-#include <vector>
+#include <numeric>
+#include <utility>
 
 #include "bodies/polytope.hpp"
 #include "bodies/solid.hpp"
@@ -18,6 +19,10 @@ constexpr double kDeepestDent = 1.0 / 16;
 // Of q·y, in parts of the largest |q| times the largest |y|: polar points err by 4u, y by 1u, the product by 3u, and
 // the difference from 1 and the sum with this bound by 1u each of at most 2.
 constexpr double kDentError = 32 * 0x1p-53;
+
+// So many facets at most are looked at one by one, if their dents are deeper than this.
+constexpr std::size_t kNamedFacets = 32;
+constexpr double kShallow = 1e-5;
 
 // The polar points, each with those that are joined to it by an edge of the polar.
 class FacetSearch {
@@ -35,12 +40,14 @@ class FacetSearch {
     each_edge([&](std::size_t from, int to) { neighbours_[next[from]++] = to; });
   }
 
-  // The least q·y over a triangle's corners, of a polar point q for which that is large. The search starts where the
-  // last one ended.
-  double height_of(const std::array<Vec3, 3>& corners) {
+  // A facet whose q·y is large at all corners of a triangle, and the least of these. The search starts where the last
+  // one ended.
+  std::pair<std::size_t, double> nearest(const std::array<Vec3, 3>& corners) {
     const Vec3 sum = corners[0] + corners[1] + corners[2];
     climb([&](Vec3 q) { return dot(q, sum); });
-    return climb([&](Vec3 q) { return smaller(dot(q, corners[0]), smaller(dot(q, corners[1]), dot(q, corners[2]))); });
+    const double height =
+        climb([&](Vec3 q) { return smaller(dot(q, corners[0]), smaller(dot(q, corners[1]), dot(q, corners[2]))); });
+    return {here_, height};
   }
 
  private:
@@ -78,19 +85,52 @@ bool winds_around_middle(const Polytope& hull, const Solid& solid) {
   return false;
 }
 
+// The facets with the deepest dents by name, the other ones by their deepest.
+HullDents sorted_dents(const std::vector<double>& depths) {
+  std::vector<std::int32_t> order(depths.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return depths[at(a)] > depths[at(b)]; });
+  HullDents dents;
+  dents.deepest = depths[at(order.front())];
+  for (const std::int32_t facet : order) {
+    dents.others = depths[at(facet)];
+    if (dents.facets.size() == kNamedFacets || dents.others < kShallow) break;
+    dents.facets.push_back({facet, 1 - dents.others});
+  }
+  return dents;
+}
+
 }  // namespace
 
-double dent_of(const Polytope& hull, const Solid& solid) {
-  if (!solid.is_closed || !hull.has_polar()) return kUnknownDent;
+HullDents dents_of(const Polytope& hull, const Solid& solid) {
+  HullDents unknown;
+  unknown.deepest = unknown.others = kUnknownDent;
+  if (!solid.is_closed || !hull.has_polar()) return unknown;
   const double room = kDentError * hull.polar_radius * hull.radius;
+  std::vector<double> depths(hull.polar.points.size(), room);
   FacetSearch facets(hull);
-  double least = 1;
   for (const MeshTriangle& t : solid.triangles) {
     const auto corner = [&](std::size_t k) { return solid.points[at(t[k])] - hull.centre; };
-    least = smaller(least, facets.height_of({corner(0), corner(1), corner(2)}));
-    if (!(1 - least + room < kDeepestDent)) return kUnknownDent;
+    const auto [facet, height] = facets.nearest({corner(0), corner(1), corner(2)});
+    depths[facet] = larger(depths[facet], 1 - height + room);
+    if (!(depths[facet] < kDeepestDent)) return unknown;
   }
-  return winds_around_middle(hull, solid) ? 1 - least + room : kUnknownDent;
+  return winds_around_middle(hull, solid) ? sorted_dents(depths) : unknown;
+}
+
+std::vector<double> facet_heights(const Polytope& body) {
+  std::vector<double> heights(body.polar.points.size(), 1 - body.dents.others);
+  for (const DentedFacet& dented : body.dents.facets) heights[at(dented.facet)] = dented.height;
+  return heights;
+}
+
+double scale_past_dents(const Polytope& body, Vec3 y, double error) {
+  double scale = 1 - body.dents.others;
+  for (const DentedFacet& dented : body.dents.facets) {
+    const double height = dot(body.polar.points[at(dented.facet)], y) + error;
+    if (scale * height > dented.height) scale = dented.height / height;
+  }
+  return scale;
 }
 
 }  // namespace plannercheck

@@ -19,10 +19,10 @@ constexpr std::size_t kSampleBlocks = 3;
 // Lengths of polar points for which squares neither overflow nor lose bits to underflow.
 constexpr double kShortest = 1e-150, kLongest = 1e150;
 
-// The half-spaces whose intersection is the body's hull, or that shrunk by the body's dent.
+// The half-spaces whose intersection is the body's hull; of a solid, those less its dents.
 class Facets {
  public:
-  explicit Facets(const Polytope& body) : body_(body), height_(1 - body.dent), room_(kFacetError * body.radius) {
+  explicit Facets(const Polytope& body) : body_(body), heights_(facet_heights(body)), room_(kFacetError * body.radius) {
     inverses_.reserve(body.polar.points.size());
     for (const Vec3& q : body.polar.points) {
       const double length = norm(q);
@@ -39,7 +39,7 @@ class Facets {
     const Vec3 y = point - body_.centre;
     double least = body_.radius;
     for (std::size_t k = 0; k < inverses_.size() && least > 0; ++k) {
-      least = smaller(least, (height_ - dot(body_.polar.points[k], y)) * inverses_[k]);
+      least = smaller(least, (heights_[k] - dot(body_.polar.points[k], y)) * inverses_[k]);
     }
     return least - room_;
   }
@@ -51,14 +51,14 @@ class Facets {
       const Vec3 q = body_.polar.points[k];
       const double most =
           larger(q.x * low.x, q.x * high.x) + larger(q.y * low.y, q.y * high.y) + larger(q.z * low.z, q.z * high.z);
-      if (!((height_ - most) * inverses_[k] >= radius)) return false;
+      if (!((heights_[k] - most) * inverses_[k] >= radius)) return false;
     }
     return true;
   }
 
  private:
   const Polytope& body_;
-  double height_;  // of all half-spaces, their q·y
+  std::vector<double> heights_;  // of q·y
   double room_;
   bool are_known_ = true;
   std::vector<double> inverses_;
@@ -146,7 +146,7 @@ std::vector<SampleBlock> samples_of(const Polytope& body, const std::vector<Inne
 
 InnerShapes find_inner_shapes(const Polytope& body) {
   if (body.parts || body.half_space) return {};
-  InnerShapes shapes = body.dent == kUnknownDent ? inner_shapes_of(*body.solid) : shapes_in_hull(body);
+  InnerShapes shapes = body.dents.are_known() ? shapes_in_hull(body) : inner_shapes_of(*body.solid);
   shapes.samples = samples_of(body, shapes.balls);
   return shapes;
 }

@@ -54,8 +54,7 @@ struct Polytope {
   LazyValue<std::vector<SmallBall>> lazy_covering_balls;  // only motions before sets of parts need them
   std::shared_ptr<const Solid> solid;  // if the body is this solid, of which all above is the hull; not in files
   LazyValue<Solid> lazy_surface;       // only tests with solids need it
-  // The body holds its hull shrunk by this part, see hull_dents.hpp; 0 if the body is its hull; not in files.
-  double dent = 0;
+  HullDents dents;                     // of a solid or a set; not in files
   // If the body is this set of parts, around which all above is a box; not in files.
   std::shared_ptr<const PartSet> parts;
   // If the body is this half-space, for which all above is a cube that holds everything; not in files.

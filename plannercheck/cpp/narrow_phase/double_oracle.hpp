@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "math/double4.hpp"
+#include "narrow_phase/depth_past_dents.hpp"
 #include "narrow_phase/incremental_matrix_game.hpp"
 #include "narrow_phase/pair_frame.hpp"
 
@@ -104,8 +105,7 @@ class DoubleOracle {
   // x: as asked; q: the polar's point.
   bool answer_host(Vec3 x, std::int32_t k, Vec3 q) {
     certificate_.x = x;
-    const double value = dot(q, x);
-    if (frame_.contains(value) || (frame_.contains_hardly(value) && is_deep(x))) {
+    if (bodies_hold(frame_, x, dot(q, x), 0, counters_)) {
       certificate_.answer = Answer::kShared;
       return true;
     }
@@ -126,15 +126,6 @@ class DoubleOracle {
   // An upper bound of |q·x| over the host's polar and the guest, with room for rounding.
   static double largest_payoff(const PairFrame& frame) {
     return 1.001 * frame.host().polar_radius * (norm(frame.guest_centre()) + frame.guest().radius) + 1e-300;
-  }
-
-  // Whether a point of both hulls, moved towards the guest's centre by the guest's dent, shows that the bodies share
-  // one.
-  bool is_deep(Vec3 x) {
-    const Vec3 inner = frame_.inner_point(x);
-    ++counters_.host_queries;
-    const std::int32_t k = extreme(frame_.host().polar, inner, counters_.queries);
-    return frame_.deep_enough(dot(frame_.polar_point(k), inner));
   }
 
   // Games of up to two vertices and two facets have a closed form, which is used unless it made no progress.

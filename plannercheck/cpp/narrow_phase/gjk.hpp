@@ -52,9 +52,9 @@ struct LowestDifference {
 LowestDifference lowest_difference(const PosedPolytope& guest, const PosedPolytope& host, Vec3 direction,
                                    PairCounters& counters);
 
-// `hint`: a world direction to begin with. `deeper`: by so much, in m, points that count as shared are closer than the
-// inflation radius; then hulls that share a point do not count.
+// `hint`: a world direction to begin with. `dents`: points have to be within the inflation radius past the dents of
+// both bodies; hulls that share a point do not count, then.
 Proximity nearest_points(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters,
-                         double deeper = 0);
+                         bool dents = false);
 
 }  // namespace plannercheck

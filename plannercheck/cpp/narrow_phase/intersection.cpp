@@ -42,7 +42,7 @@ PairVerdict open_verdict() {
 // The stage after the solver where dents count: hulls that share a point may be the bodies' only if they are inflated.
 PairVerdict between_dents(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters) {
   if (guest.body->inflation_radius + host.body->inflation_radius == 0) return open_verdict();
-  const Proximity found = nearest_points(guest, host, hint, counters, reach_of_dents(*guest.body, *host.body));
+  const Proximity found = nearest_points(guest, host, hint, counters, true);
   return found.answer == Answer::kUndecided ? open_verdict() : near_verdict(found, Stage::kNearest);
 }
 
@@ -51,7 +51,8 @@ PairVerdict between_dents(const PosedPolytope& guest, const PosedPolytope& host,
 void settle(const PosedPolytope& guest, const PosedPolytope& host, const PairOptions& options, PairVerdict& verdict) {
   if (!verdict.shared) return;
   const bool dents_count = options.dents && verdict.stage <= Stage::kNearest;
-  verdict.settles &= dents_count ? fill_their_hulls(guest, host) : guest.body->dent + host.body->dent == 0;
+  verdict.settles &=
+      dents_count ? fill_their_hulls(guest, host) : guest.body->dents.deepest + host.body->dents.deepest == 0;
 }
 
 // The stages that need no polar: nearest points in doubles, then in double-double, then exact arithmetic.

@@ -24,17 +24,17 @@ struct PosedPolytope {
 
 // Whether what the bodies hold is known by their hulls: these are the bodies, or the bodies but for shallow dents.
 inline bool fill_their_hulls(const PosedPolytope& a, const PosedPolytope& b) {
-  return larger(a.body->dent, b.body->dent) < kUnknownDent;
-}
-// How far points of the bodies' hulls are at most from points of the bodies themselves, in m. Poses stretch lengths by
-// less than kDentStretch.
-inline constexpr double kDentStretch = 1 + 1e-5;
-inline double reach_of_dents(const Polytope& a, const Polytope& b) {
-  return (a.dent * a.radius + b.dent * b.radius) * kDentStretch;
+  return a.body->dents.are_known() && b.body->dents.are_known();
 }
 // Whether there are such dents.
 inline bool have_dents(const PosedPolytope& a, const PosedPolytope& b) {
-  return larger(a.body->dent, b.body->dent) > 0 && fill_their_hulls(a, b);
+  return larger(a.body->dents.deepest, b.body->dents.deepest) > 0 && fill_their_hulls(a, b);
+}
+// Poses stretch lengths by less than this.
+inline constexpr double kDentStretch = 1 + 1e-5;
+// How far points of the bodies' hulls are at most from points of the bodies themselves, in m.
+inline double reach_of_dents(const Polytope& a, const Polytope& b) {
+  return (a.dents.deepest * a.radius + b.dents.deepest * b.radius) * kDentStretch;
 }
 
 enum class Answer { kSeparated, kShared, kUndecided };
@@ -65,7 +65,7 @@ inline PairCounters& operator+=(PairCounters& sum, const PairCounters& more) {
 
 class PairFrame {
  public:
-  // `dents`: whether a shared point has to be so deep that bodies with dents share one, too.
+  // `dents`: whether those of bodies count.
   PairFrame(const PosedPolytope& guest, const PosedPolytope& host, bool dents = false);
 
   const Polytope& guest() const { return *guest_.body; }
@@ -105,14 +105,15 @@ class PairFrame {
   bool separates(Vec3 q, double value, long mixtures = 0) const {
     return value > 1 + error(mixtures) + (inflation_radius_ > 0 ? inflation_radius_ * norm(q) * (1 + 8 * 0x1p-53) : 0);
   }
-  // Whether R contains x, such a mixture of guest vertices; where dents count, so deep that the bodies share a point as
-  // well as their hulls. `value`: the largest q·x over polar points, by `extreme`.
-  bool contains(double value, long mixtures = 0) const { return value < 1 - (error(mixtures) + depth_); }
-  // Where dents count: whether R contains x less deep. Then `inner_point` may tell more, whose own largest product has
-  // to be `deep_enough`.
-  bool contains_hardly(double value) const { return depth_ > 0 && value < 1 - (error_ + host().dent); }
-  Vec3 inner_point(Vec3 x) const { return x + guest().dent * (guest_centre() - x); }
-  bool deep_enough(double value) const { return value < 1 - (error_ + kDepthRounding + host().dent); }
+  // Whether R contains x, such a mixture of guest vertices. `value`: the largest q·x over polar points, by `extreme`.
+  bool contains(double value, long mixtures = 0) const { return value < 1 - error(mixtures); }
+
+  // Whether a point of both hulls has to be past the dents of both bodies to tell anything.
+  bool has_dents() const { return has_dents_; }
+  // The point of the guest's hull nearest to x, towards the guest's centre, that is past the guest's dents.
+  Vec3 past_guest_dents(Vec3 x) const;
+  // Whether such a point is past the host's dents.
+  bool is_past_host_dents(Vec3 x, double value, long mixtures) const;
 
  private:
   PosedPolytope guest_, host_;
@@ -121,12 +122,9 @@ class PairFrame {
   double defect_;
   double pose_error_;  // of a coordinate in this frame, with room for a few operations on it
   double error_, mixture_error_;
-  double depth_ = 0;         // of q·x, for dents
+  bool has_dents_;
   double inflation_radius_;  // of both bodies, rounded up and stretched by how far the pose may be off rigid
 
-  static constexpr double kDepthRounding = 0x1p-40;
-
-  double depth_for_dents() const;
   double error(long mixtures) const { return error_ + static_cast<double>(mixtures) * mixture_error_; }
 
   Vec3 map(Vec3 v) const {
