@@ -1,8 +1,9 @@
 """Solids that are nearly their hulls: convex bodies with shallow dents, with a hollow inside or without.
 
-In: about how many triangles, a random generator. Out: a `Surface` about 1 m across. Corners of a convex body, and points
-within its triangles, are pushed in by a part of their distance from the middle; far less than rounding would be, or as
-deep as the core takes for shallow, or deeper.
+In: about how many triangles, a random generator. Out: a `Surface` about 1 m across.
+
+Corners of a convex body, and points within its triangles, are pushed in by a part of their distance from the middle: as
+little as rounding would, as deep as the core takes for shallow, or deeper.
 """
 
 from __future__ import annotations
@@ -39,4 +40,6 @@ def _split(convex: Surface) -> tuple[np.ndarray, np.ndarray]:
     a, b, c = convex.triangles.T
     middle = len(convex.points) + np.arange(len(convex.triangles))
     points = np.vstack([convex.points, convex.points[convex.triangles].mean(axis=1)])
-    return points, np.vstack([np.stack(corners, axis=1) for corners in ((a, b, middle), (b, c, middle), (c, a, middle))])
+    return points, np.vstack(
+        [np.stack(corners, axis=1) for corners in ((a, b, middle), (b, c, middle), (c, a, middle))]
+    )
