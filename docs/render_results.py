@@ -36,7 +36,7 @@ TABLES: dict[str, Callable[[], str]] = {
         *(sensed.sensed_states, sensed.sensed_motions, sensed.sensed_costs, sensed.sensed_maps),
         *(sensed.sensed_camera, sensed.sensed_pages, sensed.sensed_proofs),
         *(solids.solid_states, solids.solid_link_pairs, solids.solid_triangles, solids.solid_fidelity),
-        solids.pieces,
+        *(solids.solid_costs, solids.pieces),
     )
 }
 

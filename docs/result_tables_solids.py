@@ -122,6 +122,21 @@ def _share(row: Row | None, field: str) -> str:
     return "–" if row is None else f"{100 * row[field]:.1f} %"
 
 
+def solid_costs() -> str:
+    """µs by hulls and by solids of robots whose meshes are nearly convex, a row a robot and kind of work."""
+    found = record("solid_costs")
+    lines = [
+        (
+            f"{row['robot']} ({row['dented']} dented, {row['concave']} concave)",
+            row["work"],
+            *(number(row[field]) for field in ("of_hulls", "of_solids")),
+            f"{row['ratio']:.3f}",
+        )
+        for row in found["rows"]
+    ]
+    return table(("robot", "µs each", "by hulls", "by solids", "×"), lines) + "\n" + provenance(found)
+
+
 def solid_fidelity() -> str:
     """What hulls refuse that meshes would not, a row a robot, and where coal's surfaces disagree."""
     found = record("solid_fidelity")

@@ -54,6 +54,7 @@ class Switches:
             overlap. A cached plane is then tried only if poses are close to the previous ones, so stages may differ.
         trees_first: Test solids whose hulls met last time by their trees of triangles, before their hulls; in batches,
             where a checker knows what is inside of both bodies, by samples of that before all.
+        dents: Let hulls that meet deeper than the shallow dents of their solids be the last word on these.
     """
 
     method: Method = "oracle"
@@ -66,6 +67,7 @@ class Switches:
     warm_start: bool = True
     interleaving: bool = True
     trees_first: bool = True
+    dents: bool = True
 
     def __post_init__(self) -> None:
         if self.method not in METHODS:
@@ -84,6 +86,7 @@ class Switches:
             self.warm_start,
             self.interleaving,
             self.trees_first,
+            self.dents,
         )
 
 

@@ -90,6 +90,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         facet_plane: bool = True,
         nearest_points: bool = True,
         trees_first: bool = True,
+        dents: bool = True,
         bounds: bool = True,
         boxes: bool = True,
         overlaps: bool = True,
@@ -128,7 +129,14 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         self.excess = excess
         alone = without_attached(robot, () if scene is None else scene.attached)
         test = Switches(
-            method, cached_plane, centre_axis, turned_axis, facet_plane, nearest_points, trees_first=trees_first
+            method,
+            cached_plane,
+            centre_axis,
+            turned_axis,
+            facet_plane,
+            nearest_points,
+            trees_first=trees_first,
+            dents=dents,
         )
         switches = CheckerSwitches(
             test, bounds, boxes, overlaps, learning, reach, static_poses, middle_states, part_trees

@@ -1,4 +1,4 @@
-"""`plannercheck bench fidelity`, `link-pairs` and `triangles`: solids against hulls and against coal's meshes.
+"""`plannercheck bench fidelity`, `solid-costs`, `link-pairs`, `triangles`: solids against hulls and coal's meshes.
 
 In: options. Out: tables on the terminal and, with --output, CSV, JSON and a plot in a folder.
 """
@@ -14,15 +14,18 @@ from plannercheck.cli.bench_options import Subcommand, add_seed, keep, note, pos
 from plannercheck.cli.common import table, table_of
 from plannercheck.cli.robot_options import ROBOT_HELP
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench import fidelity, link_pairs, plots, solid_sizes
+from plannercheck.evaluation.bench import fidelity, link_pairs, plots, solid_costs, solid_sizes
 from plannercheck.evaluation.bench.fidelity import FidelityRow
 from plannercheck.evaluation.bench.link_pairs import LinkPairRow, mean
 from plannercheck.evaluation.bench.solid_checkers import checker_of_meshes
+from plannercheck.evaluation.bench.solid_costs import SolidCostRow
 from plannercheck.evaluation.bench.solid_sizes import SolidSizeRow
 from plannercheck.evaluation.bench.tables import number
 
 _ROBOTS = ("ur3", "ur5", "ur10", "pr2", "baxter", "talos", "xarm7", "panda")
 _ALL_ROBOTS = (*_ROBOTS, "g1", "tiago", "kinova", "go2")
+# Robots whose meshes are convex, or nearly so.
+_CONVEX_ROBOTS = ("panda", "go2", "talos")
 # Bodies have four triangles at least.
 _FEWEST = 100
 
@@ -36,6 +39,10 @@ def _add_robots(parser: argparse.ArgumentParser, default: Sequence[str], states:
 
 def _add_fidelity(parser: argparse.ArgumentParser) -> None:
     _add_robots(parser, _ALL_ROBOTS, 20_000)
+
+
+def _add_solid_costs(parser: argparse.ArgumentParser) -> None:
+    _add_robots(parser, _CONVEX_ROBOTS, 4000)
 
 
 def _add_link_pairs(parser: argparse.ArgumentParser) -> None:
@@ -84,6 +91,26 @@ def _print_fidelity(rows: Sequence[FidelityRow]) -> None:
         f"{fidelity.NEAR:g} m to contact; refused by us alone; free for us alone",
         flush=True,
     )
+
+
+def _run_solid_costs(options: argparse.Namespace) -> None:
+    rows: list[SolidCostRow] = []
+    for robot in options.robot:
+        note(robot)
+        rows += solid_costs.measure(robot, options.states, options.seed, options.rounds)
+    columns: dict[str, Callable[[SolidCostRow], object]] = {
+        "robot": lambda row: row.robot,
+        "µs each": lambda row: row.work,
+        "by hulls": lambda row: number(row.of_hulls),
+        "by solids": lambda row: number(row.of_solids),
+        "x": lambda row: f"{row.ratio:.3f}",
+        "verdicts differ": lambda row: row.differ,
+        "dented": lambda row: row.dented,
+        "deepest": lambda row: f"{row.deepest:.1e}",
+        "concave": lambda row: row.concave,
+    }
+    print(table_of(rows, columns))
+    keep(options.output, "solid_costs", rows)
 
 
 def _run_link_pairs(options: argparse.Namespace) -> None:
@@ -170,6 +197,7 @@ SUBCOMMANDS = {
     "fidelity": Subcommand(
         "what hulls refuse that meshes would not; solids against coal", _add_fidelity, _run_fidelity, 0
     ),
+    "solid-costs": Subcommand("robots' meshes as they are against their hulls", _add_solid_costs, _run_solid_costs, 25),
     "link-pairs": Subcommand("pairs of links' meshes whose hulls meet", _add_link_pairs, _run_link_pairs, 7),
     "triangles": Subcommand("solids near contact, and their preparation", _add_triangles, _run_triangles, 7),
 }

@@ -61,6 +61,7 @@ SKIPS = {
     "turned_axis": "axis between ellipsoids",
     "facet_plane": "facets of small bodies",
     "trees_first": "solids' trees before their hulls",
+    "dents": "depth of hulls against solids' dents",
     "learning": "likeliest pair first",
 }
 # What settles pairs, and how.

@@ -38,6 +38,8 @@ class MotionSwitches(NamedTuple):
         bounds: Pairs that are far apart at one state are left out by bounds of speed.
         overlaps: A ball inside one body that meets a box inside the other refuses a motion.
         part_trees: Trees of boxes, planes of many parts, and boxes around several bodies settle sets of parts.
+        dents: Of solids with shallow dents, hulls that meet deeper than these refuse a motion, and triangles are looked
+            at only on intervals on which bodies go no further than such dents reach.
         middle_states: The middle states of several motions are judged first, together; then the ends, where these often
             collide.
     """
@@ -46,6 +48,7 @@ class MotionSwitches(NamedTuple):
     bounds: bool = True
     overlaps: bool = True
     part_trees: bool = True
+    dents: bool = True
     middle_states: bool = True
 
 
@@ -112,7 +115,7 @@ class ChainedPairs:
             of_robot.leverage,
             of_robot.depth,
             *of_robot.spread,
-            *switches[:4],
+            *switches[:5],
             [part.core] if switches.middle_states else [],
         )
 

@@ -231,7 +231,12 @@ class Checker(StateChecker):
             )
         chosen = self._settings.switches
         switches = MotionSwitches(
-            chosen.pair.cached_plane, chosen.bounds, chosen.overlaps, chosen.part_trees, chosen.middle_states
+            chosen.pair.cached_plane,
+            chosen.bounds,
+            chosen.overlaps,
+            chosen.part_trees,
+            chosen.pair.dents,
+            chosen.middle_states,
         )
         return MotionCertifier(self.robot, self.bodies, self.pairs, self._tables, self.excess, switches, path)
 

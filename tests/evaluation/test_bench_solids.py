@@ -187,6 +187,19 @@ def test_fidelity_command(compiled, tmp_path, capsys):
     assert "only hulls refuse" in capsys.readouterr().out
 
 
+def test_solid_costs_command(tmp_path, capsys):
+    arguments = ["--robot", "panda", "ur5", "--states", "60", "--rounds", "1"]
+    assert main(["bench", "solid-costs", *arguments, "--output", str(tmp_path)]) == 0
+    rows = read(tmp_path / "solid_costs.csv")
+    assert [row["robot"] for row in rows] == ["panda"] * 4 + ["ur5"] * 4
+    assert len({row["work"] for row in rows}) == 4
+    for row in rows:
+        assert float(row["ratio"]) == pytest.approx(float(row["of_solids"]) / float(row["of_hulls"]))
+        assert (int(row["concave"]) > 0) == (row["robot"] == "ur5")
+    assert all(int(row["dented"]) > 4 and 1e-3 < float(row["deepest"]) < 0.02 for row in rows[:4])
+    assert "by hulls" in capsys.readouterr().out
+
+
 def test_bad_sizes_are_one_line(capsys):
     assert main(["bench", "triangles", "--triangles", "3"]) == 2
     assert "at least 100" in capsys.readouterr().err

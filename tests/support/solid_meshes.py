@@ -30,6 +30,17 @@ def box(size=1.0):
     return points, np.array([t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))])
 
 
+def dimpled(depth, scale=1.0, shift=0.0):
+    """A cube of two metres whose upper face is pushed in at its middle."""
+    points, triangles = box()
+    top = np.flatnonzero((points[triangles][:, :, 2] == 1).all(axis=1))
+    around = [0, 4, 6, 2]  # below; the upper face's corners are these plus one
+    rim = [corner + 1 for corner in around]
+    fan = np.array([[rim[k], rim[(k + 1) % 4], 8] for k in range(4)])
+    points = np.vstack([points, [0, 0, 1 - depth]])
+    return scale * points + shift, np.vstack([np.delete(triangles, top, axis=0), fan])
+
+
 def angle():
     """An L of three metres by two, one deep: prism over six points; watertight, concave."""
     flat = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 2), (0, 2)]

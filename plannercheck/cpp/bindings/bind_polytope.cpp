@@ -265,7 +265,7 @@ nb::dict certify_pair(const Polytope& a, InputArray<double, 4, 4> pose_a, const 
   const PosedPolytope &guest = a_hosts ? pb : pa, &host = a_hosts ? pa : pb;
   if (is_of_half_space(guest, host)) throw nb::value_error("a half-space has certificates of its own");
   PairVerdict verdict = test_pair(guest, host, options, nullptr, counters);
-  if (verdict.shared) verdict.shared = solids_share(guest, host, counters);
+  verdict.shared = bodies_share(verdict, guest, host, counters);
   if (explain && verdict.shared && !verdict.exact) {
     // The vertices and weights behind a shared point come from the exact stage.
     const Vec3 apart = guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre);
@@ -286,10 +286,10 @@ void bind_polytope(nb::module_& m) {
       .value("exact", Solver::kExact);
 
   nb::class_<PairOptions>(m, "PairOptions")
-      .def(nb::init<Solver, bool, bool, bool, bool, bool, bool, bool, bool, bool>(), nb::arg("solver"),
+      .def(nb::init<Solver, bool, bool, bool, bool, bool, bool, bool, bool, bool, bool>(), nb::arg("solver"),
            nb::arg("cached_plane"), nb::arg("centre_axis"), nb::arg("turned_axis"), nb::arg("facet_plane"),
            nb::arg("nearest_points"), nb::arg("double_double"), nb::arg("warm_start"), nb::arg("interleaving"),
-           nb::arg("trees_first"), plain_floats);
+           nb::arg("trees_first"), nb::arg("dents"), plain_floats);
 
   nb::class_<Polytope>(m, "Polytope")
       .def_static("from_points", &polytope_from_points, plain_floats)
@@ -323,6 +323,7 @@ void bind_polytope(nb::module_& m) {
           plain_floats)
       .def(
           "surface", [](const Polytope& b) { return std::make_shared<Solid>(b.surface()); }, plain_floats)
+      .def_prop_ro("dent", [](const Polytope& b) { return b.dents.deepest; })
       .def_prop_ro("is_solid", [](const Polytope& b) { return b.solid != nullptr; })
       .def_prop_ro("solid", [](const Polytope& b) { return std::const_pointer_cast<Solid>(b.solid); })
       .def_prop_ro("parts", [](const Polytope& b) { return std::const_pointer_cast<PartSet>(b.parts); })

@@ -26,6 +26,7 @@ Polytope polytope_of(const HalfSpace& half_space, double inflation_radius) {
   Polytope body = prepare_polytope(corners);
   body.is_box = 0;
   body.inflation_radius = inflation_radius;
+  body.dents.deepest = kUnknownDent;
   body.half_space = std::make_shared<const HalfSpace>(half_space);
   return body;
 }

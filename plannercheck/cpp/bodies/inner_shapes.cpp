@@ -11,7 +11,7 @@ namespace plannercheck {
 namespace {
 
 // A facet's distance from a point is (1 − q·y) / |q|, with y the point less the centre, |y| at most 4 radii. q errs by
-// 4u of its length, the product by 6u |q| |y|; the difference, 1 / |q| <= radius, the quotient and y by a few u each.
+// 4u of its length, the product by 6u |q| |y|; the differences, 1 / |q| <= radius, the quotient and y by a few u each.
 constexpr double kFacetError = 128 * 0x1p-53;
 // With 16 vertices 43 of 100 colliding pairs of pr2's links are told by samples, with 64 of them 48: hardly worth their
 // time, which pairs that are apart wait for (measured).
@@ -19,10 +19,10 @@ constexpr std::size_t kSampleBlocks = 3;
 // Lengths of polar points for which squares neither overflow nor lose bits to underflow.
 constexpr double kShortest = 1e-150, kLongest = 1e150;
 
-// The half-spaces whose intersection is the body's hull.
+// The half-spaces whose intersection is the body's hull; of a solid, those less its dents.
 class Facets {
  public:
-  explicit Facets(const Polytope& body) : body_(body), room_(kFacetError * body.radius) {
+  explicit Facets(const Polytope& body) : body_(body), heights_(facet_heights(body)), room_(kFacetError * body.radius) {
     inverses_.reserve(body.polar.points.size());
     for (const Vec3& q : body.polar.points) {
       const double length = norm(q);
@@ -39,7 +39,7 @@ class Facets {
     const Vec3 y = point - body_.centre;
     double least = body_.radius;
     for (std::size_t k = 0; k < inverses_.size() && least > 0; ++k) {
-      least = smaller(least, (1 - dot(body_.polar.points[k], y)) * inverses_[k]);
+      least = smaller(least, (heights_[k] - dot(body_.polar.points[k], y)) * inverses_[k]);
     }
     return least - room_;
   }
@@ -51,13 +51,14 @@ class Facets {
       const Vec3 q = body_.polar.points[k];
       const double most =
           larger(q.x * low.x, q.x * high.x) + larger(q.y * low.y, q.y * high.y) + larger(q.z * low.z, q.z * high.z);
-      if (!((1 - most) * inverses_[k] >= radius)) return false;
+      if (!((heights_[k] - most) * inverses_[k] >= radius)) return false;
     }
     return true;
   }
 
  private:
   const Polytope& body_;
+  std::vector<double> heights_;  // of q·y
   double room_;
   bool are_known_ = true;
   std::vector<double> inverses_;
@@ -145,7 +146,7 @@ std::vector<SampleBlock> samples_of(const Polytope& body, const std::vector<Inne
 
 InnerShapes find_inner_shapes(const Polytope& body) {
   if (body.parts || body.half_space) return {};
-  InnerShapes shapes = body.solid ? inner_shapes_of(*body.solid) : shapes_in_hull(body);
+  InnerShapes shapes = body.dents.are_known() ? shapes_in_hull(body) : inner_shapes_of(*body.solid);
   shapes.samples = samples_of(body, shapes.balls);
   return shapes;
 }

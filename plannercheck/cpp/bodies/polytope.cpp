@@ -125,6 +125,7 @@ Polytope prepare_polytope(const ConvexMesh& mesh) {
 Polytope with_solid(const Polytope& hull, std::shared_ptr<const Solid> solid) {
   Polytope body = hull;
   body.solid = std::move(solid);
+  body.dents = dents_of(hull, *body.solid);
   body.is_box = 0;
   body.lazy_inner_shapes = {}, body.lazy_surface = {};
   return body;
@@ -143,6 +144,7 @@ Polytope polytope_around(std::shared_ptr<const PartSet> parts, double inflation_
   Polytope body = prepare_polytope(corners);
   body.inflation_radius = inflation_radius;
   body.is_box = 0;
+  body.dents.deepest = kUnknownDent;
   body.parts = std::move(parts);
   return body;
 }

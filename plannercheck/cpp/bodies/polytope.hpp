@@ -16,6 +16,7 @@
 #include "bodies/equivalent_ellipsoid.hpp"
 #include "bodies/hierarchy.hpp"
 #include "bodies/hull.hpp"
+#include "bodies/hull_dents.hpp"
 #include "bodies/inner_shapes.hpp"
 #include "bodies/lazy_value.hpp"
 #include "bodies/part_set.hpp"
@@ -53,12 +54,12 @@ struct Polytope {
   LazyValue<std::vector<SmallBall>> lazy_covering_balls;  // only motions before sets of parts need them
   std::shared_ptr<const Solid> solid;  // if the body is this solid, of which all above is the hull; not in files
   LazyValue<Solid> lazy_surface;       // only tests with solids need it
+  HullDents dents;                     // of a solid or a set; not in files
   // If the body is this set of parts, around which all above is a box; not in files.
   std::shared_ptr<const PartSet> parts;
   // If the body is this half-space, for which all above is a cube that holds everything; not in files.
   std::shared_ptr<const HalfSpace> half_space;
 
-  // None of a solid: what is inside of its hull need not be inside of it.
   const InnerShapes& inner_shapes() const {
     return lazy_inner_shapes.get([this] { return find_inner_shapes(*this); });
   }

@@ -288,6 +288,11 @@ std::vector<InnerBall> balls_in(const Solid& solid, const SolidInterior& interio
 
 }  // namespace
 
+bool surely_winds_around(const Solid& solid, Vec3 point) {
+  const SolidInterior interior(solid);
+  return interior.is_known() && interior.winds_around(point);
+}
+
 InnerShapes inner_shapes_of(const Solid& solid) {
   InnerShapes shapes;
   const SolidInterior interior(solid);

@@ -15,4 +15,7 @@ struct Solid;
 
 InnerShapes inner_shapes_of(const Solid& solid);
 
+// Whether a closed solid winds around a point; false also if rounding, or where the ray goes, leaves that open.
+bool surely_winds_around(const Solid& solid, Vec3 point);
+
 }  // namespace plannercheck

@@ -23,8 +23,9 @@ std::vector<bool> permanent_collisions(const std::vector<GeometryObject>& bodies
     const GeometryObject &guest = bodies[at(pairs[k][0])], &host = bodies[at(pairs[k][1])];
     if (guest.link >= 0 || host.link >= 0) continue;
     const PosedPolytope a{guest.body.get(), guest.placement}, b{host.body.get(), host.placement};
-    out[k] = (is_of_parts(a, b) || is_of_half_space(a, b) || test_pair(a, b, options, nullptr, counters).shared) &&
-             plannercheck::solids_share(a, b, counters);
+    out[k] = is_of_parts(a, b) || is_of_half_space(a, b)
+                 ? static_cast<bool>(solids_contact(a, b, {}, counters))
+                 : bodies_share(test_pair(a, b, options, nullptr, counters), a, b, counters);
   }
   return out;
 }
@@ -54,8 +55,10 @@ class HullsOfPair final : public HullTest {
     was_asked_ = true;
     const PairVerdict verdict = test_pair(frame_, likely_, options_, &plane_, counters_.pair);
     ++counters_.stages[static_cast<std::size_t>(verdict.stage)];
+    settled_ = verdict.settles;
     return verdict.shared;
   }
+  bool settled() const override { return settled_; }
 
   bool was_asked() const { return was_asked_; }
 
@@ -65,7 +68,7 @@ class HullsOfPair final : public HullTest {
   const PairOptions& options_;
   CachedPlane& plane_;
   CheckerCounters& counters_;
-  bool was_asked_ = false;
+  bool was_asked_ = false, settled_ = true;
 };
 
 }  // namespace
@@ -141,7 +144,7 @@ bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) co
   if (bodies_[guest].body->parts || bodies_[host].body->parts) return parts_share(pair, state, w);
   if (bodies_[guest].body->half_space || bodies_[host].body->half_space) return half_space_shared(pair, state, w);
   const PairFrame frame({bodies_[guest].body.get(), posed(guest, state, w)},
-                        {bodies_[host].body.get(), posed(host, state, w)});
+                        {bodies_[host].body.get(), posed(host, state, w)}, options_.pair.dents);
   if (options_.boxes && !w.broad_phase.boxed && frame.boxes_apart()) {
     ++w.counters.boxes;
     return false;

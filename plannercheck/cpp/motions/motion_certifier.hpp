@@ -66,6 +66,7 @@ struct MotionOptions {
   bool bounds = true;      // pairs that are far apart at one state are left out by bounds of speed
   bool overlaps = true;    // a ball inside one body that meets a box inside the other refuses a motion
   bool part_trees = true;  // trees of sets of parts, boxes around several bodies, planes of several parts
+  bool dents = true;       // hulls mostly tell of solids with shallow dents, see hull_dents.hpp
 };
 
 class ChainTable;

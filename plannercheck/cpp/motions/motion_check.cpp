@@ -324,11 +324,22 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   // The triangles of two solids keep apart on an interval if the same holds for each pair of them as for hulls. Then
   // neither body can get into the other one between the ends. The proofs that are recorded are of hulls alone.
   bool parts_settle(PairState& s, std::size_t i) {
-    if (!is_of_solids(s.pair) || proofs_ != nullptr) return false;
+    if (!is_of_solids(s.pair) || proofs_ != nullptr || goes_beyond_dents(s)) return false;
     const std::array<PosedPair, 2> ends{filters_.posed(s.pair, i), filters_.posed(s.pair, i + 1)};
     if (is_of_parts(s.pair)) return parts_stay_further(s.pair, ends.data(), 2, s.apart);
     return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), ends.data(), 2, s.apart) &&
            !are_nested(posed_a(s, ends[0]), posed_b(s, ends[0]));
+  }
+
+  // Whether the bodies go so far on an interval that their dents hardly matter: then triangles tell no more than hulls.
+  bool goes_beyond_dents(const PairState& s) const {
+    constexpr double kBeyondDents = 4;
+    return filters_.speed(s.pair) * w_.grid.step() > kBeyondDents * dents(s.pair);
+  }
+  // How far points of hulls are at most from points of the bodies, in m; infinite where that is not known.
+  double dents(const CertifiedPair& pair) const {
+    if (!certifier_.options_.dents && is_of_solids(pair)) return kUnknownDent;
+    return reach_of_dents(filters_.body(pair.a), filters_.body(pair.b));
   }
 
   // The descent ends early where its simplices are flat. The proved bound of the distance decides on refusal.
@@ -346,9 +357,9 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     if (is_of_parts(s.pair) || is_of_half_space(s.pair)) return share_a_point(s, filters_.posed(s.pair, state));
     const SweptAnswer<Vec3> answer = sweep_at(s, state, filters_.slack() + filters_.inflation_radii(s.pair));
     if (answer.apart) return false;
-    // The descent ends in differences of the hulls around the origin, each of which errs by less than the slack.
-    return (answer.inside > filters_.slack() && !is_of_solids(s.pair)) ||
-           share_a_point(s, filters_.posed(s.pair, state));
+    // The descent ends in differences of the hulls around the origin, each of which errs by less than the slack. Dents
+    // move them by what they reach.
+    return answer.inside > filters_.slack() + dents(s.pair) || share_a_point(s, filters_.posed(s.pair, state));
   }
 
   PosedPolytope posed_a(const PairState& s, const PosedPair& pose) { return {&filters_.body(s.pair.a), pose.a}; }
@@ -360,7 +371,9 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     SolidOptions options;
     options.part_trees = certifier_.options_.part_trees;
     if (is_of_parts(s.pair)) return static_cast<bool>(solids_contact(a, b, {}, w_.counters.pair, options));
-    return test_pair(a, b, {}, nullptr, w_.counters.pair).shared && solids_share(a, b, w_.counters.pair);
+    PairOptions of_pair;
+    of_pair.dents = certifier_.options_.dents;
+    return bodies_share(test_pair(a, b, of_pair, nullptr, w_.counters.pair), a, b, w_.counters.pair);
   }
 
   bool is_apart(PairState& s, std::size_t state, double limit) {

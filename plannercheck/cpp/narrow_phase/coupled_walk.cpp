@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "narrow_phase/depth_past_dents.hpp"
 #include "narrow_phase/matrix_game.hpp"
 
 namespace plannercheck {
@@ -224,7 +225,8 @@ class CoupledWalk {
     } else {
       ++counters_.host_queries;
       const std::int32_t k = closing(q_, host_tip_, point_);
-      if (frame_.contains(dot(frame_.polar_point(k), point_), mixtures_)) certificate.answer = Answer::kShared;
+      const double value = dot(frame_.polar_point(k), point_);
+      if (bodies_hold(frame_, point_, value, mixtures_, counters_)) certificate.answer = Answer::kShared;
     }
     return certificate;
   }

@@ -24,7 +24,7 @@ Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, Pai
   const Vec3 x = first_point(frame, guest_vertex);
   ++counters.host_queries;
   const std::int32_t k = extreme(frame.host().polar, x, counters.queries);
-  if (frame.contains(dot(frame.polar_point(k), x))) return shared_at(x);
+  if (bodies_hold(frame, x, dot(frame.polar_point(k), x), 0, counters)) return shared_at(x);
   AtOnce both;
   DoubleOracle<AtOnce> oracle(frame, both, counters);
   oracle.start(guest_vertex, k);

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "math/double4.hpp"
+#include "narrow_phase/depth_past_dents.hpp"
 #include "narrow_phase/incremental_matrix_game.hpp"
 #include "narrow_phase/pair_frame.hpp"
 
@@ -104,7 +105,7 @@ class DoubleOracle {
   // x: as asked; q: the polar's point.
   bool answer_host(Vec3 x, std::int32_t k, Vec3 q) {
     certificate_.x = x;
-    if (frame_.contains(dot(q, x))) {
+    if (bodies_hold(frame_, x, dot(q, x), 0, counters_)) {
       certificate_.answer = Answer::kShared;
       return true;
     }

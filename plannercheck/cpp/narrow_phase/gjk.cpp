@@ -24,6 +24,8 @@ constexpr int kGjkRounds = 64;
 // Where lengths are so small that products underflow, all of this errs by at most kDenormalError more: nine products a
 // body and three of the height, by 2^-1075 each, times entries of the direction.
 constexpr double kDifference = 12 * 0x1p-53, kSupport = 32 * 0x1p-53;
+// kMixedAbove: vertices less a centre, mixed: 16u of the radius, and less than as much for their product with a facet.
+constexpr double kMixedAbove = 64 * 0x1p-53;
 constexpr double kVolume = 16 * 0x1p-53;
 constexpr double kInflationAlong = 1 + 4 * 0x1p-53, kNormAbove = 1 + 8 * 0x1p-53;
 
@@ -150,8 +152,12 @@ bool surely_inside(const Simplex& s, double error) {
 
 class NearestPoints {
  public:
-  NearestPoints(const PosedPolytope& guest, const PosedPolytope& host, PairCounters& counters)
-      : guest_(guest), host_(host), counters_(counters), shift_(guest.pose.translation() - host.pose.translation()) {
+  NearestPoints(const PosedPolytope& guest, const PosedPolytope& host, PairCounters& counters, bool dents = false)
+      : guest_(guest),
+        host_(host),
+        counters_(counters),
+        shift_(guest.pose.translation() - host.pose.translation()),
+        dents_(dents) {
     inflation_radius_ = guest.body->inflation_radius + host.body->inflation_radius;
     const double size = guest.body->origin_radius + host.body->origin_radius + norm_1(shift_);
     difference_error_ = kDifference * size + kDenormalError;
@@ -181,6 +187,7 @@ class NearestPoints {
   PairCounters& counters_;
   Vec3 shift_;
   double inflation_radius_;
+  bool dents_;
   double difference_error_, support_error_;  // of a difference as a vector; of a height along a direction of length 1
 
   static Proximity with_corners(Proximity out, const Simplex& simplex) {
@@ -263,11 +270,24 @@ class NearestPoints {
             static_cast<std::int32_t>(p), static_cast<std::int32_t>(r)};
   }
 
+  // How far both points that a simplex mixes are from points of their bodies, in m.
+  double reach_past_dents(const Simplex& s) const {
+    const auto reach = [&](const Polytope& body, std::int32_t Corner::* vertex) {
+      const Vec3 y = mixed(s.count, s.weight, [&](std::size_t i) {
+        return body.inner.points[static_cast<std::size_t>(s.corner[i].*vertex)] - body.centre;
+      });
+      const double error = kMixedAbove * body.polar_radius * body.radius;
+      return (1 - scale_past_dents(body, y, error)) * norm(y) * kDentStretch + kMixedAbove * body.radius;
+    };
+    return reach(*guest_.body, &Corner::guest_vertex) + reach(*host_.body, &Corner::host_vertex);
+  }
+
   // Mixing four corners errs by 4u more of their size, the sum of weights by 4u: twice kDifference covers both.
   bool shared(const Simplex& simplex, Vec3 v, Proximity& out) const {
-    const bool within =
-        inflation_radius_ > kTrustedLength && norm(v) * kNormAbove + 2 * difference_error_ < inflation_radius_;
-    if (!within && !(simplex.count == 4 && surely_inside(simplex, difference_error_))) return false;
+    const double length = norm(v) * kNormAbove + 2 * difference_error_;
+    const bool within = inflation_radius_ > kTrustedLength && length < inflation_radius_ &&
+                        (!dents_ || length + reach_past_dents(simplex) < inflation_radius_);
+    if (!within && !(simplex.count == 4 && !dents_ && surely_inside(simplex, difference_error_))) return false;
     out.answer = Answer::kShared;
     const double part = inflation_radius_ > 0 ? guest_.body->inflation_radius / inflation_radius_ : 0;
     out.point = simplex.on_guest() - part * v;
@@ -277,8 +297,9 @@ class NearestPoints {
 
 }  // namespace
 
-Proximity nearest_points(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters) {
-  return NearestPoints(guest, host, counters).run(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0});
+Proximity nearest_points(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters,
+                         bool dents) {
+  return NearestPoints(guest, host, counters, dents).run(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0});
 }
 
 HullDistance hull_distance(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, const DistanceGoal& goal,

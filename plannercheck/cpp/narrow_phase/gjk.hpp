@@ -52,7 +52,9 @@ struct LowestDifference {
 LowestDifference lowest_difference(const PosedPolytope& guest, const PosedPolytope& host, Vec3 direction,
                                    PairCounters& counters);
 
-// `hint`: a world direction to begin with.
-Proximity nearest_points(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters);
+// `hint`: a world direction to begin with. `dents`: points have to be within the inflation radius past the dents of
+// both bodies; hulls that share a point do not count, then.
+Proximity nearest_points(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters,
+                         bool dents = false);
 
 }  // namespace plannercheck

@@ -31,6 +31,30 @@ Proximity along(Vec3 direction) {
   return start;
 }
 
+// What is left open by bodies with dents, whose hulls meet no deeper than these, or hardly.
+PairVerdict open_verdict() {
+  PairVerdict verdict;
+  verdict.shared = true;
+  verdict.settles = false;
+  return verdict;
+}
+
+// The stage after the solver where dents count: hulls that share a point may be the bodies' only if they are inflated.
+PairVerdict between_dents(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters) {
+  if (guest.body->inflation_radius + host.body->inflation_radius == 0) return open_verdict();
+  const Proximity found = nearest_points(guest, host, hint, counters, true);
+  return found.answer == Answer::kUndecided ? open_verdict() : near_verdict(found, Stage::kNearest);
+}
+
+// Says of a verdict of hulls whether it is that of the bodies. What filters and solvers find is deeper than dents, and
+// what centres and vertices tell holds for bodies with dents as well, which hold both.
+void settle(const PosedPolytope& guest, const PosedPolytope& host, const PairOptions& options, PairVerdict& verdict) {
+  if (!verdict.shared) return;
+  const bool dents_count = options.dents && verdict.stage <= Stage::kNearest;
+  verdict.settles &=
+      dents_count ? fill_their_hulls(guest, host) : guest.body->dents.deepest + host.body->dents.deepest == 0;
+}
+
 // The stages that need no polar: nearest points in doubles, then in double-double, then exact arithmetic.
 PairVerdict without_polar(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, const PairOptions& options,
                           PairCounters& counters) {
@@ -38,6 +62,7 @@ PairVerdict without_polar(const PosedPolytope& guest, const PosedPolytope& host,
   static_cast<void>(guest), static_cast<void>(host), static_cast<void>(options), static_cast<void>(counters);
   return near_verdict(along(hint), Stage::kSolver);
 #else
+  if (options.dents && have_dents(guest, host)) return between_dents(guest, host, hint, counters);
   Proximity found = along(hint);
   if (options.nearest_points) {
     found = nearest_points(guest, host, hint, counters);
@@ -123,8 +148,10 @@ PairVerdict test_pair(const PosedPolytope& guest, const PosedPolytope& host, con
   return certified(axis.separated(cache != nullptr), cache);
 }
 
-PairVerdict test_close_pair(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis,
-                            const PairOptions& options, CachedPlane* cache, PairCounters& counters) {
+namespace {
+
+PairVerdict close_hulls_verdict(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis,
+                                const PairOptions& options, CachedPlane* cache, PairCounters& counters) {
   if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
   cache = kept(*host.body, options, cache);
   std::int32_t lowest = 0;
@@ -133,15 +160,15 @@ PairVerdict test_close_pair(const PosedPolytope& guest, const PosedPolytope& hos
     const Certificate found = axis.decide(cache != nullptr, &lowest, counters);
     if (found.answer != Answer::kUndecided) return certified(found, cache);
   }
-  const PairFrame frame(guest, host);
+  const PairFrame frame(guest, host, options.dents);
   if (plane_holds(frame, cache, counters)) return cached(*cache);
   const Certificate found = by_facets(frame, axis, options, counters);
   if (found.answer != Answer::kUndecided) return certified(found, cache);
   return solved(frame, lowest, axis, options, cache, counters);
 }
 
-PairVerdict test_pair(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane* cache,
-                      PairCounters& counters) {
+PairVerdict hulls_verdict(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane* cache,
+                          PairCounters& counters) {
   const PosedPolytope &guest = frame.posed_guest(), &host = frame.posed_host();
   cache = kept(*host.body, options, cache);
   if (options.solver != Solver::kExact && plane_holds(frame, cache, counters)) return cached(*cache);
@@ -161,6 +188,22 @@ PairVerdict test_pair(const PairFrame& frame, bool likely, const PairOptions& op
     if (found.answer != Answer::kUndecided) return certified(found, cache);
   }
   return solved(frame, lowest, axis, options, cache, counters);
+}
+
+}  // namespace
+
+PairVerdict test_close_pair(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis,
+                            const PairOptions& options, CachedPlane* cache, PairCounters& counters) {
+  PairVerdict verdict = close_hulls_verdict(guest, host, axis, options, cache, counters);
+  settle(guest, host, options, verdict);
+  return verdict;
+}
+
+PairVerdict test_pair(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane* cache,
+                      PairCounters& counters) {
+  PairVerdict verdict = hulls_verdict(frame, likely, options, cache, counters);
+  settle(frame.posed_guest(), frame.posed_host(), options, verdict);
+  return verdict;
 }
 
 }  // namespace plannercheck

@@ -25,6 +25,7 @@ struct PairOptions {
   bool warm_start = true;      // whether each stage begins with the vertices where the one before gave up
   bool interleaving = true;    // whether a batch interleaves the tests of several pairs of large bodies
   bool trees_first = true;     // whether solids whose hulls met last are tested before their hulls
+  bool dents = true;           // whether hulls that meet deeper than the dents of their solids are the last word
 };
 
 // The plane that separated a pair last time, in the host's frame.
@@ -35,7 +36,10 @@ struct CachedPlane {
 };
 
 struct PairVerdict {
-  bool shared = false;
+  bool shared = false;  // by the hulls
+  // Whether the bodies share a point if `shared`: false of solids, unless their hulls meet deeper than the solids'
+  // dents. Where they are about as deep in each other, `shared` means that the hulls may meet.
+  bool settles = true;
   Stage stage = Stage::kSolver;
   Certificate certificate;           // up to stage kSolver
   Proximity proximity;               // stages kNearest and kDoubleDouble

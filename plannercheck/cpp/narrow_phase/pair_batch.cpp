@@ -271,6 +271,8 @@ class CloseHulls final : public HullTest {
     return verdict_.shared;
   }
 
+  bool settled() const override { return verdict_.settles; }
+
   // What it told, if it was asked.
   const PairVerdict& verdict() const { return verdict_; }
 

@@ -1,5 +1,7 @@
 #include "narrow_phase/pair_frame.hpp"
 
+#include <algorithm>
+
 namespace plannercheck {
 namespace {
 
@@ -21,6 +23,13 @@ namespace {
 //     |x|, polar points by 4u r_Q |x|, with |x| <= r_P + |shift|. In all: r_Q times 40u (r_P + |shift|) besides (a).
 //     Counted more sharply, as tests/error_bounds/pair_frame does, (b) is 33.6u and (c) 37.2u, (a) included.
 //
+// (d) Dents. The guest holds P' = {c_P + y : q·y <= 1 − s for its own facets q}, each with its own s (hull_dents.hpp),
+//     wherever it is posed, as poses are affine; likewise R holds R'. So the bodies share a point x' that is in both.
+//     Let x = c_P + A y be a mixture of guest vertices with the relative pose A. Then x' = c_P + t A y is in P' if t
+//     q·y <= 1 − s for all q. y is found as mᵀ (x − c_P), where m errs by (a), x and c_P by what (c) allows, and mᵀA is
+//     off 1 by kAxisDefect at most: by less than kAxisDefect r + 4 (error of a coordinate) in all, if |y| <= r. x' is a
+//     mixture of x and c_P, rounded by 4u more, for which (c) has room.
+//
 // |shift| <= |w| + |c| up to the rounding above, so one bound serves both. Each game of the coupled walk mixes 16
 // points (32u) and moves the result towards another mixture (3u), which may be mixed again: kMixtureError a game.
 constexpr double kPairError = 64 * 0x1p-53;     // (a) without δ, plus the larger of (b) and (c): at most 60u
@@ -31,7 +40,7 @@ constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six
 
 }  // namespace
 
-PairFrame::PairFrame(const PosedPolytope& guest, const PosedPolytope& host) : guest_(guest), host_(host) {
+PairFrame::PairFrame(const PosedPolytope& guest, const PosedPolytope& host, bool dents) : guest_(guest), host_(host) {
   const auto& r = host.pose.m;
   const auto& p = guest.pose.m;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -48,6 +57,22 @@ PairFrame::PairFrame(const PosedPolytope& guest, const PosedPolytope& host) : gu
   error_ = host.body->polar_radius * pose_error_;
   inflation_radius_ = (guest.body->inflation_radius + host.body->inflation_radius) * (1 + 1.01 * defect_);
   mixture_error_ = host.body->polar_radius * reach * kMixtureError;
+  has_dents_ = dents && have_dents(guest, host);
+}
+
+Vec3 PairFrame::past_guest_dents(Vec3 x) const {
+  const Vec3 centre = guest_centre(), way = x - centre;
+  const Vec3 y = -guest_direction(way);
+  const double error = guest().polar_radius * (kAxisDefect * guest().radius + 4 * pose_error_);
+  return centre + scale_past_dents(guest(), y, error) * way;
+}
+
+bool PairFrame::is_past_host_dents(Vec3 x, double value, long mixtures) const {
+  const HullDents& dents = host().dents;
+  if (!(value < (1 - dents.others) - error(mixtures))) return false;
+  return std::all_of(dents.facets.begin(), dents.facets.end(), [&](const DentedFacet& dented) {
+    return dot(polar_point(dented.facet), x) < dented.height - error(mixtures);
+  });
 }
 
 double PairFrame::pose_error_growth() const { return kPairError + 1.01 * defect_; }

@@ -22,6 +22,21 @@ struct PosedPolytope {
   Pose pose;
 };
 
+// Whether what the bodies hold is known by their hulls: these are the bodies, or the bodies but for shallow dents.
+inline bool fill_their_hulls(const PosedPolytope& a, const PosedPolytope& b) {
+  return a.body->dents.are_known() && b.body->dents.are_known();
+}
+// Whether there are such dents.
+inline bool have_dents(const PosedPolytope& a, const PosedPolytope& b) {
+  return larger(a.body->dents.deepest, b.body->dents.deepest) > 0 && fill_their_hulls(a, b);
+}
+// Poses stretch lengths by less than this.
+inline constexpr double kDentStretch = 1 + 1e-5;
+// How far points of the bodies' hulls are at most from points of the bodies themselves, in m.
+inline double reach_of_dents(const Polytope& a, const Polytope& b) {
+  return (a.dents.deepest * a.radius + b.dents.deepest * b.radius) * kDentStretch;
+}
+
 enum class Answer { kSeparated, kShared, kUndecided };
 
 // How the answer was found.
@@ -50,7 +65,8 @@ inline PairCounters& operator+=(PairCounters& sum, const PairCounters& more) {
 
 class PairFrame {
  public:
-  PairFrame(const PosedPolytope& guest, const PosedPolytope& host);
+  // `dents`: whether those of bodies count.
+  PairFrame(const PosedPolytope& guest, const PosedPolytope& host, bool dents = false);
 
   const Polytope& guest() const { return *guest_.body; }
   const Polytope& host() const { return *host_.body; }
@@ -92,6 +108,13 @@ class PairFrame {
   // Whether R contains x, such a mixture of guest vertices. `value`: the largest q·x over polar points, by `extreme`.
   bool contains(double value, long mixtures = 0) const { return value < 1 - error(mixtures); }
 
+  // Whether a point of both hulls has to be past the dents of both bodies to tell anything.
+  bool has_dents() const { return has_dents_; }
+  // The point of the guest's hull nearest to x, towards the guest's centre, that is past the guest's dents.
+  Vec3 past_guest_dents(Vec3 x) const;
+  // Whether such a point is past the host's dents.
+  bool is_past_host_dents(Vec3 x, double value, long mixtures) const;
+
  private:
   PosedPolytope guest_, host_;
   std::array<double, 9> m_;
@@ -99,6 +122,7 @@ class PairFrame {
   double defect_;
   double pose_error_;  // of a coordinate in this frame, with room for a few operations on it
   double error_, mixture_error_;
+  bool has_dents_;
   double inflation_radius_;  // of both bodies, rounded up and stretched by how far the pose may be off rigid
 
   double error(long mixtures) const { return error_ + static_cast<double>(mixtures) * mixture_error_; }

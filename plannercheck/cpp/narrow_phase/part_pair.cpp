@@ -31,10 +31,9 @@ PartBodies& part_bodies() {
   return bodies;
 }
 
-bool convex_contact(const PosedPolytope& part, const PosedPolytope& body, PairCounters& counters) {
+PairVerdict convex_contact(const PosedPolytope& part, const PosedPolytope& body, PairCounters& counters) {
   const bool hosts = choose_host(*part.body, *body.body) == 1;
-  return hosts ? test_pair(part, body, {}, nullptr, counters).shared
-               : test_pair(body, part, {}, nullptr, counters).shared;
+  return hosts ? test_pair(part, body, {}, nullptr, counters) : test_pair(body, part, {}, nullptr, counters);
 }
 
 // Whether one part, posed as its set, shares a point with a body that is no set.
@@ -42,8 +41,8 @@ bool part_meets(const PartShape& shape, const PosedPolytope& set, const PosedPol
                 PairCounters& counters) {
   if (shape.corners == 0) return false;
   filled.fill(shape, set.body->inflation_radius);
-  if (!convex_contact({&filled.body(), set.pose}, body, counters)) return false;
-  if (!body.body->solid) return true;
+  const PairVerdict hulls = convex_contact({&filled.body(), set.pose}, body, counters);
+  if (!hulls.shared || hulls.settles) return hulls.shared;
   const Polytope part = polytope_of(shape, set.body->inflation_radius);
   return static_cast<bool>(solids_contact({&part, set.pose}, body, {}, counters));
 }

@@ -264,6 +264,10 @@ bool solids_share_with(const PosedPolytope& a, const PosedPolytope& b, HullTest&
   SolidContact found;
   if (is_of_parts(a, b)) {  // whose hulls say nothing
     found = solids_contact(a, b, history.contact, counters);
+  } else if (fill_their_hulls(a, b)) {  // of which hulls mostly tell all
+    if (!hulls.share()) return false;
+    if (hulls.settled()) return true;
+    found = solids_contact(a, b, history.contact, counters);
   } else if (trees_first && history.hulls_met) {
     SolidCounters counted;
     ContactSearch search(a, b, {}, counters, counted);

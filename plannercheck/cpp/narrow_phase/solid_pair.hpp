@@ -14,6 +14,7 @@
 #include <cstdint>
 
 #include "narrow_phase/half_space_pair.hpp"
+#include "narrow_phase/intersection.hpp"
 #include "narrow_phase/pair_frame.hpp"
 #include "narrow_phase/part_pair.hpp"
 #include "narrow_phase/posed_solid.hpp"
@@ -50,6 +51,8 @@ SolidContact solids_contact(const PosedPolytope& a, const PosedPolytope& b, cons
 class HullTest {
  public:
   virtual bool share() = 0;
+  // Whether that was the last word on the bodies, see PairVerdict.
+  virtual bool settled() const = 0;
 
  protected:
   ~HullTest() = default;
@@ -79,9 +82,10 @@ inline bool is_of_solids(const PosedPolytope& a, const PosedPolytope& b) {
 // Whether two bodies, no triangles of which meet, share a point: a part of one of them lies in the other one.
 bool are_nested(const PosedPolytope& a, const PosedPolytope& b);
 
-// Whether two bodies whose hulls share a point do so themselves.
-inline bool solids_share(const PosedPolytope& a, const PosedPolytope& b, PairCounters& counters) {
-  return !is_of_solids(a, b) || solids_contact(a, b, {}, counters);
+// Whether two bodies share a point, given the verdict on their hulls.
+inline bool bodies_share(const PairVerdict& hulls, const PosedPolytope& a, const PosedPolytope& b,
+                         PairCounters& counters) {
+  return hulls.shared && (hulls.settles || solids_contact(a, b, {}, counters));
 }
 
 }  // namespace plannercheck

@@ -33,6 +33,7 @@ SWITCHES = (
     "facet_plane",
     "nearest_points",
     "trees_first",
+    "dents",
 )
 ALL_ON = "all on"
 WALK = "walk for oracle"

@@ -19,6 +19,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.stress import body_families
 from plannercheck.evaluation.stress.oracle import compiled_oracle
 from plannercheck.evaluation.stress_solids import solid_families
+from plannercheck.evaluation.stress_solids.dented import dented
 from plannercheck.evaluation.stress_solids.solid_families import LARGE_FAMILIES, LATTICE_FAMILIES, SOLID_FAMILIES
 from plannercheck.evaluation.stress_solids.surfaces import Surface, octahedron, surface
 from plannercheck.evaluation.stress_solids.variations import varied
@@ -108,6 +109,8 @@ CONVEX_FAMILIES: dict[str, Callable[[int, np.random.Generator], Surface]] = {
 }
 # Families whose coordinates are on the lattice, so that moves along axes keep contact exact.
 EXACT_FAMILIES = (*LATTICE_FAMILIES, "tetrahedron", "box", "octahedron", "point")
+# Solids that are nearly their hulls.
+DENTED = "dented"
 # Inflation radii over the size: of solids, which are rarely inflated, and of convex bodies.
 _RADII = (0.5, 0.125, 2.0**-10, 0.01)
 _INFLATED_SOLIDS, _INFLATED_HULLS = 0.06, 0.4
@@ -121,6 +124,12 @@ def random_solid(family: str, n: int, size: float, rng: np.random.Generator) -> 
         found, name = varied(found, rng)
     radius = _radius(_INFLATED_SOLIDS, rng)
     return Body(family + name, found.scaled(size), radius * size)
+
+
+def random_dented(n: int, size: float, rng: np.random.Generator) -> Body:
+    """A solid that is nearly its hull, varied."""
+    found, name = varied(dented(n, rng), rng)
+    return Body(DENTED + name, found.scaled(size), _radius(_INFLATED_SOLIDS, rng) * size)
 
 
 def random_convex(family: str, n: int, size: float, rng: np.random.Generator) -> Body:

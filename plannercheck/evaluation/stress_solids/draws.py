@@ -17,7 +17,14 @@ from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.stress.contact_poses import identities, random_directions
 from plannercheck.evaluation.stress.posed_pairs import ANY_OFFSET, PosedPairs
 from plannercheck.evaluation.stress.random_cases import EXTREME_SIZES
-from plannercheck.evaluation.stress_solids.bodies import CONVEX_FAMILIES, Body, random_convex, random_solid
+from plannercheck.evaluation.stress_solids.bodies import (
+    CONVEX_FAMILIES,
+    DENTED,
+    Body,
+    random_convex,
+    random_dented,
+    random_solid,
+)
 from plannercheck.evaluation.stress_solids.common_frames import PARTNERS
 from plannercheck.evaluation.stress_solids.placing import OFFSETS, ROTATIONS, Place, around_contact, offset, turn
 from plannercheck.evaluation.stress_solids.solid_families import LARGE_FAMILIES, SOLID_FAMILIES
@@ -34,8 +41,13 @@ LARGEST = (10_000, 100_000)
 _LARGEST_WEIGHTS, _LARGE_SHARE = (0.95, 0.05), 0.002
 _ROBOT_SHARE, _CONVEX_SHARE = 0.01, 0.2
 CONTACT, ANYWHERE, INSIDE, EXTREME = "contact", "anywhere", "inside", "extreme scales"
-_RELATIONS = (CONTACT, ANYWHERE, INSIDE, EXTREME, *PARTNERS)
-_RELATION_WEIGHTS = (0.59, 0.06, 0.14, 0.01, *[0.2 / len(PARTNERS)] * len(PARTNERS))
+_RELATIONS = (CONTACT, ANYWHERE, INSIDE, EXTREME, *PARTNERS, DENTED)
+_PARTNER_WEIGHT = 0.2 / len(PARTNERS)
+_RELATION_WEIGHTS = (
+    *(0.59, 0.06, 0.14, 0.01),
+    *[_PARTNER_WEIGHT] * (len(PARTNERS) - 1),
+    *[_PARTNER_WEIGHT / 2] * 2,
+)
 # Families for which whole numbers of thousands of digits take no longer than others for doubles.
 _FEW_TRIANGLES = ("tetrahedra", "triangle soup", "one triangle", "star", "nested boxes")
 # Powers of two by which a body is smaller than one that it may be inside of, and how far it is from a face, over
@@ -43,7 +55,7 @@ _FEW_TRIANGLES = ("tetrahedra", "triangle soup", "one triangle", "star", "nested
 _SMALLER_EXPONENTS, _DEPTHS = (-14, -10, -8, -7, -6), (0.005, 0.02, 0.05, 0.1)
 # Moments of contact of the same two bodies, and poses anywhere.
 _CONTACTS, _POSES = 2, 24
-FAMILY_NAMES = (*SOLID_FAMILIES, *CONVEX_FAMILIES, *PARTNERS, EXTREME)
+FAMILY_NAMES = (*SOLID_FAMILIES, *CONVEX_FAMILIES, *PARTNERS, EXTREME, DENTED)
 Draw: TypeAlias = PosedPairs[Body]
 
 
@@ -103,6 +115,18 @@ def _at_extreme_scales(relation: str, rng: np.random.Generator) -> Draw:
     return _drawn(relation, relation, p, r, poses, tuple(OFFSETS) * _CONTACTS)
 
 
+def dented_draw(relation: str, rng: np.random.Generator) -> Draw:
+    """A solid that is nearly its hull, and another or a convex body, in contact or across each other."""
+    exponent = int(rng.choice(_SIZE_EXPONENTS))
+    p, r = (random_dented(_count(rng), 2.0 ** (exponent + int(rng.integers(-2, 3))), rng) for _ in range(2))
+    if rng.random() < 2 * _CONVEX_SHARE:
+        r = _convex(p.size, rng)
+    if rng.integers(2):
+        p, r = r, p
+    poses = [around_contact(p, r, _place(rng), rng) for _ in range(_CONTACTS)]
+    return _drawn(relation, relation, p, r, poses, tuple(OFFSETS) * _CONTACTS)
+
+
 def _beside_triangle(body: Body, rng: np.random.Generator) -> Floats:
     """A point (3,) beside an inner point of a triangle, m."""
     a, b, c = body.surface.points[body.surface.triangles[rng.integers(len(body.surface.triangles))]]
@@ -134,6 +158,7 @@ _DRAWN: dict[str, Callable[[str, np.random.Generator], Draw]] = {
     ANYWHERE: _anywhere,
     INSIDE: _inside,
     EXTREME: _at_extreme_scales,
+    DENTED: dented_draw,
 }
 
 
