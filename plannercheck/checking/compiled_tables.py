@@ -108,7 +108,7 @@ class CompiledTables:
         return self.judged(lambda table, part: table.core.check_states(kernel, part, threads).view(bool), rows)
 
     def state_validity(
-        self, kernel: Any | None, serialize: Callable[[Any, Any], None] | None = None, failure: Any = None
+        self, kernel: Any | None, states: Any = None, failure: Any = None
     ) -> Callable[[Any], bool] | None:
         """A compiled judge of OMPL's states, None if there is none; arguments as for `StateChecker.state_validity`.
 
@@ -122,7 +122,7 @@ class CompiledTables:
             return bool(self.check_states(kernel, robot.check_configurations(row), 1)[0])
 
         judge: Callable[[Any], bool] = core.state_validity(
-            self.within_limits.core, kernel, beyond_limits, serialize, failure
+            self.within_limits.core, kernel, beyond_limits, states, failure
         )
         return judge
 

@@ -263,21 +263,19 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
             known = self._judge_row(np.ascontiguousarray((row := self._single(q))[0]))
         return bool(self.check_states(row)[0]) if known is None else known
 
-    def state_validity(
-        self, serialize: Callable[[Any, Any], None] | None = None, failure: Any = None
-    ) -> Callable[[Any], bool] | None:
+    def state_validity(self, states: Any = None, failure: Any = None) -> Callable[[Any], bool] | None:
         """A compiled function that judges states of an OMPL space of nq numbers; None if there is none.
 
         Its verdicts are those of `is_valid`. There is none where Pinocchio itself poses the robot, nor for
         configurations with quaternions, or cosines and sines, whose length has to be checked.
 
         Args:
-            serialize: The space's function of this name, which copies all numbers of a state; without it, `state[k]` is
-                the k-th number, as in a RealVectorStateSpace.
+            states: The core's PlannerStates, which reads states of the space; without it, `state[k]` is the k-th
+                number, as in a RealVectorStateSpace.
             failure: The core's PlannerFailure, which keeps exceptions while a planner runs; without it, they pass
                 through the planner.
         """
-        return self._tables.state_validity(self._kernel, serialize, failure)
+        return self._tables.state_validity(self._kernel, states, failure)
 
     def check_states(self, q: ArrayLike, threads: int = 1) -> Bools:
         """Whether each configuration of a set is free of collision.

@@ -198,7 +198,7 @@ class MotionCertifier:
         self,
         tolerance: float,
         counts: Any = None,
-        serialize: Callable[[Any, Any], None] | None = None,
+        states: Any = None,
         angles: Sequence[int] = (),
         failure: Any = None,
     ) -> Callable[[Any, Any], bool]:
@@ -207,7 +207,7 @@ class MotionCertifier:
         Args:
             tolerance: m.
             counts: The core's MotionCounts, which counts the answers.
-            serialize: As for `StateChecker.state_validity`.
+            states: As for `StateChecker.state_validity`.
             angles: Columns of angles that whole turns do not change; they take the short way, as in OMPL's SO2.
             failure: As for `StateChecker.state_validity`.
 
@@ -228,7 +228,7 @@ class MotionCertifier:
             self._errors.usual,
             partial(self._elsewhere, tolerance, tuple(angles)),
             counts,
-            serialize,
+            states,
             list(angles),
             failure,
         )

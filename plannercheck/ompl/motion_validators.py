@@ -120,7 +120,7 @@ class ProvedMotions(_CountingValidator):
         self.__dict__["checkMotion"] = self._certifier.motion_validity(
             tolerance,
             self._counts,
-            space.numbers.serialize,
+            space.numbers.states,
             np.flatnonzero(space.continuous).tolist(),
             space.numbers.failure,
         )

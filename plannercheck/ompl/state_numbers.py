@@ -1,49 +1,81 @@
 """The numbers of OMPL's states, copied all at once.
 
 In: an OMPL space whose states are bounded joints, angles, poses in the plane, or compounds of them, and how many
-numbers a state has. Out: `StateNumbers`, which reads states; `serialize` is what compiled functions read them by.
+numbers a state has. Out: `StateNumbers`, which reads states, also for compiled functions.
 
 OMPL's bindings show no pointer to a state's numbers, but every space copies them to a place in memory: one call of
-45 ns, where seven numbers one by one take 280 ns (measured from Python).
+45 ns, where seven numbers one by one take 280 ns (measured from Python). Where the numbers of bounded joints lie is
+found out and proved (state_places.hpp); these are read there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import cache
 from typing import Any
+
+from ompl import base, geometric
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 
 _BYTES = 8  # of a double
 
+# How many numbers the states have on which their place is proved; of more, OMPL would draw random projections.
+_PROBED = 2
+
 
 class StateNumbers:
     """Reads states of one space, or of any that is made of the same parts.
 
     Attributes:
-        serialize: The space's own function (place in memory, state), which copies a state's numbers there.
+        states: The core's PlannerStates, by which compiled functions read them.
         failure: The core's PlannerFailure of validators on this space.
     """
 
-    serialize: Callable[[Any, Any], None]
+    states: Any
     failure: Any
 
-    def __init__(self, space: Any, width: int) -> None:
-        """Takes an OMPL space whose states have so many numbers."""
+    def __init__(self, space: Any, width: int, in_place: bool = True) -> None:
+        """Takes an OMPL space whose states have so many numbers; `in_place` reads them where they lie, if known."""
         assert space.getSerializationLength() == _BYTES * width  # or other memory would be overwritten
-        self.serialize, self.failure = space.serialize, core.PlannerFailure()
-        self._states = core.PlannerStates(width, self.serialize)
+        is_plain = in_place and isinstance(space, base.RealVectorStateSpace)
+        self.failure = core.PlannerFailure()
+        self.states = core.PlannerStates(width, space.serialize, known_places() if is_plain else None)
 
     def read(self, state: Any) -> list[float]:
         """The numbers of a state."""
-        numbers: list[float] = self._states.numbers(state)
+        numbers: list[float] = self.states.numbers(state)
         return numbers
 
     def rows(self, states: list[Any]) -> Floats:
         """(n, width), the numbers of n states."""
-        rows: Floats = self._states.rows(states)
+        rows: Floats = self.states.rows(states)
         return rows
+
+
+@cache
+def known_places() -> Any:
+    """The core's StatePlaces, proved for states that Python makes and for those that planners pass to validators."""
+    places, space = core.StatePlaces(), base.RealVectorStateSpace(_PROBED)
+    space.setBounds(0.0, 1.0)
+    information = base.SpaceInformation(space)
+    state = information.allocState()
+    if places.prove(state, _PROBED):
+        information.setStateValidityChecker(_Probe(information, places))
+        geometric.PathGeometric(information, state, state).check()  # passes a state of its own
+    return places
+
+
+class _Probe(base.StateValidityChecker):  # type: ignore[misc]  # OMPL's bindings are untyped
+    """Proves the places of the states that OMPL passes, and calls them invalid."""
+
+    def __init__(self, information: Any, places: Any) -> None:
+        super().__init__(information)
+        self._places = places
+
+    def isValid(self, state: Any) -> bool:  # noqa: N802  # OMPL's name
+        self._places.prove(state, _PROBED)
+        return False
 
 
 class NumberedSpace:

@@ -24,7 +24,7 @@ class ExactStates(base.StateValidityChecker):  # type: ignore[misc]  # OMPL's bi
         super().__init__(information)
         self._checker, self._space = checker, space
         is_plain = isinstance(space, JointSpace)
-        compiled = checker.state_validity(space.numbers.serialize, space.numbers.failure) if is_plain else None
+        compiled = checker.state_validity(space.numbers.states, space.numbers.failure) if is_plain else None
         if compiled is not None:
             self.__dict__["isValid"] = compiled  # OMPL calls it instead of the method, without a frame of Python
 

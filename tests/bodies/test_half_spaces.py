@@ -147,6 +147,18 @@ def test_many_poses_are_judged_as_one_by_one():
     assert pc.intersects(half_space, body, None, poses, threads=2).tolist() == verdicts.tolist()
 
 
+def test_poses_beyond_any_hull_are_judged_by_the_plane():
+    """A half-space's hull ends at 1e60 m, poses do not."""
+    half_space, body = pc.Polytope(pc.HalfSpace((0.0, 0.0, 1.0))), pc.Polytope(pc.Box((1.0, 1.0, 1.0)))
+    poses = np.tile(np.eye(4), (8, 1, 1))
+    poses[:, 2, 3] = [-1e61, 1e61, -1e90, 1e90, -1e200, 1e200, 0.25, 0.75]
+    poses[:4, 0, 3] = 1e70
+    expected = [True, False] * 4
+    assert [pc.intersects(body, half_space, pose) for pose in poses] == expected
+    assert pc.intersects(body, half_space, poses).tolist() == expected
+    assert pc.intersects(half_space, body, None, poses).tolist() == expected
+
+
 def test_distances_are_those_of_the_lowest_vertex():
     rng, seen = np.random.default_rng(2), [0, 0]
     for _ in range(200):

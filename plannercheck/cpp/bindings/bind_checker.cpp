@@ -141,18 +141,17 @@ nb::object set_validity(nb::object checker, nb::object kinematics, Columns units
   return nb::cpp_function(are_free, nb::arg("q").none(), plain_floats);
 }
 
-// A function that OMPL calls with states (ompl_states.hpp). It passes states beyond the limits to `elsewhere`, which
-// takes a list.
-nb::object state_validity(nb::object checker, nb::object kinematics, nb::object elsewhere, nb::object serialize,
-                          std::shared_ptr<PlannerFailure> failure) {
+// A function that OMPL calls with states, read by `states`, as rows if that is null (ompl_states.hpp). It passes states
+// beyond the limits to `elsewhere`, which takes a list.
+nb::object state_validity(nb::object checker, nb::object kinematics, nb::object elsewhere,
+                          std::shared_ptr<const PlannerStates> states, std::shared_ptr<PlannerFailure> failure) {
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
-  const auto width = static_cast<std::size_t>(kernel->width());
   const auto answer = [checker, kinematics, elsewhere, judge, kernel,
-                       states = PlannerStates(width, serialize)](nb::handle s) {
+                       states = of_width(at(kernel->width()), std::move(states))](nb::handle s) {
     heed_signals();
-    StateNumbers q(states.width());
-    states.read(s, q);
+    StateNumbers q(states->width());
+    states->read(s, q);
     for (const double value : q) {
       if (!std::isfinite(value)) return false;  // OMPL's spaces hold no such state
     }
@@ -258,7 +257,7 @@ void bind_checker(nb::module_& m) {
   m.def("set_validity", &set_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("units"),
         nb::arg("tolerance"), plain_floats);
   m.def("state_validity", &state_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("elsewhere"),
-        nb::arg("serialize").none() = nb::none(), nb::arg("failure").none() = nb::none(), plain_floats);
+        nb::arg("states").none() = nb::none(), nb::arg("failure").none() = nb::none(), plain_floats);
 }
 
 }  // namespace plannercheck

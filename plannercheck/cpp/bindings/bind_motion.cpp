@@ -126,7 +126,7 @@ int check_motion(BoundCertifier& bound, const Kinematics& kinematics, const std:
 // function of two lists. `angles` are the columns of angles that whole turns do not change.
 nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArray<double, -1> low,
                            InputArray<double, -1> high, double tolerance, double kinematic_error, nb::object elsewhere,
-                           std::shared_ptr<MotionCounts> counts, nb::object serialize,
+                           std::shared_ptr<MotionCounts> counts, std::shared_ptr<const PlannerStates> states,
                            const std::vector<std::size_t>& angles, std::shared_ptr<PlannerFailure> failure) {
   auto* bound = nb::cast<BoundCertifier*>(certifier);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
@@ -139,12 +139,12 @@ nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArr
     if (found <= static_cast<int>(MotionAnswer::kRefused)) return found == static_cast<int>(MotionAnswer::kFree);
     return nb::cast<bool>(elsewhere(listed(q0), listed(q1)));
   };
-  const auto counted = [certifier, kinematics, answer, counts, states = PlannerStates(low.shape(0), serialize),
+  const auto counted = [certifier, kinematics, answer, counts, states = of_width(low.shape(0), std::move(states)),
                         memo = std::make_shared<MotionMemo>(low.shape(0)), failure](nb::handle s0, nb::handle s1) {
     heed_signals();
-    StateNumbers q0(states.width()), q1(states.width());
-    states.read(s0, q0);
-    states.read(s1, q1);
+    StateNumbers q0(states->width()), q1(states->width());
+    states->read(s0, q0);
+    states->read(s1, q1);
     const bool free = failure && failure->remembering.is_on() ? memo->answer(failure->remembering.begun(), q0.data(),
                                                                              q1.data(), [&] { return answer(q0, q1); })
                                                               : answer(q0, q1);
@@ -292,7 +292,7 @@ void bind_motion(nb::module_& m) {
   m.def("motion_set_validity", &motion_set_validity, plain_floats);
   m.def("motion_validity", &motion_validity, nb::arg("certifier"), nb::arg("kinematics"), nb::arg("low"),
         nb::arg("high"), nb::arg("tolerance"), nb::arg("kinematic_error"), nb::arg("elsewhere"), nb::arg("counts"),
-        nb::arg("serialize").none() = nb::none(), nb::arg("angles") = std::vector<std::size_t>(),
+        nb::arg("states").none() = nb::none(), nb::arg("angles") = std::vector<std::size_t>(),
         nb::arg("failure").none() = nb::none(), plain_floats);
 }
 

@@ -120,17 +120,20 @@ class NumpyRow {
 // Rows of `width` doubles one after the other: n rows at `data`, which is null for anything else.
 struct NumpyRows {
   NumpyRows(const NumpyArray& array, nanobind::handle object, std::size_t width) {
-    const NumpyArray::Head* const head = array.doubles_in(object);
-    if (head == nullptr || head->dimensions != 2 || static_cast<std::size_t>(head->shape[1]) != width) return;
+    if (!rows_.read(array, object) || rows_.dimensions != 2) return;
+    if (static_cast<std::size_t>(rows_.shape[1]) != width) return;
     const auto step = static_cast<Py_ssize_t>(sizeof(double));
-    const bool in_order = head->strides[1] == step && head->strides[0] == step * head->shape[1];
-    if (!in_order || !is_aligned_for_doubles(head->data)) return;
-    data = reinterpret_cast<const double*>(head->data);
-    n = static_cast<std::size_t>(head->shape[0]);
+    const bool in_order = rows_.strides[1] == step && rows_.strides[0] == step * rows_.shape[1];
+    if (!in_order || !is_aligned_for_doubles(rows_.data)) return;
+    data = static_cast<const double*>(rows_.data);
+    n = static_cast<std::size_t>(rows_.shape[0]);
   }
 
   const double* data = nullptr;
   std::size_t n = 0;
+
+ private:
+  NumpyDoubles rows_;
 };
 
 }  // namespace plannercheck

@@ -3,18 +3,24 @@
 //
 // In: a state, and the space's `serialize`, which copies all numbers of a state at once: bounded joints, angles, and
 // compounds of them, part by part. Out: the numbers. Without `serialize`, `state[k]` is the k-th number, as in a
-// RealVectorStateSpace: so states of a program's own classes can be read.
+// RealVectorStateSpace: so states of a program's own classes can be read. Where the numbers lie in memory is used if it
+// is known (state_places.hpp).
 #pragma once
 
 #include <nanobind/nanobind.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
+
+#include "bindings/state_places.hpp"
 
 namespace plannercheck {
 
@@ -45,8 +51,9 @@ class StateNumbers {
 
 class PlannerStates {
  public:
-  // `serialize(place, state)` of a space whose states are so many doubles, or None.
-  PlannerStates(std::size_t width, nanobind::object serialize) : width_(width), serialize_(std::move(serialize)) {
+  // `serialize(place, state)` of a space whose states are so many doubles, or None; `places` may be null.
+  PlannerStates(std::size_t width, nanobind::object serialize, std::shared_ptr<const StatePlaces> places)
+      : width_(width), serialize_(std::move(serialize)), places_(std::move(places)) {
     if (!serialize_.is_none()) return;
     for (std::size_t k = 0; k < width; ++k) columns_.push_back(nanobind::int_(k));
   }
@@ -55,7 +62,10 @@ class PlannerStates {
 
   // Writes a state's numbers to q, of this width; throws Python's error for what is no such state.
   void read(nanobind::handle state, StateNumbers& q) const {
-    if (columns_.size() == width_) {
+    const double* const numbers = places_ ? places_->numbers_of(state) : nullptr;
+    if (numbers != nullptr) {
+      std::copy_n(numbers, width_, q.data());
+    } else if (columns_.size() == width_) {
       read_items(state, q.data());
     } else {
       read_at_once(state, q.data());
@@ -68,6 +78,7 @@ class PlannerStates {
 
   std::size_t width_;
   nanobind::object serialize_;
+  std::shared_ptr<const StatePlaces> places_;
   std::vector<nanobind::object> columns_;
   mutable nanobind::object place_;  // of the last call; none while a call has it
 
@@ -97,6 +108,14 @@ class PlannerStates {
     place_ = std::move(place);
   }
 };
+
+// The given way to read states of so many numbers; as rows if there is none.
+inline std::shared_ptr<const PlannerStates> of_width(std::size_t width, std::shared_ptr<const PlannerStates> states) {
+  if (!states) return std::make_shared<const PlannerStates>(width, nanobind::none(), nullptr);
+  if (states->width() == width) return states;
+  throw std::invalid_argument("states of " + std::to_string(states->width()) + " numbers, not of " +
+                              std::to_string(width));
+}
 
 // Numbers of a list or tuple in place of a state. Only plain ones, whose reading runs no Python.
 class ListedNumbers {

@@ -137,11 +137,13 @@ void BroadPhase::begin(Workspace& w) {
   w.boxed = false;
   w.boxes_apart = w.skipped = 0;
   w.overlapping = 0;
+  w.overlap = LikelyOverlaps::kNone;
+  w.boxes.begin(), w.overlaps.begin();
 }
 
 void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace& w) const {
   begin(w);
-  if (filters.overlaps && !permanent_pairs_.empty()) return take_permanent(count, w);
+  if (filters.overlaps && !permanent_pairs_.empty()) return take_overlapping(count, w);
   w.links.begin(links);
   if (count < kFewStates) {
     for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state)
@@ -154,15 +156,22 @@ void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace&
 
 void BroadPhase::find(const PoseColumns* links, Filters filters, Workspace& w) const {
   begin(w);
-  if (filters.overlaps && !permanent_pairs_.empty()) return take_permanent(1, w);
+  if (filters.overlaps && !permanent_pairs_.empty()) return take_overlapping(1, w);
   w.links.begin(links);
-  find_for_state(links, 0, w);
-  filter(1, filters, w);
+  const bool learns = filters.overlaps && filters.learning;
+  // An overlap is a proof: the pair need not be found near before.
+  if (learns) w.overlap = w.likely.first([&](std::size_t pair) { return overlap(pair, w) != 0; });
+  if (w.overlap != LikelyOverlaps::kNone) {
+    take_overlapping(1, w);
+  } else {
+    find_for_state(links, 0, w);
+    filter(1, filters, w);
+  }
+  if (learns) w.likely.learn(w.overlap);
 }
 
 // Sorts the candidates into `near`, less those that balls and boxes decide.
 void BroadPhase::filter(int count, Filters filters, Workspace& w) const {
-  w.boxes.begin();
   w.boxed = filters.boxes && count >= kFewStates;
   if (filters.overlaps) {
     find_overlaps(w);
@@ -186,8 +195,8 @@ void BroadPhase::filter(int count, Filters filters, Workspace& w) const {
   }
 }
 
-// A permanent collision decides every state.
-void BroadPhase::take_permanent(int count, Workspace& w) const {
+// One pair decides every state.
+void BroadPhase::take_overlapping(int count, Workspace& w) const {
   w.overlapping = (1U << count) - 1;
   w.skipped = count * (static_cast<long>(pairs_.size()) - 1);
   for (auto& near : w.near) near.clear();
@@ -352,12 +361,13 @@ unsigned BroadPhase::overlap(std::size_t pair, Workspace& w) const {
 
 // Finds states that surely collide; these are dropped at once. Boxes go first, since they decide more.
 void BroadPhase::find_overlaps(Workspace& w) const {
-  w.overlaps.begin();
   for (Candidate& candidate : w.candidates) {
     unsigned open = candidate.states & ~w.overlapping;
     if (w.boxed) open = drop_apart(candidate, open, w);
+    if (open != 0) open &= overlap(at(candidate.pair), w);
     if (open == 0) continue;
-    w.overlapping |= open & overlap(at(candidate.pair), w);
+    w.overlapping |= open;
+    w.overlap = at(candidate.pair);
   }
   if (w.overlapping == 0) return;
   for (Candidate& candidate : w.candidates) {

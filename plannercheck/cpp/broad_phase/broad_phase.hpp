@@ -18,6 +18,7 @@
 #include "broad_phase/float_link_poses.hpp"
 #include "broad_phase/geometry_object.hpp"
 #include "broad_phase/height_filter.hpp"
+#include "broad_phase/likely_overlaps.hpp"
 #include "broad_phase/mover_groups.hpp"
 #include "broad_phase/obstacle_tree.hpp"
 #include "broad_phase/overlap_filter.hpp"
@@ -60,6 +61,8 @@ class BroadPhase {
     bool boxed = false;                                        // whether boxes have been tested
     long boxes_apart = 0;                                      // pairs that the boxes separate
     unsigned overlapping = 0;                                  // states in which some pair surely shares a point
+    std::size_t overlap = LikelyOverlaps::kNone;               // the pair that was found to do so last
+    LikelyOverlaps likely;                                     // of single states
     long skipped = 0;                                          // other pairs of these states
   };
   Workspace new_workspace() const;
@@ -68,6 +71,7 @@ class BroadPhase {
   struct Filters {
     bool overlaps;  // finds states that surely collide, whose other pairs are then skipped
     bool boxes;     // used only where there are enough states for it to pay
+    bool learning;  // with overlaps: of single states, the pairs that overlapped most lately are tried first
   };
 
   // Fills `near` for the first `count` states.
@@ -113,7 +117,7 @@ class BroadPhase {
   }
   FloatBox around(const MoverGroup& group, const std::vector<Balls>& balls) const;
   static void begin(Workspace& workspace);
-  void take_permanent(int count, Workspace& workspace) const;
+  void take_overlapping(int count, Workspace& workspace) const;
   void find_for_block(int count, Workspace& workspace) const;
   void find_for_state(const PoseColumns* links, std::size_t state, Workspace& workspace) const;
   const PoseColumns* links_in_state(const Lanes* links, std::size_t state, Workspace& workspace) const;

@@ -222,7 +222,8 @@ void CheckerCore::find_near(int count, Query query, Workspace& w) const {
   ++w.block;
   w.block_groups = (at(count) + kLanes - 1) / kLanes;
   if (options_.bounds) {
-    const BroadPhase::Filters filters{options_.overlaps && query == Query::kAnyCollision, options_.boxes};
+    const BroadPhase::Filters filters{options_.overlaps && query == Query::kAnyCollision, options_.boxes,
+                                      options_.learning};
     if (w.state_links != nullptr) {
       broad_phase_->find(w.state_links, filters, w.broad_phase);
     } else {

@@ -130,7 +130,7 @@ def _exact(checker: Checker) -> Iterator[Method]:
             batch,
             name="plannercheck, OMPL callback",
             note="state_validity() on OMPL states, called from Python",
-            build=lambda: build().state_validity(space.numbers.serialize),
+            build=lambda: build().state_validity(space.numbers.states),
             judge=lambda built, rows: np.array([built(state) for state in rows], dtype=bool),
             prepare=lambda built, q: _ompl_states(space, q),
             states=_ONE_BY_ONE_STATES,
