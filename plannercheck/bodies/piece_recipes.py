@@ -5,8 +5,9 @@ triangles. So a robot whose meshes must not be changed or passed on can come wit
 that the user has.
 
 Every triangle has a piece, and a hull holds a triangle if it holds its corners, which are doubles of the mesh as they
-are. So the union of the pieces holds every triangle exactly: nothing is rounded, and nothing is left to be tested. As
-for any other pieces, nothing is claimed about what the mesh encloses.
+are. So the union of the pieces holds every triangle exactly: nothing is rounded, and nothing is left to be tested. How
+far the pieces stick out is proved when a recipe is made, and stays true: the mesh's hash says that it is the same mesh,
+and hulls are exact.
 """
 
 from __future__ import annotations
@@ -15,33 +16,29 @@ import json
 
 import numpy as np
 
-from plannercheck.bodies.pieces import Pieces, extreme, hull_volume
+from plannercheck.bodies.pieces import Pieces, hull_volume, mesh_hash, polytope_volume
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.protrusion import protrusion
 from plannercheck.bodies.triangle_meshes import TriangleMesh
-from plannercheck.common.array_types import Floats, Ints64
+from plannercheck.common.array_types import Ints64
 
 
-def grouped(mesh: TriangleMesh, piece_of_triangle: Ints64) -> tuple[Floats, ...]:
-    """The vertices of each piece, (n, 3) m.
+def grouped(mesh: TriangleMesh, piece_of_triangle: Ints64) -> list[Polytope]:
+    """The pieces of a mesh.
 
     Args:
         mesh: The mesh.
         piece_of_triangle: (m,) the piece of each triangle, counted from 0; no number is left out.
     """
-    corners = [mesh.triangles[piece_of_triangle == piece] for piece in range(int(piece_of_triangle.max()) + 1)]
-    return tuple(extreme([mesh.points[np.unique(each)]]) for each in corners)
+    of_piece = [mesh.triangles[piece_of_triangle == piece] for piece in range(int(piece_of_triangle.max()) + 1)]
+    return [Polytope(mesh.points[np.unique(triangles)]) for triangles in of_piece]
 
 
-def recipe_text(piece_of_triangle: Ints64, protrusion: float, key: bytes) -> str:
-    """The content of a recipe's file, JSON.
-
-    Args:
-        piece_of_triangle: As for `grouped`.
-        protrusion: How far the pieces stick out of the mesh and what it encloses at most, m: a proved bound.
-        key: The mesh's hash.
-    """
-    return json.dumps(
-        {"mesh": key.hex(), "protrusion": protrusion, "piece_of_triangle": piece_of_triangle.tolist()}, indent=None
-    )
+def recipe_text(mesh: TriangleMesh, piece_of_triangle: Ints64) -> str:
+    """The content of a recipe's file, JSON, with the mesh's hash and the proved bound of how far pieces stick out."""
+    bound = protrusion([piece.vertices for piece in grouped(mesh, piece_of_triangle)], mesh)
+    recipe = {"mesh": mesh_hash(mesh).hex(), "protrusion": bound, "piece_of_triangle": piece_of_triangle.tolist()}
+    return json.dumps(recipe)
 
 
 def pieces_by_recipe(text: str, mesh: TriangleMesh, key: bytes) -> Pieces | None:
@@ -49,6 +46,7 @@ def pieces_by_recipe(text: str, mesh: TriangleMesh, key: bytes) -> Pieces | None
     recipe = json.loads(text)
     if recipe["mesh"] != key.hex():
         return None
-    points = grouped(mesh, np.array(recipe["piece_of_triangle"], dtype=np.int64))
-    volume = sum(map(hull_volume, points))
-    return Pieces(points, 0.0, 0.0, recipe["protrusion"], mesh.volume, hull_volume(mesh.points), volume)
+    pieces = grouped(mesh, np.array(recipe["piece_of_triangle"], dtype=np.int64))
+    points, volume = tuple(np.array(piece.vertices) for piece in pieces), sum(map(polytope_volume, pieces))
+    hull = volume if len(pieces) == 1 else hull_volume(mesh.points)
+    return Pieces(points, 0.0, 0.0, recipe["protrusion"], mesh.volume, hull, volume)

@@ -15,9 +15,9 @@ from typing import TypeAlias
 import numpy as np
 from make_pieces import BY_RECIPE, FOLDER, concave_meshes, meshes, row, write_table
 
-from plannercheck.bodies.piece_recipes import grouped, pieces_by_recipe, recipe_text
+from plannercheck.bodies.piece_recipes import pieces_by_recipe, recipe_text
 from plannercheck.bodies.pieces import mesh_hash
-from plannercheck.bodies.protrusion import SolidDistances, filled, protrusion
+from plannercheck.bodies.protrusion import SolidDistances, filled
 from plannercheck.bodies.shipped_pieces import RECIPE, file_name
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.common.array_types import Ints64
@@ -43,8 +43,7 @@ def main() -> None:
 
 def make(robot: str, body: str, mesh: TriangleMesh) -> None:
     """Makes the recipe of one mesh."""
-    key, piece_of_triangle = mesh_hash(mesh), joined(mesh, COUNTS.get(body, 1))
-    text = recipe_text(piece_of_triangle, protrusion(grouped(mesh, piece_of_triangle), mesh), key)
+    key, text = mesh_hash(mesh), recipe_text(mesh, joined(mesh, COUNTS.get(body, 1)))
     file = FOLDER / file_name(robot, body, key, RECIPE)
     file.write_text(text, encoding="ascii")
     pieces = pieces_by_recipe(text, mesh, key)
