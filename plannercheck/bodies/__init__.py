@@ -7,5 +7,6 @@ are theirs), `distance` and
 `solid_separations` prove what is said of them. `placed` keeps a body's pose for many queries, `pair_queries` asks the
 core at once. `objects` are posed shapes that move as one. `meshes` and `convex_decomposition` make shapes from files;
 `piece_repair` makes convex `pieces` hold their mesh, which `exact_coverage` decides, and `protrusion` bounds how far
-they stick out of it. `exact_reference` and `fcl_bodies` check verdicts.
+they stick out of it; `piece_recipes` say which triangles make a piece. `exact_reference` and `fcl_bodies` check
+verdicts.
 """

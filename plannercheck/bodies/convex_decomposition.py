@@ -127,7 +127,10 @@ def _makes_usual_pieces(options: Decomposition) -> bool:
 def _coacd(mesh: TriangleMesh, options: Decomposition, name: str, remesh: int | None) -> list[Floats]:
     """CoACD's pieces, from a process of its own, see coacd_worker.py."""
     if importlib.util.find_spec("coacd") is None:
-        raise PlannercheckError("convex decomposition needs CoACD: pip install 'plannercheck[coacd]'")
+        raise PlannercheckError(
+            f"{name}: no pieces of this mesh come with plannercheck, or none for these options, and to make them needs "
+            "CoACD: pip install 'plannercheck[coacd]'"
+        )
     given = io.BytesIO()
     np.savez(
         given,

@@ -24,8 +24,9 @@ class Pieces(OwnsArrays):
 
     Attributes:
         points: Vertices of each piece, (n, 3) m.
-        excess: How far the mesh stuck out of CoACD's pieces at most, m: at corners of triangles, original and cut ones.
-        growth: How far the repair made a piece grow at most, m.
+        excess: How far the mesh stuck out of CoACD's pieces at most, m: at corners of triangles, original and cut ones;
+            0 for pieces by a recipe.
+        growth: How far the repair made a piece grow at most, m; 0 for pieces by a recipe.
         protrusion: How far the pieces stick out of the mesh and what it encloses at most, m: a proved bound. The holes
             of an open mesh are filled for it.
         mesh_volume: The mesh's volume, m³; None unless the mesh is watertight.

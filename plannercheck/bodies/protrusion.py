@@ -50,7 +50,7 @@ def protrusion(pieces: Sequence[Floats], mesh: TriangleMesh) -> float:
     Returns:
         A proved upper bound, m.
     """
-    solid = _Distances(filled(mesh))
+    solid = SolidDistances(filled(mesh))
     known, bound = float(solid.apart(_samples(pieces)).max(initial=0.0)), 0.0
     for points in pieces:
         of_piece, known = _of_piece(points, solid, known)
@@ -93,7 +93,7 @@ def _connected(edges: Ints64) -> list[Ints64]:
     return [edges[of_edge == each] for each in np.unique(of_edge)]
 
 
-class _Distances:
+class SolidDistances:
     """Distances of points from a closed solid, and from its triangles."""
 
     def __init__(self, solid: Solid) -> None:
@@ -145,7 +145,7 @@ def _samples(pieces: Sequence[Floats]) -> Floats:
     return samples.reshape(-1, 3)
 
 
-def _of_piece(points: Floats, solid: _Distances, known: float) -> tuple[float, float]:
+def _of_piece(points: Floats, solid: SolidDistances, known: float) -> tuple[float, float]:
     """An upper bound for one piece, m, and the furthest point known now; one as far out as `known` is known before."""
     normals, offsets = _planes(points, solid.size)
     middles, half = _first_boxes(points)

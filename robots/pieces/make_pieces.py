@@ -14,8 +14,8 @@ from pathlib import Path
 import plannercheck as pc
 from plannercheck.bodies.convex_decomposition import made_pieces
 from plannercheck.bodies.piece_repair import hull_alone
-from plannercheck.bodies.pieces import Pieces, mesh_hash, packed, unpacked
-from plannercheck.bodies.shipped_pieces import file_name
+from plannercheck.bodies.pieces import Pieces, mesh_hash, packed
+from plannercheck.bodies.shipped_pieces import PIECES, RECIPE, file_name, shipped_pieces
 from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
 from plannercheck.robots.decomposed_links import is_concave
 from plannercheck.robots.description import description_of
@@ -43,8 +43,9 @@ HULLS = {
     ),
     "kinova": ("j2s6s200_link_base_0", "j2s6s200_link_finger_1_0", "j2s6s200_link_finger_tip_1_0"),
 }
-# TIAGo's URDF is under a licence without derived works, so its pieces are not shipped.
 ROBOTS = ("ur3", "ur5", "ur10", "pr2", "kinova", "baxter")
+# TIAGo's meshes are under a licence without derived works: of these, make_recipes.py makes recipes.
+BY_RECIPE = ("tiago",)
 TABLE = re.compile(r"(<!-- table -->\n).*(<!-- end of table -->\n)", re.DOTALL)
 HEADER = "| robot | link | mesh | triangles | pieces | out of the mesh, at most | kB |\n| --- " + "| --- " * 6 + "|\n"
 
@@ -79,12 +80,17 @@ def split(mesh: TriangleMesh, body: str, time_limit: float) -> Pieces | None:
 
 def concave_meshes(robot: str) -> dict[str, tuple[str, str, TriangleMesh]]:
     """A robot's concave and open meshes by name of the body, equal ones once: link, file, mesh."""
+    return {body: found for body, found in meshes(robot).items() if is_concave(found[2])}
+
+
+def meshes(robot: str) -> dict[str, tuple[str, str, TriangleMesh]]:
+    """The same of all meshes."""
     loaded, description = pc.Robot.load(robot, geometry="hull"), description_of(robot)
     geometry = read_geometry(loaded.model, description.file, description.package_dirs)
     found: dict[bytes, tuple[str, tuple[str, str, TriangleMesh]]] = {}
     for body, each in zip(loaded.bodies, geometry.geometryObjects, strict=True):
         mesh = triangles_of_coal(each.geometry)
-        if mesh is not None and is_concave(mesh):
+        if mesh is not None:
             found.setdefault(mesh_hash(mesh), (body.name, (str(body.link), Path(each.meshPath).name, mesh)))
     return dict(found.values())
 
@@ -92,10 +98,11 @@ def concave_meshes(robot: str) -> dict[str, tuple[str, str, TriangleMesh]]:
 def write_table() -> None:
     """Writes what the files hold into README.md."""
     lines = []
-    for robot in ROBOTS:
-        for body, (link, name, mesh) in concave_meshes(robot).items():
-            file = FOLDER / file_name(robot, body, mesh_hash(mesh))
-            pieces = unpacked(file.read_bytes(), mesh_hash(mesh)) if file.exists() else None
+    for robot in (*ROBOTS, *BY_RECIPE):
+        suffix = RECIPE if robot in BY_RECIPE else PIECES
+        for body, (link, name, mesh) in meshes(robot).items():
+            file = FOLDER / file_name(robot, body, mesh_hash(mesh), suffix)
+            pieces = shipped_pieces(mesh) if file.exists() else None
             if pieces is not None:
                 cells = (robot, link, name, len(mesh.triangles), *row(pieces), f"{file.stat().st_size / 1000:.1f}")
                 lines.append("| " + " | ".join(map(str, cells)) + " |\n")

@@ -23,7 +23,7 @@ ROUNDS = 5
 def main() -> None:
     """Prints the figures."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("robots", nargs="*", default=["ur3", "ur5", "ur10", "pr2", "kinova", "baxter"])
+    parser.add_argument("robots", nargs="*", default=["ur3", "ur5", "ur10", "pr2", "kinova", "baxter", "tiago"])
     parser.add_argument("--states", type=int, default=20_000)
     parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows as JSON")
     options = parser.parse_args()

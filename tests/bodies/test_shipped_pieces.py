@@ -15,13 +15,13 @@ from plannercheck.bodies.convex_decomposition import Decomposition, known_pieces
 from plannercheck.bodies.exact_coverage import uncovered
 from plannercheck.bodies.pieces import Pieces, mesh_hash, packed, unpacked
 from plannercheck.bodies.protrusion import filled, protrusion
-from plannercheck.bodies.shipped_pieces import file_name, piece_files, shipped_pieces
+from plannercheck.bodies.shipped_pieces import PIECES, RECIPE, file_name, piece_files, shipped_pieces
 from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
 from plannercheck.robots.decomposed_links import is_concave
 from plannercheck.robots.description import description_of
 from plannercheck.robots.urdf import read_geometry
 
-ROBOTS = ("ur3", "ur5", "ur10", "pr2", "kinova", "baxter")
+ROBOTS = ("ur3", "ur5", "ur10", "pr2", "kinova", "baxter", "tiago")
 FILES = piece_files()
 # So many of a link are looked at; robots/pieces/make_pieces.py looks at all of them.
 TRIANGLES = int(os.environ.get("PLANNERCHECK_TRIANGLES", "60"))
@@ -47,6 +47,10 @@ def concave_meshes(name):
     return dict(found.values())
 
 
+def suffix_of(name):
+    return RECIPE if name == "tiago" else PIECES
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 def test_robots_of_pieces_need_no_coacd(name, monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
@@ -67,7 +71,7 @@ def test_every_triangle_is_in_the_union_exactly(name):
         assert pieces is not None, body
         drawn = np.random.default_rng(5).permutation(mesh.triangles)[:TRIANGLES]
         assert not len(uncovered(mesh.points[drawn], pieces.points, 8)), body
-        assert file_name(name, body, mesh_hash(mesh)) in [file.name for file in FILES]
+        assert file_name(name, body, mesh_hash(mesh), suffix_of(name)) in [file.name for file in FILES]
 
 
 def test_the_protrusion_in_files_is_that_of_their_pieces():
