@@ -11,9 +11,6 @@ constexpr double kVertexError = 8 * 0x1p-53;
 
 // From this many states on, lanes over states beat lanes over obstacles and pairs' boxes one by one (measured).
 constexpr int kFewStates = 3;
-// Scenes of up to this many obstacles are tested one by one faster than by the tree (measured).
-constexpr std::size_t kFewObstacles = 64;
-
 // No box is looked at before these filters' own tests.
 bool is_unboxed(const GeometryObject& object) { return object.body->half_space || HeightFilter::is_for(object); }
 
@@ -126,6 +123,7 @@ BroadPhase::Workspace BroadPhase::new_workspace() const {
   w.candidates.reserve(pairs_.size());
   w.unboxed.reserve(plane_filter_.size() + height_filter_.size());
   w.found.reserve(obstacles_);
+  w.likely = LikelyOverlaps(pairs_.size());
   w.reached.reserve(obstacles_);
   w.states.resize(obstacles_);
   for (auto& near : w.near) near.reserve(pairs_.size());
@@ -152,22 +150,6 @@ void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace&
     find_for_block(count, w);
   }
   filter(count, filters, w);
-}
-
-void BroadPhase::find(const PoseColumns* links, Filters filters, Workspace& w) const {
-  begin(w);
-  if (filters.overlaps && !permanent_pairs_.empty()) return take_overlapping(1, w);
-  w.links.begin(links);
-  const bool learns = filters.overlaps && filters.learning;
-  // An overlap is a proof: the pair need not be found near before.
-  if (learns) w.overlap = w.likely.first([&](std::size_t pair) { return overlap(pair, w) != 0; });
-  if (w.overlap != LikelyOverlaps::kNone) {
-    take_overlapping(1, w);
-  } else {
-    find_for_state(links, 0, w);
-    filter(1, filters, w);
-  }
-  if (learns) w.likely.learn(w.overlap);
 }
 
 // Sorts the candidates into `near`, less those that balls and boxes decide.
@@ -222,40 +204,6 @@ void BroadPhase::find_for_block(int count, Workspace& w) const {
     for (const MoverGroup& group : mover_groups_.get(groups)) find_listed(group, count, w);
   } else {
     for (const std::int32_t mover : movers_with_obstacles_) find_in_tree(mover, count, w);
-  }
-}
-
-const PoseColumns* BroadPhase::links_in_state(const Lanes* links, std::size_t state, Workspace& w) const {
-  const Lanes* const group = links + pose_index(links_, state / kLanes, 0);
-  for (const BoundingBall& mover : movers_) {
-    const Lanes* const from = group + at(mover.link) * 12;
-    double rows[12];
-    for (std::size_t i = 0; i < 12; ++i) rows[i] = from[i][state % kLanes];
-    w.state_links[at(mover.link)] = columns_of(rows);
-  }
-  return w.state_links.data();
-}
-
-void BroadPhase::find_for_state(const PoseColumns* links, std::size_t state, Workspace& w) const {
-  const unsigned bit = 1U << state;
-  const auto take = [&](std::int32_t pair) { w.candidates.push_back({pair, bit}); };
-  single_state_filter_.pose(links, w.single_state_filter);
-  single_state_filter_.find(w.single_state_filter, take);
-  const auto posed = [&](std::size_t mover) {
-    const SingleStateFilter::Ball ball = SingleStateFilter::ball(mover, w.single_state_filter);
-    return Balls{StateFloats{} + ball.x, StateFloats{} + ball.y, StateFloats{} + ball.z, StateFloats{} + ball.radius};
-  };
-  plane_filter_.find(posed, 1, [&](auto pair, auto) { w.unboxed.push_back({pair, bit}); });
-  height_filter_.find(w.single_state_filter, [&](auto pair) { w.unboxed.push_back({pair, bit}); });
-  for (std::size_t k = 0; obstacles_ > kFewObstacles && k < movers_with_obstacles_.size(); ++k) {
-    const std::size_t mover = at(movers_with_obstacles_[k]);
-    const SingleStateFilter::Ball ball = SingleStateFilter::ball(mover, w.single_state_filter);
-    w.found.clear();
-    tree_.collect({ball.x, ball.y, ball.z, ball.limit}, w.found);
-    for (const std::int32_t obstacle : w.found) {
-      const std::int32_t pair = pair_with(mover, obstacle);
-      if (pair >= 0) take(pair);
-    }
   }
 }
 

@@ -82,6 +82,9 @@ class BroadPhase {
   void take_all(int count, Workspace& workspace) const;
 
  private:
+  // Scenes of up to this many obstacles are tested one by one faster than by the tree (measured).
+  static constexpr std::size_t kFewObstacles = 64;
+
   struct MovingPair {
     std::int32_t a, b;  // movers
     std::int32_t pair;
