@@ -100,12 +100,12 @@ def test_verdicts_are_the_oracles_whatever_is_switched(seed):
 @pytest.mark.parametrize("depth", [1e-9, 1e-4, 0.02, 0.05])
 @pytest.mark.parametrize("radius", [0.0, 0.3])
 def test_a_probe_in_a_dent_is_free(depth, radius):
-    """A small octahedron over the middle of the dimple, from the depth of the dent up, with either body as the host."""
+    """An octahedron over the middle of the dimple, from the depth of the dent up; the rounder body is the host."""
     tip = np.vstack([np.eye(3), -np.eye(3)])
     rng = np.random.default_rng(5)
     dish, shape = prepared(dimpled(depth)), inflated(dimpled(depth), radius)
-    for size in (0.003, 0.3):
-        probe = core.Polytope.from_points(size * tip, 0.0)
+    for size, width in ((0.003, 1.0), (0.3, 1.0), (0.3, 0.2)):
+        probe = core.Polytope.from_points(size * tip * [width, width, 1], 0.0)
         for body, room in ((dish, 0.0), (shape, radius * np.hypot(1, depth))):  # the dimple's sides slope
             for gap in (-0.5, -1e-3, 1e-3, 0.5, 1.5):
                 pose = random_pose(rng, 1.0)

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "bodies/part_body.hpp"
 #include "bodies/solid.hpp"
 #include "narrow_phase/intersection.hpp"
 #include "narrow_phase/solid_side.hpp"
@@ -197,16 +198,13 @@ class ContactSearch {
 
   bool meet_exactly(TrianglePair triangles) {
     ++counted_.exact;
-    const Polytope a = triangle_body(solid(0), triangles[0], bodies_[0]);
-    const Polytope b = triangle_body(solid(1), triangles[1], bodies_[1]);
-    return test_pair({&a, bodies_[0].pose}, {&b, bodies_[1].pose}, {}, nullptr, counters_).shared;
-  }
-
-  static Polytope triangle_body(const Solid& solid, std::int32_t triangle, const PosedPolytope& of) {
-    const TriangleCorners t = solid.tree.corners(triangle);
-    Polytope body = prepare_polytope({t[0], t[1], t[2]});
-    body.inflation_radius = of.body->inflation_radius;
-    return body;
+    thread_local std::array<PartBody, 2> filled;
+    for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+      const TriangleCorners t = solid(side).tree.corners(triangles[side]);
+      filled[side].fill({{t[0], t[1], t[2]}, t.size(), 0}, bodies_[side].body->inflation_radius);
+    }
+    const PosedPolytope a{&filled[0].body(), bodies_[0].pose}, b{&filled[1].body(), bodies_[1].pose};
+    return test_pair(a, b, {}, nullptr, counters_).shared;
   }
 
   // A vertex around which a closed solid winds, of those that stand for parts of another one; or −1.

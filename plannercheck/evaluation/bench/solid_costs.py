@@ -9,6 +9,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -81,9 +82,8 @@ def measure(name: str, states: int, seed: int, rounds: int) -> list[SolidCostRow
     rows = []
     for work, (contenders, count, judge) in works.items():
         verdicts = {geometry: judge(checker) for geometry, checker in contenders.items()}
-        seconds = least_seconds(
-            {geometry: lambda c=checker, j=judge: j(c) for geometry, checker in contenders.items()}, rounds
-        )
+        timed = {geometry: partial(judge, checker) for geometry, checker in contenders.items()}
+        seconds = least_seconds(timed, rounds)
         of_hulls, of_solids = (1e6 * seconds[geometry] / count for geometry in (_HULLS, _SOLIDS))
         differ = int((verdicts[_HULLS] != verdicts[_SOLIDS]).sum())
         found = (len(known), len(dents) - len(known), max(known, default=0.0))
