@@ -121,8 +121,9 @@ inline void slide(Lanes x, Lanes y, Lanes z, Lanes* pose) {
   }
 }
 
-// Moves a pose by a joint. v: the joint's values, cosine and sine in place of an angle.
-inline void move(JointKind kind, const double* axis, const Lanes* v, Lanes* pose) {
+// Moves a pose by a joint. v: the joint's values, cosine and sine in place of an angle; inlined, they stay in
+// registers.
+[[gnu::always_inline]] inline void move(JointKind kind, const double* axis, const Lanes* v, Lanes* pose) {
   switch (kind) {
     case JointKind::kTurnX:
     case JointKind::kUnitTurnX:
