@@ -19,12 +19,14 @@ class BlockCache {
   // Starts a new block.
   void begin() { ++block_; }
 
-  // pose(value) computes a body's value: once a block, or only once if the body is fixed.
+  // pose(value) computes a body's value: once a block, or only once if the body is fixed. Mostly it is there already,
+  // and inlining no more than that is fastest, so that `pose` had better be a call.
   template <class Pose>
-  const Value& of(std::size_t body, bool fixed, Pose pose) {
+  [[gnu::always_inline]] const Value& of(std::size_t body, bool fixed, Pose pose) {
     Value& value = values_[body];
     std::uint64_t& last = block_of_[body];
-    if (last == block_ || (fixed && last != 0)) return value;
+    if (last == block_ || (fixed && last != 0)) [[likely]]
+      return value;
     pose(value);
     last = block_;
     return value;

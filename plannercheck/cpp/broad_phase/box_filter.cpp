@@ -54,7 +54,7 @@ void BlockBoxes::spread(const BodyBox& box, Posed& posed) {
   posed.room = StateFloats{} + box.room;
 }
 
-void BlockBoxes::pose(const FloatPose& link, const BodyBox& box, Posed& posed) {
+void BlockBoxes::pose_on(const FloatPose& link, const BodyBox& box, Posed& posed) {
   StateFloats size = {};
   for (std::size_t i = 0; i < 3; ++i) {
     posed.centre[i] = link.turned(i, box.centre[0], box.centre[1], box.centre[2]) + link.m[4 * i + 3];
@@ -67,11 +67,9 @@ void BlockBoxes::pose(const FloatPose& link, const BodyBox& box, Posed& posed) {
   posed.room = (size * static_cast<float>(kCentre) + box.room) * static_cast<float>(1 + kCentre);
 }
 
-const BlockBoxes::Posed& BlockBoxes::posed(RoundedLinks& links, std::size_t body, Workspace& w) const {
-  const BodyBox& box = boxes_[body];
-  const bool fixed = box.link < 0;
-  return w.of(body, fixed,
-              [&](Posed& out) { return fixed ? spread(box, out) : pose(links.of(at(box.link)), box, out); });
+void BlockBoxes::pose(RoundedLinks& links, const BodyBox& box, Posed& posed) {
+  if (box.link < 0) return spread(box, posed);
+  pose_on(links.of(at(box.link)), box, posed);
 }
 
 unsigned BlockBoxes::apart(RoundedLinks& links, std::size_t a, std::size_t b, Workspace& w) const {

@@ -46,13 +46,17 @@ class BlockBoxes {
   unsigned apart(RoundedLinks& links, std::size_t a, std::size_t b, Workspace& workspace) const;
 
   // A body's box in the block, posed at the first call.
-  const Posed& posed(RoundedLinks& links, std::size_t body, Workspace& workspace) const;
+  const Posed& posed(RoundedLinks& links, std::size_t body, Workspace& workspace) const {
+    const BodyBox& box = boxes_[body];
+    return workspace.of(body, box.link < 0, [&](Posed& out) { pose(links, box, out); });
+  }
 
  private:
   std::vector<BodyBox> boxes_;
 
   static void spread(const BodyBox& box, Posed& posed);
-  static void pose(const FloatPose& link, const BodyBox& box, Posed& posed);
+  static void pose_on(const FloatPose& link, const BodyBox& box, Posed& posed);
+  [[gnu::noinline]] static void pose(RoundedLinks& links, const BodyBox& box, Posed& posed);
 };
 
 }  // namespace plannercheck

@@ -92,7 +92,8 @@ BlockOverlaps::PosedBall BlockOverlaps::posed(const FloatPose& link, Number x, N
   return p;
 }
 
-void BlockOverlaps::pose(const FloatPose& link, const Balls& balls, PosedBalls& out) {
+void BlockOverlaps::pose(RoundedLinks& links, const Balls& balls, PosedBalls& out) {
+  const FloatPose& link = links.of(at(balls.link));
   for (std::size_t k = 0; k < balls.count; ++k) {
     const auto [x, y, z] = balls.ball[k].centre;
     out[k] = posed(link, x, y, z, balls.ball[k].radius, balls.room);
@@ -130,8 +131,7 @@ unsigned BlockOverlaps::overlap(RoundedLinks& links, std::size_t pair, const Blo
   const Roles roles = roles_[pair];
   if (roles.balls < 0) return 0;
   const Balls& own = balls_[at(roles.balls)];
-  const PosedBalls& balls =
-      w.of(at(roles.balls), false, [&](PosedBalls& out) { pose(links.of(at(own.link)), own, out); });
+  const PosedBalls& balls = w.of(at(roles.balls), false, [&](PosedBalls& out) { pose(links, own, out); });
   const BlockBoxes::Posed& frame = boxes.posed(links, at(roles.box), posed_boxes);
   const Box& box = boxes_[at(roles.box)];
   unsigned out = 0;

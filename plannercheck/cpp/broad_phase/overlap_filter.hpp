@@ -72,7 +72,7 @@ class BlockOverlaps {
   static Balls balls_of(const GeometryObject& object);
   static Box box_of(const Polytope& body);
   static unsigned meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame);
-  static void pose(const FloatPose& link, const Balls& balls, PosedBalls& out);
+  [[gnu::noinline]] static void pose(RoundedLinks& links, const Balls& balls, PosedBalls& out);
   template <class Number>
   static PosedBall posed(const FloatPose& link, Number x, Number y, Number z, Number radius, float room);
 };

@@ -93,7 +93,8 @@ CachedPlane* kept(const Polytope& host, const PairOptions& options, CachedPlane*
 }
 
 // Whether the plane that separated this pair at earlier poses separates it now.
-bool plane_holds(const PairFrame& frame, const CachedPlane* cache, PairCounters& counters) {
+[[gnu::always_inline]] inline bool plane_holds(const PairFrame& frame, const CachedPlane* cache,
+                                               PairCounters& counters) {
   if (cache == nullptr || !cache->valid) return false;
   ++counters.guest_queries;
   const std::int32_t p = extreme(frame.guest().inner, frame.guest_direction(cache->q), counters.queries);
