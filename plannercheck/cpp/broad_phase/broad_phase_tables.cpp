@@ -1,0 +1,133 @@
+// What the broad phase prepares, once a checker: which bodies move, around which obstacles there are boxes, and which
+// filter looks at which pair.
+#include <limits>
+#include <utility>
+
+#include "broad_phase/broad_phase.hpp"
+
+namespace plannercheck {
+namespace {
+
+// Of posing an obstacle's vertices in doubles: three products and sums.
+constexpr double kVertexError = 8 * 0x1p-53;
+
+// No box is looked at before these filters' own tests.
+bool is_unboxed(const GeometryObject& object) { return object.body->half_space || HeightFilter::is_for(object); }
+
+// The box around a static body, with room for the rounding of its posed vertices.
+WorldBox world_box(const GeometryObject& object) {
+  const Polytope& body = *object.body;
+  const Pose& pose = object.placement;
+  const double infinity = std::numeric_limits<double>::infinity();
+  WorldBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (const Vec3& v : body.inner.points) {
+    const Vec3 p = pose.apply(v);
+    box.low = {smaller(box.low.x, p.x), smaller(box.low.y, p.y), smaller(box.low.z, p.z)};
+    box.high = {larger(box.high.x, p.x), larger(box.high.y, p.y), larger(box.high.z, p.z)};
+  }
+  const double room = body.inflation_radius + kVertexError * (2 * body.origin_radius + norm_1(pose.translation()));
+  const Vec3 margin{room, room, room};
+  return {box.low - margin, box.high + margin};
+}
+
+}  // namespace
+
+BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
+                       const std::vector<bool>& permanent, std::size_t links,
+                       std::shared_ptr<const SampledPoses> sampled)
+    : links_(links), pairs_(pairs), obstacles_(0), sampled_(std::move(sampled)), tree_({}) {
+  // The index of a body among the movers or among the obstacles, in the order of the bodies.
+  std::vector<std::int32_t> place(bodies.size(), -1);
+  std::vector<bool> used(bodies.size(), false);
+  for (const auto& pair : pairs) {
+    const bool moves = bodies[at(pair[0])].link >= 0 || bodies[at(pair[1])].link >= 0;
+    for (const std::int32_t b : pair) used[at(b)] = used[at(b)] || (moves && !is_unboxed(bodies[at(b)]));
+  }
+  std::vector<WorldBox> boxes;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (!used[b]) continue;
+    const GeometryObject& object = bodies[b];
+    if (object.link < 0) {
+      place[b] = static_cast<std::int32_t>(boxes.size());
+      boxes.push_back(world_box(object));
+      continue;
+    }
+    place[b] = static_cast<std::int32_t>(movers_.size());
+    movers_.push_back(bounding_ball(object));
+  }
+  obstacles_ = boxes.size();
+  tree_ = ObstacleTree(boxes);
+  pair_of_.assign(movers_.size() * obstacles_, -1);
+  std::vector<bool> has_obstacle(movers_.size(), false);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const auto pair = static_cast<std::int32_t>(k);
+    const bool first = bodies[at(pairs[k][0])].link >= 0, second = bodies[at(pairs[k][1])].link >= 0;
+    const std::int32_t a = place[at(pairs[k][0])], b = place[at(pairs[k][1])];
+    const std::int32_t still = pairs[k][first ? 1 : 0];
+    if (first != second && bodies[at(still)].body->half_space) {
+      plane_filter_.add(pair, at(first ? a : b), bodies[at(still)]);
+    } else if (first != second && HeightFilter::is_for(bodies[at(still)])) {
+      const std::size_t mover = at(first ? a : b);
+      height_filter_.add(pair, mover, movers_[mover], still, bodies[at(still)]);
+    } else if (first && second) {
+      moving_pairs_.push_back({a, b, pair});
+    } else if (!first && !second) {
+      if (permanent[k]) permanent_pairs_.push_back(pair);
+    } else {
+      const std::int32_t mover = first ? a : b, obstacle = first ? b : a;
+      pair_of_[at(mover) * obstacles_ + at(obstacle)] = pair;
+      has_obstacle[at(mover)] = true;
+    }
+  }
+  for (std::size_t m = 0; m < movers_.size(); ++m) {
+    if (has_obstacle[m]) movers_with_obstacles_.push_back(static_cast<std::int32_t>(m));
+  }
+  std::vector<SingleStateFilter::Partner> with_movers, with_boxes;
+  for (const MovingPair& pair : moving_pairs_) with_movers.push_back({at(pair.a), at(pair.b), pair.pair});
+  if (obstacles_ <= kFewObstacles) {
+    for (const WorldBox& box : boxes) spread_.push_back(spread(box));
+    world_boxes_ = boxes;
+    for (const std::int32_t mover : movers_with_obstacles_) {
+      for (std::size_t o = 0; o < obstacles_; ++o) {
+        const std::int32_t pair = pair_with(at(mover), static_cast<std::int32_t>(o));
+        if (pair >= 0) with_boxes.push_back({at(mover), o, pair});
+      }
+    }
+  } else {
+    boxes.clear();
+  }
+  single_state_filter_ = SingleStateFilter(movers_, boxes, with_movers, with_boxes);
+  std::vector<BodyBox> body_boxes;
+  for (const GeometryObject& object : bodies) body_boxes.push_back(body_box(object));
+  boxes_ = BlockBoxes(std::move(body_boxes));
+  overlaps_ = BlockOverlaps(bodies, pairs);
+}
+
+BroadPhase::FloatBox BroadPhase::spread(const WorldBox& box) {
+  FloatBox out;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<int>(i);
+    out.low[i] = StateFloats{} + rounded_down(box.low[axis]), out.high[i] = StateFloats{} + rounded_up(box.high[axis]);
+  }
+  return out;
+}
+
+BroadPhase::Workspace BroadPhase::new_workspace() const {
+  Workspace w;
+  w.links = RoundedLinks(links_);
+  w.state_links.resize(links_);
+  w.balls.resize(movers_.size());
+  w.single_state_filter = single_state_filter_.new_workspace();
+  w.boxes = boxes_.new_workspace();
+  w.overlaps = overlaps_.new_workspace();
+  w.candidates.reserve(pairs_.size());
+  w.unboxed.reserve(plane_filter_.size() + height_filter_.size());
+  w.found.reserve(obstacles_);
+  w.likely = LikelyOverlaps(pairs_.size());
+  w.reached.reserve(obstacles_);
+  w.states.resize(obstacles_);
+  for (auto& near : w.near) near.reserve(pairs_.size());
+  return w;
+}
+
+}  // namespace plannercheck
