@@ -39,7 +39,7 @@ class MotionSwitches(NamedTuple):
         overlaps: A ball inside one body that meets a box inside the other refuses a motion.
         part_trees: Trees of boxes, planes of many parts, and boxes around several bodies settle sets of parts.
         dents: Of solids with shallow dents, hulls that meet deeper than these refuse a motion, and triangles are looked
-            at only on intervals on which bodies go no further than such dents reach.
+            at only on intervals on which bodies go less far than such dents reach.
         middle_states: The middle states of several motions are judged first, together; then the ends, where these often
             collide.
     """

@@ -151,10 +151,13 @@ bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) co
   }
   const bool likely = options_.learning && 2 * w.hits[pair] > w.tests[pair]++;
   HullsOfPair hulls(frame, likely, options_.pair, w.planes[pair], w.counters);
-  const bool shared = has_solids_ && is_of_solids(frame.posed_guest(), frame.posed_host())
-                          ? solids_share_with(frame.posed_guest(), frame.posed_host(), hulls, options_.pair.trees_first,
-                                              w.histories[pair], w.counters.pair)
-                          : hulls.share();
+  const PosedPolytope &a = frame.posed_guest(), &b = frame.posed_host();
+  bool shared;
+  if (fill_their_hulls(a, b)) {
+    shared = hulls.share() && (hulls.settled() || between_dents_share(a, b, w.histories[pair], w.counters.pair));
+  } else {
+    shared = solids_share_with(a, b, hulls, options_.pair.trees_first, w.histories[pair], w.counters.pair);
+  }
   if (!hulls.was_asked()) ++w.counters.trees;
   w.hits[pair] += shared ? 1 : 0;
   return shared;

@@ -331,9 +331,10 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
            !are_nested(posed_a(s, ends[0]), posed_b(s, ends[0]));
   }
 
-  // Whether the bodies go so far on an interval that their dents hardly matter: then triangles tell no more than hulls.
+  // Whether the bodies go so far on an interval that their dents hardly matter: then triangles tell no more than hulls
+  // (of Talos' torso 0 of 17 intervals of 0.01 to 0.3 radii, by which a motion took 5 percent longer).
   bool goes_beyond_dents(const PairState& s) const {
-    constexpr double kBeyondDents = 4;
+    constexpr double kBeyondDents = 0.25;
     return filters_.speed(s.pair) * w_.grid.step() > kBeyondDents * dents(s.pair);
   }
   // How far points of hulls are at most from points of the bodies, in m; infinite where that is not known.

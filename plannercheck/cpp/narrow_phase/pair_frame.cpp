@@ -62,6 +62,7 @@ PairFrame::PairFrame(const PosedPolytope& guest, const PosedPolytope& host, bool
 
 Vec3 PairFrame::past_guest_dents(Vec3 x) const {
   const Vec3 centre = guest_centre(), way = x - centre;
+  if (guest().dents.facets.empty()) return centre + (1 - guest().dents.others) * way;
   const Vec3 y = -guest_direction(way);
   const double error = guest().polar_radius * (kAxisDefect * guest().radius + 4 * pose_error_);
   return centre + scale_past_dents(guest(), y, error) * way;

@@ -257,15 +257,20 @@ SolidContact solids_contact(const PosedPolytope& a, const PosedPolytope& b, cons
   return ContactSearch(a, b, options, counters, counted == nullptr ? own : *counted).run(guess);
 }
 
+bool between_dents_share(const PosedPolytope& a, const PosedPolytope& b, SolidHistory& history,
+                         PairCounters& counters) {
+  const SolidContact found = solids_contact(a, b, history.contact, counters);
+  if (found) history.contact = found;
+  return static_cast<bool>(found);
+}
+
 bool solids_share_with(const PosedPolytope& a, const PosedPolytope& b, HullTest& hulls, bool trees_first,
                        SolidHistory& history, PairCounters& counters) {
   SolidContact found;
   if (is_of_parts(a, b)) {  // whose hulls say nothing
     found = solids_contact(a, b, history.contact, counters);
-  } else if (fill_their_hulls(a, b)) {  // of which hulls mostly tell all
-    if (!hulls.share()) return false;
-    if (hulls.settled()) return true;
-    found = solids_contact(a, b, history.contact, counters);
+  } else if (fill_their_hulls(a, b)) {
+    return hulls.share() && (hulls.settled() || between_dents_share(a, b, history, counters));
   } else if (trees_first && history.hulls_met) {
     SolidCounters counted;
     ContactSearch search(a, b, {}, counters, counted);

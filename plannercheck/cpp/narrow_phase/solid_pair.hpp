@@ -74,6 +74,9 @@ struct SolidHistory {
 bool solids_share_with(const PosedPolytope& a, const PosedPolytope& b, HullTest& hulls, bool trees_first,
                        SolidHistory& history, PairCounters& counters);
 
+// The same of bodies that fill their hulls, which share a point and leave it open whether the bodies do.
+bool between_dents_share(const PosedPolytope& a, const PosedPolytope& b, SolidHistory& history, PairCounters& counters);
+
 // Whether hulls do not tell all about a pair: one body is a solid, a set of parts, or a half-space.
 inline bool is_of_solids(const PosedPolytope& a, const PosedPolytope& b) {
   return a.body->solid || b.body->solid || is_of_parts(a, b) || is_of_half_space(a, b);
