@@ -187,8 +187,7 @@ bool CheckerCore::is_free(std::size_t state, Workspace& w) const {
 
 bool CheckerCore::is_found_colliding(std::size_t state, Workspace& w) const {
   ++w.judged;
-  if ((w.broad_phase.overlapping >> state & 1U) != 0) return true;
-  bool found = false;
+  bool found = (w.broad_phase.overlapping & 1U << state) != 0;  // then no pair is near
   for (const std::int32_t pair : w.broad_phase.near[state]) {
     const std::size_t k = at(pair);
     if (found || is_left_out(w.hits[k], w.tests[k], w.left_out)) {
