@@ -13,6 +13,16 @@ namespace {
 
 constexpr std::size_t kPoseStride = 16;  // of posed links: row-major 4x4
 
+// A test of a pair that seldom collides costs more than it saves where nothing but time depends on it. So one that
+// collided in less than one of kSeldom tests lately is left out, all but each kTriedAgain-th time, which tells whether
+// that still holds. Tests of about kLately ago count half (all measured).
+constexpr std::uint32_t kSeldom = 8, kTriedAgain = 16, kLately = 64;
+
+bool is_left_out(std::uint32_t& hits, std::uint32_t& tests, std::uint32_t& left_out) {
+  while (tests > kLately) tests /= 2, hits /= 2;
+  return kSeldom * (hits + 1) < tests && ++left_out % kTriedAgain != 0;
+}
+
 // Which pairs share a point although both bodies stand still. Other such pairs are apart: no state tests either.
 std::vector<bool> permanent_collisions(const std::vector<GeometryObject>& bodies,
                                        const std::vector<std::array<std::int32_t, 2>>& pairs,
@@ -181,6 +191,20 @@ bool CheckerCore::is_free(std::size_t state, Workspace& w) const {
   return true;
 }
 
+bool CheckerCore::is_found_colliding(std::size_t state, Workspace& w) const {
+  ++w.judged;
+  bool found = (w.broad_phase.overlapping & 1U << state) != 0;  // then no pair is near
+  for (const std::int32_t pair : w.broad_phase.near[state]) {
+    const std::size_t k = at(pair);
+    if (found || is_left_out(w.hits[k], w.tests[k], w.left_out)) {
+      ++w.counters.skipped;
+    } else {
+      found = collides(k, state, w);
+    }
+  }
+  return found;
+}
+
 std::int32_t CheckerCore::first_collision(std::size_t state, Workspace& w) const {
   ++w.judged;
   auto& near = w.broad_phase.near[state];
@@ -284,6 +308,12 @@ void CheckerCore::check_states(const Kinematics& kinematics, const double* q, st
                                Workspace& w) const {
   each_state(kinematics, q, n, Query::kAnyCollision, w,
              [&](std::size_t row, std::size_t state) { valid[row] = is_free(state, w); });
+}
+
+void CheckerCore::seek_collisions(const Kinematics& kinematics, const double* q, std::size_t n, std::uint8_t* not_found,
+                                  Workspace& w) const {
+  each_state(kinematics, q, n, Query::kAnyCollision, w,
+             [&](std::size_t row, std::size_t state) { not_found[row] = !is_found_colliding(state, w); });
 }
 
 void CheckerCore::first_collisions(const Kinematics& kinematics, const double* q, std::size_t n, std::int32_t* first,

@@ -42,6 +42,7 @@ struct CheckerCore::Workspace {
   std::size_t block_groups = 0;            // of lanes, in this one
   std::vector<ClearStates> clear;          // per pair, if there are sets
   std::vector<std::uint32_t> hits, tests;  // per pair: collisions found, pair tests
+  std::uint32_t left_out = 0;              // counts the tests that `seek_collisions` leaves out
 };
 
 }  // namespace plannercheck

@@ -6,7 +6,8 @@
 // no proof can call the motion free, because a proof covers the state as it is posed: the slack of a proof has room for
 // the rounding of that state's numbers and of its pose. So the motion is refused, unless it is so large that its
 // rounding is imprecise, which is looked at as for any other motion. Nothing is concluded from states that are free. So
-// verdicts do not depend on which states are looked at: those that collided most often lately.
+// verdicts do not depend on which states are looked at, those that collided most often lately, nor on which of their
+// pairs are.
 #include <algorithm>
 #include <array>
 
@@ -102,7 +103,7 @@ void MotionCertifier::judge_at(const Kinematics& kinematics, const double* q0, c
     w.motion_of_row[rows++] = i;
   }
   if (rows == 0) return;
-  states_->check_states(kinematics, w.rows.data(), rows, w.found.data(), *w.states);
+  states_->seek_collisions(kinematics, w.rows.data(), rows, w.found.data(), *w.states);
   for (std::size_t row = 0; row < rows; ++row) w.is_free[w.motion_of_row[row]] = w.found[row];
   add(tally, w.found.data(), rows);
 }
