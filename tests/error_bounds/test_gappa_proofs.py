@@ -39,7 +39,7 @@ CHECKED = [
     "plane_filter",
     "half_space",
     "half_space_pair",
-    "broad_phase",
+    "broad_phase_tables",
     "direction_cells",
     "inner_shapes",
     "inner_shape_search",

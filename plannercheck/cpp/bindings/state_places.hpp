@@ -7,8 +7,9 @@
 // bindings. Before that, memory is only read by the system, which says so where there is none.
 //
 // What is proved of one state holds for all of its kind. The bindings themselves find a state by its Python type and by
-// the word that follows Python's header, which says how a pointer lies behind it and whether the state is still there;
-// C++ finds its numbers by its virtual table. A kind is all three. States of other kinds are read by `serialize`.
+// the word that follows Python's header (nb_inst of nanobind): how far behind it a pointer lies, whether that is to be
+// followed, whether the state is still there, and who frees it. C++ finds the numbers by the state's virtual table. A
+// kind is all three. States of other kinds are read by `serialize`.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -28,7 +29,7 @@ class StatePlaces {
   const double* numbers_of(nanobind::handle state) const {
     if (!state.type().is(type_)) return nullptr;
     const Head& head = head_of(state);
-    if (std::find(kinds_.begin(), kinds_.end(), head.kind) == kinds_.end()) return nullptr;
+    if (std::find(kinds_.begin(), kinds_.end(), head.word & kMeaning) == kinds_.end()) return nullptr;
     return head.state->table == table_ ? head.state->numbers : nullptr;
   }
 
@@ -54,7 +55,7 @@ class StatePlaces {
       if (nanobind::cast<double>(state[k]) != inner.numbers[k]) return false;
     }
     type_ = nanobind::borrow(type), table_ = inner.table;
-    if (numbers_of(state) == nullptr) kinds_.push_back(head.kind);
+    if (numbers_of(state) == nullptr) kinds_.push_back(head.word & kMeaning);
     return true;
   }
 
@@ -67,9 +68,13 @@ class StatePlaces {
 
   // How its Python object begins.
   struct Head {
-    PyObject_HEAD std::uint64_t kind;
+    PyObject_HEAD std::uint64_t word;
     const Numbers* state;
   };
+
+  // The bits of the word that say what is said above: 32 of the distance, 7 flags. Those that follow say whether other
+  // objects are kept alive, or nothing: these are not even initialised.
+  static constexpr std::uint64_t kMeaning = 0x7f'ffff'ffff;
 
   nanobind::object type_;
   const void* table_ = nullptr;

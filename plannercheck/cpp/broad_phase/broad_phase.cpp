@@ -241,10 +241,10 @@ void BroadPhase::find_overlaps(Workspace& w) const {
   for (Candidate& candidate : w.candidates) {
     unsigned open = candidate.states & ~w.overlapping;
     if (w.boxed) open = drop_apart(candidate, open, w);
-    if (open != 0) open &= overlap(at(candidate.pair), w);
     if (open == 0) continue;
+    open &= overlap(at(candidate.pair), w);
     w.overlapping |= open;
-    w.overlap = at(candidate.pair);
+    w.overlap = open != 0 ? at(candidate.pair) : w.overlap;
   }
   if (w.overlapping == 0) return;
   for (Candidate& candidate : w.candidates) {
