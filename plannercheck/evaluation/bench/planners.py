@@ -119,6 +119,7 @@ def _searched(setup: Any, space: JointSpace, task: Task, settings: Settings, see
         planner.setRange(settings.longest)
         setup.setPlanner(planner)
         condition = base.timedPlannerTerminationCondition(settings.limit)
+        setup.setup()  # once a space and planner, as `plan` has it: a search begins with it otherwise
         began = time.process_time()
         setup.solve(condition)
         spent = time.process_time() - began
