@@ -252,6 +252,12 @@ def test_one_step_of_a_double_beyond_a_limit_is_beyond(machine):
             before = checker.statistics()["unreachable"]
             checker.check_states(mixed)
             assert checker.statistics()["unreachable"] - before == 9 * left_out
+            for row in (0, 7, 8, 15, 16, 18):  # in lanes, and behind the last full ones
+                one_beyond = np.tile(at_limit, (19, 1))
+                one_beyond[row] = beyond
+                before = checker.statistics()["unreachable"]
+                checker.check_states(one_beyond)
+                assert checker.statistics()["unreachable"] - before == 18 * left_out
 
 
 class State:
