@@ -11,15 +11,6 @@ namespace {
 using Row = std::array<Lanes, kGridRow / kStep>;
 using LaneVector = std::array<Lanes, 3>;
 
-// The numbers at the beginnings of the intervals from a state on, and at their ends.
-struct IntervalEnds {
-  Lanes from, to;
-};
-IntervalEnds ends_of(const Row& row, std::size_t first) {
-  const Lanes from = row[first / kStep];
-  return {from, next_lanes(from, row[first / kStep + 1])};
-}
-
 // The difference of two centres, given by rows, from a state on.
 LaneVector difference(const double* a, const double* b, std::size_t i) {
   LaneVector d;
@@ -127,23 +118,23 @@ unsigned MotionFilters::chord_meets_box(const CertifiedPair& pair, double apart)
   const Polytope& b = body(pair.b);
   const auto& m = model_.bodies[at(pair.b)].placement.m;
   const double* c = grid_.centre(pair.a);
-  std::array<Row, 3> seen;
-  for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
+  const Lanes limit = broadcast(apart * apart);
+  unsigned open = 0;
+  LaneVector after{};
+  for (std::size_t past = past_blocks(); past > 0; past -= kStep) {
+    const std::size_t i = past - kStep;
     const Lanes x = load_lanes(c + i) - m[3], y = load_lanes(c + kGridRow + i) - m[7],
                 z = load_lanes(c + 2 * kGridRow + i) - m[11];
-    for (std::size_t k = 0; k < 3; ++k) seen[k][i / kStep] = (m[k] * x + m[k + 4] * y) + m[k + 8] * z;
-  }
-  unsigned open = 0;
-  for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {
     Lanes square{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto [from, to] = ends_of(seen[k], i);
+      const Lanes from = (m[k] * x + m[k + 4] * y) + m[k + 8] * z, to = next_lanes(from, after[k]);
       const int axis = static_cast<int>(k);
       const Lanes beyond = larger(b.low[axis] - larger(from, to), smaller(from, to) - b.high[axis]);
       const Lanes outside = larger(Lanes{}, beyond);
       square = square + outside * outside;
+      after[k] = from;
     }
-    open |= bits_at_most(square, broadcast(apart * apart)) << i;
+    open |= bits_at_most(square, limit) << i;
   }
   return open & all_intervals();
 }
@@ -163,22 +154,22 @@ bool MotionFilters::spheres_come_near(const CertifiedPair& pair, double sum) con
 // Let c be the difference of the centres in the middle of a chord and d that of its ends. The distance along the chord
 // is at least √(c·c − |c·d|).
 unsigned MotionFilters::chord_meets_sphere(const CertifiedPair& pair, double sum) const {
-  std::array<Row, 3> seen;
-  for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
+  const Lanes limit = broadcast(sum * sum);
+  unsigned open = 0;
+  LaneVector after{};
+  for (std::size_t past = past_blocks(); past > 0; past -= kStep) {
+    const std::size_t i = past - kStep;
     LaneVector d = difference(grid_.centre(pair.a), grid_.centre(pair.b), i);
     if (pair.frame >= 0) d = turned_back(grid_.link(pair.frame, i), d);
-    for (std::size_t k = 0; k < 3; ++k) seen[k][i / kStep] = d[k];
-  }
-  unsigned open = 0;
-  for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {
     Lanes square{}, along{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto [from, to] = ends_of(seen[k], i);
+      const Lanes from = d[k], to = next_lanes(from, after[k]);
       const Lanes middle = 0.5 * (from + to);
       square = square + middle * middle;
       along = along + middle * (to - from);
     }
-    open |= bits_at_most(square - absolute(along), broadcast(sum * sum)) << i;
+    after = d;
+    open |= bits_at_most(square - absolute(along), limit) << i;
   }
   return open & all_intervals();
 }
@@ -186,19 +177,17 @@ unsigned MotionFilters::chord_meets_sphere(const CertifiedPair& pair, double sum
 // The height of a chord over a plane is least at one of its ends.
 unsigned MotionFilters::near_plane(const CertifiedPair& pair, const WorldPlane& plane) const {
   const double* c = grid_.centre(pair.a);
-  Row heights;
-  for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
+  const Lanes apart = broadcast(sphere_radius(body(pair.a)) + this->apart(pair));
+  unsigned open = 0;
+  Lanes after{};
+  for (std::size_t past = past_blocks(); past > 0; past -= kStep) {
+    const std::size_t i = past - kStep;
     Lanes height = broadcast(-plane.offset);
     for (std::size_t k = 0; k < 3; ++k) {
       height = height + load_lanes(c + k * kGridRow + i) * plane.normal[static_cast<int>(k)];
     }
-    heights[i / kStep] = height;
-  }
-  const Lanes apart = broadcast(sphere_radius(body(pair.a)) + this->apart(pair));
-  unsigned open = 0;
-  for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {
-    const auto [from, to] = ends_of(heights, i);
-    open |= bits_at_most(smaller(from, to), apart) << i;
+    open |= bits_at_most(smaller(height, next_lanes(height, after)), apart) << i;
+    after = height;
   }
   return open & all_intervals();
 }
@@ -207,17 +196,17 @@ void MotionFilters::boxes_settle(DirectedPair& found, Vec3 direction, double bey
   const CertifiedPair& p = pair(found.pair);
   const bool still = stands_still(p.b);
   const auto standing = pose_in_lanes(model_.bodies[at(p.b)].placement);
-  Row gaps;
-  for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
-    const LaneVector d = turned(grid_, p.frame, i, direction), opposite{-d[0], -d[1], -d[2]};
-    gaps[i / kStep] = least_of_box(body(p.a), grid_.poses(p.a, i), d) +
-                      least_of_box(body(p.b), still ? standing.data() : grid_.poses(p.b, i), opposite);
-  }
   const Lanes limit = broadcast(apart(p) + beyond);
-  for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {
-    const auto [from, to] = ends_of(gaps, i);
-    const Lanes least = smaller(from, to);
+  Row gaps;
+  Lanes after{};
+  for (std::size_t past = past_blocks(); past > 0; past -= kStep) {
+    const std::size_t i = past - kStep;
+    const LaneVector d = turned(grid_, p.frame, i, direction), opposite{-d[0], -d[1], -d[2]};
+    const Lanes gap = least_of_box(body(p.a), grid_.poses(p.a, i), d) +
+                      least_of_box(body(p.b), still ? standing.data() : grid_.poses(p.b, i), opposite);
+    const Lanes least = smaller(gap, next_lanes(gap, after));
     found.open &= ~((bits_above(least, limit) & ((1U << kLanes) - 1)) << i);
+    gaps[i / kStep] = after = gap;
   }
   found.depth = std::numeric_limits<double>::infinity();
   for (unsigned states = found.open | found.open << 1; states != 0; states &= states - 1) {

@@ -85,6 +85,9 @@ class MotionFilters {
   const ChainBounds& bounds_;
   double slack_ = 0, size_ = 0;
 
+  // All states, in whole lanes. Intervals are looked at from there backwards, so that the states that follow some are
+  // still in registers.
+  std::size_t past_blocks() const { return (grid_.intervals() / kStep + 1) * kStep; }
   unsigned chord_meets_box(const CertifiedPair& pair, double apart) const;
   bool spheres_come_near(const CertifiedPair& pair, double sum) const;
   unsigned chord_meets_sphere(const CertifiedPair& pair, double sum) const;
