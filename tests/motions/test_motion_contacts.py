@@ -18,6 +18,8 @@ from random_branches import Joint, Tree, random_tree, tips
 
 import plannercheck as pc
 
+CORNERS = np.array(np.meshgrid([-1.0, 1.0], [-1.0, 1.0], [-1.0, 1.0])).reshape(3, -1).T
+
 # Axes of joints that move in the plane.
 FLAT = {"revolute": (0, 0, 1), "prismatic": (1, 0, 0)}
 
@@ -68,6 +70,24 @@ def test_obstacles_that_are_met_are_never_passed(seed, tmp_path):
         scene = obstacle_at(point + rng.uniform(-0.9, 0.9, 3) * HALF, HALF, stretch)
         checker = pc.Checker(robot_of(tree.with_body(first, half, own), tmp_path), scene, self_collision=False)
         assert len(checker.pairs) == 1
+        assert not checker.check_motion(q0, q1), (seed, k)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_obstacles_far_from_their_own_frames_are_never_passed(seed, tmp_path):
+    """Filters look at chords in an obstacle's frame: its hull may lie anywhere in that, also on fine grids."""
+    rng = np.random.default_rng(150 + seed)
+    for k in range(40):
+        tree = random_tree(rng, reach=rng.choice([0.05, 0.5]))
+        q0, q1 = tree.motion(rng, far=rng.choice([0.2, 5.0]), way=rng.choice([0.3, 1.5]))
+        first, own = tips(tree)[rng.integers(2)], rng.uniform(-0.5, 0.5, 3)
+        pose = tree.poses(q0, q1, rng.uniform(0.02, 0.98))[first]
+        point = pose[:3, :3] @ own + pose[:3, 3] + rng.uniform(-0.9, 0.9, 3) * HALF
+        shift = rng.uniform(-1, 1, 3) * rng.choice([0.1, 3])
+        scene, placed = pc.Scene(), np.eye(4)
+        placed[:3, 3] = point - shift
+        scene.add("met", shift + HALF * CORNERS, placed)
+        checker = pc.Checker(robot_of(tree.with_body(first, HALF, own), tmp_path), scene, self_collision=False)
         assert not checker.check_motion(q0, q1), (seed, k)
 
 
