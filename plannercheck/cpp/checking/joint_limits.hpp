@@ -16,7 +16,10 @@ class JointLimits {
   // Of one configuration.
   bool hold(const double* q) const {
     bool within = true;
-    for (std::size_t i = 0; i < width_; ++i) within &= (lower_[i] <= q[i]) & (q[i] <= upper_[i]);
+    for (std::size_t i = 0; i < width_; ++i) {
+      within &= lower_[i] <= q[i];
+      within &= q[i] <= upper_[i];
+    }
     return within;
   }
   // Of n configurations, one after the other.
