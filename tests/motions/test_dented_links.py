@@ -6,17 +6,10 @@ import warnings
 
 import numpy as np
 import pytest
+from carriages import carriage
 from solid_meshes import dimpled
 
 import plannercheck as pc
-
-# A ball on a carriage that slides along x and z.
-CARRIAGE = """<robot name="carriage"><link name="rail"/><link name="beam"/>
-<link name="ball"><collision><geometry><sphere radius="0.02"/></geometry></collision></link>
-<joint name="x" type="prismatic"><parent link="rail"/><child link="beam"/><axis xyz="1 0 0"/>
-<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
-<joint name="z" type="prismatic"><parent link="beam"/><child link="ball"/><axis xyz="0 0 1"/>
-<limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
 
 
 @pytest.fixture(scope="module", params=["panda", "go2"])
@@ -45,7 +38,7 @@ def test_the_switch_changes_no_verdict(robot, padding):
 def test_a_ball_moves_within_a_dent(tmp_path, dents):
     """The dish is a cube of two metres with a dimple of 5 cm, in which there is room above x = z = 0."""
     path = tmp_path / "carriage.urdf"
-    path.write_text(CARRIAGE)
+    path.write_text(carriage("z", 0.02))
     scene = pc.Scene("dish")
     dish = pc.Solid(*dimpled(0.05))
     assert np.isfinite(pc.Polytope(dish).core.dent)

@@ -24,6 +24,12 @@ CORNERS = np.array(np.meshgrid([-1.0, 1.0], [-1.0, 1.0], [-1.0, 1.0])).reshape(3
 FLAT = {"revolute": (0, 0, 1), "prismatic": (1, 0, 0)}
 
 
+def moving_tree(rng):
+    """A random tree, small or large, and a motion of it."""
+    tree = random_tree(rng, reach=rng.choice([0.05, 0.5]))
+    return tree, *tree.motion(rng, far=rng.choice([0.2, 5.0]), way=rng.choice([0.3, 1.5]))
+
+
 @pytest.mark.parametrize("kind", ["planar", "floating"])
 def test_a_joint_that_is_no_root_is_bounded_from_both_sides(kind, tmp_path):
     """A turn of 0.6 rad at x = 5 m against a body that hangs on the root: seen from the child, its arm is 5 m."""
@@ -44,8 +50,7 @@ def test_a_joint_that_is_no_root_is_bounded_from_both_sides(kind, tmp_path):
 def test_bodies_that_meet_are_never_passed(seed, tmp_path):
     rng = np.random.default_rng(seed)
     for k in range(25):
-        tree = random_tree(rng, reach=rng.choice([0.05, 0.5]))
-        q0, q1 = tree.motion(rng, far=rng.choice([0.2, 5.0]), way=rng.choice([0.3, 1.5]))
+        tree, q0, q1 = moving_tree(rng)
         t = rng.uniform(0.02, 0.98)
         made, _ = meeting(tree, *tips(tree), q0, q1, t, rng, reach=rng.choice([0.01, 0.5]))
         checker = pc.Checker(robot_of(made, tmp_path))
@@ -58,8 +63,7 @@ def test_obstacles_that_are_met_are_never_passed(seed, tmp_path):
     """Also with poses that are off rigid by what is accepted, and bodies of half a metre."""
     rng = np.random.default_rng(100 + seed)
     for k in range(25):
-        tree = random_tree(rng, reach=rng.choice([0.05, 0.5]))
-        q0, q1 = tree.motion(rng, far=rng.choice([0.2, 5.0]), way=rng.choice([0.3, 1.5]))
+        tree, q0, q1 = moving_tree(rng)
         t, first = rng.uniform(0.02, 0.98), tips(tree)[rng.integers(2)]
         own = rng.uniform(-0.5, 0.5, 3) * rng.choice([0.01, 1])
         half = rng.choice([HALF, 0.2])
@@ -78,8 +82,7 @@ def test_obstacles_far_from_their_own_frames_are_never_passed(seed, tmp_path):
     """Filters look at chords in an obstacle's frame: its hull may lie anywhere in that, also on fine grids."""
     rng = np.random.default_rng(150 + seed)
     for k in range(40):
-        tree = random_tree(rng, reach=rng.choice([0.05, 0.5]))
-        q0, q1 = tree.motion(rng, far=rng.choice([0.2, 5.0]), way=rng.choice([0.3, 1.5]))
+        tree, q0, q1 = moving_tree(rng)
         first, own = tips(tree)[rng.integers(2)], rng.uniform(-0.5, 0.5, 3)
         pose = tree.poses(q0, q1, rng.uniform(0.02, 0.98))[first]
         point = pose[:3, :3] @ own + pose[:3, 3] + rng.uniform(-0.9, 0.9, 3) * HALF

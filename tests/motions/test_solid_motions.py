@@ -7,16 +7,9 @@ import warnings
 import numpy as np
 import pytest
 import solid_meshes
+from carriages import carriage
 
 import plannercheck as pc
-
-# A ball on a carriage that slides along x and y.
-CARRIAGE = """<robot name="carriage"><link name="rail"/><link name="beam"/>
-<link name="ball"><collision><geometry><sphere radius="{radius}"/></geometry></collision></link>
-<joint name="x" type="prismatic"><parent link="rail"/><child link="beam"/><axis xyz="1 0 0"/>
-<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
-<joint name="y" type="prismatic"><parent link="beam"/><child link="ball"/><axis xyz="0 1 0"/>
-<limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
 
 
 def ring(around: int = 32, across: int = 12, radius: float = 0.3) -> pc.Solid:
@@ -27,7 +20,7 @@ def ring(around: int = 32, across: int = 12, radius: float = 0.3) -> pc.Solid:
 
 def checker(tmp_path, radius: float, padding: float = 0.0) -> pc.Checker:
     path = tmp_path / "carriage.urdf"
-    path.write_text(CARRIAGE.format(radius=radius))
+    path.write_text(carriage("y", radius))
     scene = pc.Scene("ring")
     scene.add("ring", ring())
     return pc.Checker(pc.Robot.from_urdf(path), scene, padding=padding)
