@@ -288,9 +288,8 @@ class CloseHulls final : public HullTest {
 // Bodies of which one is a solid: hulls that share a point are not the last word.
 void test_solids(std::size_t pairs, const PairOptions& options, CachedPlane* cache, PairBatch& batch,
                  PairCounters& counters) {
-  // Where hulls are apart, though near, trees tell that as soon (measured); so they are first given all the time there
-  // is.
-  SolidHistory history{{}, true, false, SolidHistory::kMostPatience};
+  // Where hulls are apart, though near, trees tell that as soon (measured); so they are first given much time.
+  SolidHistory history{{}, true, false, SolidHistory::kFirstPatience};
   for (std::size_t i = 0; i < pairs; ++i) {
     poll_interruption();
     const PosedPolytope guest = batch.guest(i), host = batch.host(i);

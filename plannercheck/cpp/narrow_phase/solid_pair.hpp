@@ -65,8 +65,9 @@ struct SolidHistory {
   bool wants_plane;       // whether hulls that are apart leave a plane, which is worth more than what trees tell
   int patience = kLeastPatience;  // pairs of nodes that are looked at before hulls are tested
 
-  // As long as a test of hulls takes (measured); and up to so many while that test is in vain again and again.
-  static constexpr int kLeastPatience = 24, kMostPatience = 8 * kLeastPatience;
+  // As long as a test of hulls takes (measured); what a batch begins with; and what it grows to while that test is in
+  // vain again and again, as it is for large bodies near contact (measured).
+  static constexpr int kLeastPatience = 24, kFirstPatience = 8 * kLeastPatience, kMostPatience = 32 * kLeastPatience;
 };
 
 // Whether two bodies share a point. Pairs whose hulls mostly share one are sought in the trees at once; their hulls are
