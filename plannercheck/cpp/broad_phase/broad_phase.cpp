@@ -58,7 +58,7 @@ void BroadPhase::filter(int count, Filters filters, Workspace& w) const {
   for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
     w.near[state].clear();
     if ((w.overlapping >> state & 1U) != 0) continue;
-    w.near[state].assign(permanent_pairs_.begin(), permanent_pairs_.end());
+    if (!permanent_pairs_.empty()) w.near[state].assign(permanent_pairs_.begin(), permanent_pairs_.end());
   }
   const auto take = [&](const Candidate& candidate, unsigned states) {
     for (; states != 0; states &= states - 1) {
@@ -160,9 +160,9 @@ void BroadPhase::find_among_movers(int count, Workspace& w) const {
 }
 
 // The box around the group's movers in each state. The balls' radii have room for the rounding of one more sum.
-BroadPhase::FloatBox BroadPhase::around(const MoverGroup& group, const std::vector<Balls>& balls) const {
+BroadPhase::BoxInStates BroadPhase::around(const MoverGroup& group, const std::vector<Balls>& balls) const {
   const StateFloats infinity = StateFloats{} + __builtin_inff();
-  FloatBox out{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  BoxInStates out{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
   StateFloats total{};
   for (std::size_t m = group.first; m < group.last; ++m) {
     const std::array<StateFloats, 3> centre{balls[m].x, balls[m].y, balls[m].z};
@@ -183,11 +183,12 @@ BroadPhase::FloatBox BroadPhase::around(const MoverGroup& group, const std::vect
 
 void BroadPhase::find_listed(const MoverGroup& group, int count, Workspace& w) const {
   const unsigned states = (1U << count) - 1;
-  const FloatBox own = around(group, w.balls);
+  const BoxInStates own = around(group, w.balls);
   for (const std::int32_t obstacle : group.obstacles) {
-    const FloatBox& box = spread_[at(obstacle)];
+    const FloatBox& box = float_boxes_[at(obstacle)];
     const auto apart = [&](std::size_t i) {
-      return bits_above(own.low[i], box.high[i]) | bits_above(box.low[i], own.high[i]);
+      return bits_above(own.low[i], filled<StateFloats>(box.high[i])) |
+             bits_above(filled<StateFloats>(box.low[i]), own.high[i]);
     };
     if ((~(apart(0) | apart(1) | apart(2)) & states) == 0) continue;
     for (std::size_t m = group.first; m < group.last; ++m) {

@@ -90,8 +90,13 @@ class BroadPhase {
     std::int32_t pair;
   };
 
-  // A box in each state: around an obstacle (the same in all states), or around some movers.
+  // A box around an obstacle.
   struct FloatBox {
+    std::array<float, 3> low, high;
+  };
+
+  // A box in each state, around some movers.
+  struct BoxInStates {
     std::array<StateFloats, 3> low, high;
   };
 
@@ -108,17 +113,17 @@ class BroadPhase {
   std::vector<WorldBox> world_boxes_;                // of all obstacles, where they are few
   std::shared_ptr<const SampledPoses> sampled_;
   LazyValue<std::vector<MoverGroup>> mover_groups_;  // where obstacles are few; chosen when a block first needs them
-  std::vector<FloatBox> spread_;                     // of all obstacles, where they are few
+  std::vector<FloatBox> float_boxes_;                // of all obstacles, where they are few
   ObstacleTree tree_;
   SingleStateFilter single_state_filter_;
   BlockBoxes boxes_;
   BlockOverlaps overlaps_;
 
-  static FloatBox spread(const WorldBox& box);
+  static FloatBox rounded(const WorldBox& box);
   std::int32_t pair_with(std::size_t mover, std::int32_t obstacle) const {
     return pair_of_[mover * obstacles_ + at(obstacle)];
   }
-  FloatBox around(const MoverGroup& group, const std::vector<Balls>& balls) const;
+  BoxInStates around(const MoverGroup& group, const std::vector<Balls>& balls) const;
   static void begin(Workspace& workspace);
   void take_overlapping(int count, Workspace& workspace) const;
   void find_for_block(int count, Workspace& workspace) const;

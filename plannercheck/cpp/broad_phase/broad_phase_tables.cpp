@@ -85,7 +85,7 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   std::vector<SingleStateFilter::Partner> with_movers, with_boxes;
   for (const MovingPair& pair : moving_pairs_) with_movers.push_back({at(pair.a), at(pair.b), pair.pair});
   if (obstacles_ <= kFewObstacles) {
-    for (const WorldBox& box : boxes) spread_.push_back(spread(box));
+    for (const WorldBox& box : boxes) float_boxes_.push_back(rounded(box));
     world_boxes_ = boxes;
     for (const std::int32_t mover : movers_with_obstacles_) {
       for (std::size_t o = 0; o < obstacles_; ++o) {
@@ -103,11 +103,11 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   overlaps_ = BlockOverlaps(bodies, pairs);
 }
 
-BroadPhase::FloatBox BroadPhase::spread(const WorldBox& box) {
+BroadPhase::FloatBox BroadPhase::rounded(const WorldBox& box) {
   FloatBox out;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<int>(i);
-    out.low[i] = StateFloats{} + rounded_down(box.low[axis]), out.high[i] = StateFloats{} + rounded_up(box.high[axis]);
+    out.low[i] = rounded_down(box.low[axis]), out.high[i] = rounded_up(box.high[axis]);
   }
   return out;
 }

@@ -89,6 +89,12 @@ inline Lanes next_lanes(Lanes lanes, Lanes following) {
   }(std::make_integer_sequence<int, kLanes>{});
 }
 
+// A number in every lane. Taking 0 from it costs nothing; adding 0, as below, takes an addition, which makes −0 to 0.
+template <class Vector, class Number>
+inline Vector filled(Number value) {
+  return value - Vector{};
+}
+
 inline Lanes broadcast(double value) { return Lanes{} + value; }
 
 inline Lanes absolute(Lanes a) {
