@@ -187,6 +187,8 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
     def _compile(self) -> None:
         self._tables = CompiledTables(self._pair_source(), self.pairs, self.unreachable)
         self._judge_row, self._judge_set = self._tables.judges(self._kernel)
+        # A dictionary of its own: attributes in one whose keys all checkers share take Python 3.11 four times as long.
+        self.__dict__ = dict(self.__dict__)
 
     def _pair_source(self) -> PairSource:
         switches = self._settings.switches
@@ -258,9 +260,10 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         Returns:
             True if no pair of bodies shares a point.
         """
-        known = self._judge_row(q)
+        judge = self._judge_row  # called as a method, it would be sought in the class first
+        known = judge(q)
         if known is None:  # no array of doubles, nor a list of numbers
-            known = self._judge_row(np.ascontiguousarray((row := self._single(q))[0]))
+            known = judge(np.ascontiguousarray((row := self._single(q))[0]))
         return bool(self.check_states(row)[0]) if known is None else known
 
     def state_validity(self, states: Any = None, failure: Any = None) -> Callable[[Any], bool] | None:

@@ -42,6 +42,9 @@ from plannercheck.motions.certifier_pairs import ChainedPairs, MotionSwitches
 from plannercheck.motions.rounding_bounds import RoundingBounds
 from plannercheck.robots.robot import Robot
 
+# Of one motion between rows; None for those that need more care.
+JudgeMotion = Callable[[Configuration, Configuration, float], bool | None]
+
 # A motion whose clearance falls below this may be refused, m: no robot follows a path that closely.
 DEFAULT_TOLERANCE = 1e-4
 
@@ -151,9 +154,9 @@ class MotionCertifier:
         return np.asarray(((q0 >= low) & (q0 <= high) & (q1 >= low) & (q1 <= high)).all(axis=1))
 
     @cached_property
-    def judge_rows(self) -> Callable[[Configuration, Configuration, float], bool | None]:
+    def judge_rows(self) -> JudgeMotion:
         """A compiled judge of one motion between rows (nq,), and None for motions that need more care."""
-        judge: Callable[[Configuration, Configuration, float], bool | None]
+        judge: JudgeMotion
         judge = self._compiled_judge(core.motion_row_validity)
         return judge
 

@@ -19,7 +19,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath, check_path
 from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import checked_threads
-from plannercheck.motions.certifier import DEFAULT_TOLERANCE, MotionCertifier
+from plannercheck.motions.certifier import DEFAULT_TOLERANCE, JudgeMotion, MotionCertifier
 from plannercheck.motions.certifier_pairs import MotionSwitches
 from plannercheck.motions.explanation import explained_motion
 from plannercheck.motions.joint_drives import split_joints
@@ -34,7 +34,16 @@ from plannercheck.proofs.proof import Proof
 class Checker(StateChecker):
     """Exact collision verdicts for one robot in one scene. Immutable, so threads may share it."""
 
-    _COMPILED: ClassVar[frozenset[str]] = StateChecker._COMPILED | {"motion_certifier", "_slerp_certifier", "_prover"}
+    _COMPILED: ClassVar[frozenset[str]] = StateChecker._COMPILED | {
+        "motion_certifier",
+        "_slerp_certifier",
+        "_prover",
+        "_judge_motion",
+    }
+
+    def _compile(self) -> None:
+        self._judge_motion: JudgeMotion | None = None  # made when first needed
+        super()._compile()
 
     def _scene_taken(self, earlier: StateChecker | None) -> None:
         kept = ("motion_certifier", "_slerp_certifier", "_prover", "motion_sampler")
@@ -79,7 +88,10 @@ class Checker(StateChecker):
         if path != "screw":
             check_path(path)
         if resolution is None and self._kernel is not None:
-            known = self.motion_certifier.judge_rows(q0, q1, tolerance)
+            judge = self._judge_motion
+            if judge is None:
+                judge = self._judge_motion = self.motion_certifier.judge_rows
+            known = judge(q0, q1, tolerance)
             if known is not None:
                 return known
         starts, ends = self._single(q0), self._single(q1)

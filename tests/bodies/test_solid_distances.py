@@ -51,6 +51,25 @@ def test_the_distance_is_the_least_one_of_all_triangles(seed):
     assert np.linalg.norm(found.point_p - found.point_r) == pytest.approx(found.distance, rel=1e-8)
 
 
+def test_inflated_solids_are_nearer_by_both_radii():
+    rng = np.random.default_rng(7)
+    solids = [_crumpled(rng) for _ in range(2)]
+    pose = np.eye(4)
+    pose[:3, 3] = 2.5, 0.2, -0.1
+    between, less = (
+        pc.distance(
+            *(
+                pc.Polytope(solid.used[0], inflation_radius=radius).of_solid(solid)
+                for solid, radius in zip(solids, radii, strict=True)
+            ),
+            None,
+            pose,
+        ).distance
+        for radii in ((0, 0), (0.1, 0.02))
+    )
+    assert less == pytest.approx(between - 0.12, rel=1e-12)
+
+
 def test_a_ball_in_a_hollow_is_as_far_as_the_next_wall():
     points, faces = pc.Box((4.0, 4.0, 4.0)).vertices_and_faces()
     outer = np.concatenate([[[f[0], f[1], f[2]], [f[0], f[2], f[3]]] for f in faces])

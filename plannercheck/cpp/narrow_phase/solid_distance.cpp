@@ -4,7 +4,9 @@
 #include <array>
 #include <vector>
 
+#include "bodies/part_body.hpp"
 #include "narrow_phase/tree_frames.hpp"
+#include "narrow_phase/triangle_pair.hpp"
 
 namespace plannercheck {
 namespace {
@@ -64,6 +66,7 @@ class DistanceSearch {
   PairCounters& counters_;
   PairDistance best_;
   std::vector<WaitingPair> waiting_;
+  PartBody filled_a_, filled_b_;  // one object each, filled again for every triangle
 
   void divide(const WaitingPair& pair) {
     const bool divides_a =
@@ -86,19 +89,17 @@ class DistanceSearch {
   }
 
   void measure(std::int32_t triangle_a, std::int32_t triangle_b) {
-    const Polytope a = triangle(a_, triangle_a, body_a_), b = triangle(b_, triangle_b, body_b_);
-    const PairDistance found = convex_distance({&a, a_.pose}, {&b, b_.pose}, std::min(limit_, best_.upper), counters_);
+    fill(filled_a_, a_, triangle_a, body_a_), fill(filled_b_, b_, triangle_b, body_b_);
+    const PairDistance found = convex_distance({&filled_a_.body(), a_.pose}, {&filled_b_.body(), b_.pose},
+                                               std::min(limit_, best_.upper), counters_);
     const double lower = std::min(best_.lower, found.lower);
     if (found.upper < best_.upper) best_ = found;
     best_.lower = lower;
   }
 
-  static Polytope triangle(const PosedSolid& posed, std::int32_t index, const PosedPolytope& of) {
-    const MeshTriangle& t = posed.solid->triangles[at(index)];
-    const auto& p = posed.solid->points;
-    Polytope body = prepare_polytope({p[at(t[0])], p[at(t[1])], p[at(t[2])]});
-    body.inflation_radius = of.body->inflation_radius;
-    return body;
+  static void fill(PartBody& out, const PosedSolid& posed, std::int32_t index, const PosedPolytope& of) {
+    const TriangleCorners t = posed.solid->tree.corners(index);
+    out.fill({{t[0], t[1], t[2]}, t.size(), 0}, of.body->inflation_radius);
   }
 };
 
