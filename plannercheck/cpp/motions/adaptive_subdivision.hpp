@@ -148,8 +148,10 @@ class AdaptiveSubdivision {
   // Whether bodies of which the swept hulls are only bounds keep apart on an interval.
   bool parts_settle(PairState&, std::size_t) { return false; }
 
-  // Whether a bound proves that one of the near pairs collides at a state; then the report says where.
-  bool surely_collides() { return false; }
+  // Whether bounds may prove on the current grid that a near pair collides at a state; and whether they do so, then the
+  // report says where.
+  bool begin_collisions() { return false; }
+  bool surely_collides(const NearPair&) { return false; }
 
   void place(double from, double to, int intervals) {
     poll_interruption();
@@ -166,13 +168,14 @@ class AdaptiveSubdivision {
     const unsigned all = (1U << w_.grid.intervals()) - 1;
     w_.near.clear();
     w_.counters.pairs += static_cast<long>(candidates.size());
+    const bool seeks_collisions = !ordered_ && self().begin_collisions();
     for (const std::int32_t index : candidates) {
       const unsigned near = proofs_ != nullptr ? all : self().near(index);
       if (near == 0) continue;
       w_.counters.intervals += __builtin_popcount(near);
       w_.near.push_back({index, near});
+      if (seeks_collisions && self().surely_collides(w_.near.back())) return false;
     }
-    if (!ordered_ && self().surely_collides()) return false;
     w_.open.clear();
     for (const NearPair& pair : w_.near) {
       const Open found = self().found_open(pair.pair, pair.intervals);

@@ -150,11 +150,14 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     return posed_ == &w_.all && part_screen().group_is_far(index, w_.motion, w_.groups) ? 0 : near;
   }
 
-  bool surely_collides() {
-    if (!certifier_.options_.overlaps) return false;
-    const MotionCollisions::Found found = certifier_.collisions_->find(w_.grid, w_.near, w_.collisions);
-    if (found.pair >= 0) refuse_at(w_.grid.parameter(found.state), found.pair);
-    return found.pair >= 0;
+  bool begin_collisions() {
+    if (certifier_.options_.overlaps) certifier_.collisions_->begin(w_.grid, w_.collisions);
+    return certifier_.options_.overlaps;
+  }
+
+  bool surely_collides(const NearPair& near) {
+    const int state = certifier_.collisions_->colliding_state(near, w_.collisions);
+    return state >= 0 && !refuse_at(w_.grid.parameter(at(state)), near.pair);
   }
 
   // What boxes leave open of a pair: along the plane found last, and along a direction taken from the boxes.
@@ -397,7 +400,6 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
 std::shared_ptr<MotionCertifier::Workspace> MotionCertifier::new_workspace() const {
   auto workspace = std::make_shared<Workspace>(model_);
-  workspace->collisions = collisions_->new_workspace();
   workspace->groups.resize(part_groups_.groups.size());
   if (states_ != nullptr) workspace->states = states_->new_workspace();
   return workspace;

@@ -23,24 +23,28 @@ std::vector<BodyBox> boxes_of(const std::vector<GeometryObject>& bodies) {
 MotionCollisions::MotionCollisions(const MotionModel& model)
     : links_(at(model.links)), boxes_(boxes_of(model.bodies)), overlaps_(model.bodies, bodies_of(model.pairs)) {}
 
-MotionCollisions::Workspace MotionCollisions::new_workspace() const {
-  return {RoundedLinks(links_), boxes_.new_workspace(), overlaps_.new_workspace()};
+void MotionCollisions::begin(const MotionGrid& grid, Workspace& w) const {
+  w.used = grid.intervals() / kBlockStates + 1;
+  while (w.blocks.size() < w.used) {
+    w.blocks.push_back({RoundedLinks(links_), boxes_.new_workspace(), overlaps_.new_workspace()});
+  }
+  for (std::size_t k = 0; k < w.used; ++k) {
+    Block& block = w.blocks[k];
+    block.links.begin(grid.links_at(k * kBlockStates));
+    block.boxes.begin(), block.overlaps.begin();
+  }
 }
 
-MotionCollisions::Found MotionCollisions::find(const MotionGrid& grid, const std::vector<NearPair>& near,
-                                               Workspace& w) const {
-  const std::size_t states = grid.intervals() + 1;
-  for (std::size_t first = 0; first < states; first += kBlockStates) {
-    w.links.begin(grid.links_at(first));
-    w.boxes.begin(), w.overlaps.begin();
-    for (const NearPair& pair : near) {
-      const unsigned wanted = (pair.intervals | pair.intervals << 1) >> first & ((1U << kBlockStates) - 1);
-      if (wanted == 0) continue;
-      const unsigned found = wanted & overlaps_.overlap(w.links, at(pair.pair), boxes_, w.boxes, w.overlaps);
-      if (found != 0) return {pair.pair, first + static_cast<std::size_t>(__builtin_ctz(found))};
-    }
+int MotionCollisions::colliding_state(const NearPair& near, Workspace& w) const {
+  const std::uint64_t states = near.intervals | std::uint64_t{near.intervals} << 1;
+  for (std::size_t k = 0; k < w.used; ++k) {
+    const auto wanted = static_cast<unsigned>(states >> k * kBlockStates) & ((1U << kBlockStates) - 1);
+    if (wanted == 0) continue;
+    Block& block = w.blocks[k];
+    const unsigned found = wanted & overlaps_.overlap(block.links, at(near.pair), boxes_, block.boxes, block.overlaps);
+    if (found != 0) return static_cast<int>(k * kBlockStates) + __builtin_ctz(found);
   }
-  return {-1, 0};
+  return -1;
 }
 
 }  // namespace plannercheck

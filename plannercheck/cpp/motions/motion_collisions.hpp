@@ -1,6 +1,6 @@
 // Collisions of a motion's states that balls and boxes inside the bodies prove, a block of states at once.
 //
-// In: a grid of states, pairs that may collide at some of them. Out: a pair that surely shares a point at a state,
+// In: a grid of states, a pair that may collide at some of them. Out: a state at which it surely shares a point,
 // whatever the rounding, if one is found. Such a motion can't be proved free: a proof would cover that very state.
 #pragma once
 
@@ -20,19 +20,20 @@ class MotionCollisions {
  public:
   explicit MotionCollisions(const MotionModel& model);
 
-  struct Workspace {
+  // Of a block of the grid's states.
+  struct Block {
     RoundedLinks links;
     BlockBoxes::Workspace boxes;
     BlockOverlaps::Workspace overlaps;
   };
-  Workspace new_workspace() const;
-
-  // pair: −1 if no collision is found.
-  struct Found {
-    std::int32_t pair;
-    std::size_t state;
+  struct Workspace {
+    std::vector<Block> blocks;  // made when grids first need them
+    std::size_t used = 0;
   };
-  Found find(const MotionGrid& grid, const std::vector<NearPair>& near, Workspace& workspace) const;
+
+  void begin(const MotionGrid& grid, Workspace& workspace) const;
+  // On that grid; −1 if no collision is found.
+  int colliding_state(const NearPair& near, Workspace& workspace) const;
 
  private:
   std::size_t links_;
