@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import warnings
 import xml.etree.ElementTree as ElementTree
 
@@ -87,6 +89,24 @@ def assert_same(found, truth, q):
     for row in q[:30]:
         assert found.is_valid(row) == truth.is_valid(row)
         assert found.explain(row) == truth.explain(row)
+    for start, end in zip(q[:20], q[20:40], strict=True):
+        assert found.check_motion(start, end) == truth.check_motion(start, end)
+
+
+def test_single_motions_are_judged_in_the_scene_of_their_checker(panda):
+    """Before and after an edit, in both directions: what a checker keeps for single motions is its scene's."""
+    start = panda.reference
+    end = start + 0.1
+    empty = pc.Checker(panda, pc.Scene("empty"))
+    walled = pc.Scene("walled")
+    walled.add_box("wall", [2, 2, 0.5], at(0.5, 0, 0.6))
+    assert empty.check_motion(start, end)
+    blocked = empty.with_scene(walled)
+    assert not blocked.check_motion(start, end)
+    assert blocked.with_scene(pc.Scene("empty again")).check_motion(start, end)
+    assert empty.check_motion(start, end)
+    assert not pickle.loads(pickle.dumps(blocked)).check_motion(start, end)
+    assert copy.copy(empty).check_motion(start, end)
 
 
 def test_moved_added_and_removed_obstacles_give_the_verdicts_of_a_new_checker(panda, scene, q):
@@ -357,12 +377,10 @@ def test_touch_links_and_allowed_collisions_leave_pairs_out(panda):
 
 
 def test_robots_that_carry_something_are_pickled_and_held_elsewhere(panda, scene, q):
-    import pickle
-
     carrying = pc.Checker(panda, scene).attach("can", Cylinder(0.03, 0.3), HAND, at(0, 0, 0.2), FINGERS).robot
-    for copy in (pickle.loads(pickle.dumps(carrying)), carrying.holding({"panda_finger_joint1": 0.04})):
-        assert [body.name for body in copy.bodies] == [body.name for body in carrying.bodies]
-        np.testing.assert_array_equal(copy.self_pairs, carrying.self_pairs)
+    for other in (pickle.loads(pickle.dumps(carrying)), carrying.holding({"panda_finger_joint1": 0.04})):
+        assert [body.name for body in other.bodies] == [body.name for body in carrying.bodies]
+        np.testing.assert_array_equal(other.self_pairs, carrying.self_pairs)
     truth = pc.Checker(panda, scene).attach("can", Cylinder(0.03, 0.3), HAND, at(0, 0, 0.2), FINGERS)
     np.testing.assert_array_equal(pc.Checker(carrying, scene).check_states(q), truth.check_states(q))
     assert carrying.carrying(()).bodies == panda.bodies
