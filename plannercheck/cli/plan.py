@@ -25,6 +25,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl import LONGEST_MOTION, plan, planner_names
+from plannercheck.ompl.near_first import SAMPLINGS
 from plannercheck.ompl.plans import Plan, check_suffix
 from plannercheck.ompl.start_and_goal import check_end_state, checked_end
 from plannercheck.planar.curves import CURVES
@@ -77,6 +78,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="RAD",
         help=f"longest motion the planner tries at once; 0: OMPL's choice; default: {LONGEST_MOTION} rad in space, "
         "OMPL's choice in the plane",
+    )
+    parser.add_argument(
+        "--sampling",
+        choices=SAMPLINGS,
+        default="near",
+        help="where RRTConnect samples: near start and goal first, or everywhere from the beginning; default: near",
     )
     parser.add_argument(
         "--curve", choices=CURVES, default="straight", help="curve that a planar robot's root drives; default: straight"
@@ -137,6 +144,7 @@ def _run_one(options: argparse.Namespace) -> int:
         curve=options.curve,
         turning_radius=options.turning_radius,
         bounds=None if options.bounds is None else _box(options.bounds),
+        sampling=options.sampling,
     )
     _show(found, _columns(checker), "rad" if isinstance(checker, Checker) else "in m and rad")
     if found.solved and options.output is not None:

@@ -75,7 +75,7 @@ def _check(options: argparse.Namespace) -> None:
 
 def _results(path: Path, robot: Robot, options: argparse.Namespace) -> Iterator[ProblemResult]:
     longest = LONGEST_MOTION if options.range is None else options.range
-    planner = with_ompl(options.planner, options.time, not options.no_simplify, options.seed, longest)
+    planner = with_ompl(options.planner, options.time, not options.no_simplify, options.seed, longest, options.sampling)
     for problem in islice(load_problems(path), options.first):
         result = solve(problem, robot, planner, verify=options.verify is not None)
         if options.each:

@@ -32,6 +32,8 @@ class JointSpace(NumberedSpace):
     Attributes:
         continuous: (nq,) which columns are angles that a whole turn does not change.
         is_straight: True: motions are straight, joint by joint.
+        lower: (nq,) the least value of each column, rad or m; of angles there is none.
+        upper: (nq,) the largest one.
         depends_on_ends: Whether the bounds of some joint depend on the configurations that they have to include.
     """
 
@@ -49,11 +51,11 @@ class JointSpace(NumberedSpace):
         """
         # Kept, since questions to Pinocchio would take a tenth of a short plan's time.
         found = robot.remembered(("joint space", robot.group), lambda: _columns(robot))
-        self.continuous, self._lower, self._upper, self._free = found
+        self.continuous, self.lower, self.upper, self._free = found
         if self._free:
-            self._lower, self._upper = self._lower.copy(), self._upper.copy()
-            self._lower[self._free] = np.min([self._lower, *held], axis=0)[self._free]
-            self._upper[self._free] = np.max([self._upper, *held], axis=0)[self._free]
+            self.lower, self.upper = self.lower.copy(), self.upper.copy()
+            self.lower[self._free] = np.min([self.lower, *held], axis=0)[self._free]
+            self.upper[self._free] = np.max([self.upper, *held], axis=0)[self._free]
         self.depends_on_ends = bool(self._free)
         self._names = robot.joint_names
         self._turns: list[bool] = self.continuous.tolist()
@@ -62,17 +64,25 @@ class JointSpace(NumberedSpace):
 
     def ompl_space(self) -> Any:
         """A new OMPL state space."""
-        space = self._compound() if self._turning else bounded_space(self._lower, self._upper)
+        space = self._compound() if self._turning else bounded_space(self.lower, self.upper)
         self._numbers = StateNumbers(space, self._width)
         return space
 
     def _compound(self) -> Any:
         space = base.CompoundStateSpace()
         for k, turning in enumerate(self.continuous.tolist()):
-            part = base.SO2StateSpace() if turning else bounded_space(self._lower[k : k + 1], self._upper[k : k + 1])
+            part = base.SO2StateSpace() if turning else bounded_space(self.lower[k : k + 1], self.upper[k : k + 1])
             space.addSubspace(part, 1.0)
         register_projection(space)
         return space
+
+    def bound(self, space: Any, lower: Floats, upper: Floats) -> None:
+        """Sets the bounds (nq,) of one of these spaces, within which its samples are; angles have none."""
+        if not self._turning:
+            space.setBounds(_bounds(lower, upper))
+            return
+        for k in np.flatnonzero(~self.continuous).tolist():
+            space.getSubspace(k).setBounds(_bounds(lower[k : k + 1], upper[k : k + 1]))
 
     def write(self, state: Any, q: Sequence[float] | Floats) -> None:
         """Sets an OMPL state to a configuration (nq,); angles are brought to [-pi, pi).
@@ -81,10 +91,10 @@ class JointSpace(NumberedSpace):
             PlannercheckError: If a joint without limits that is no SO2 part is beyond the space's bounds.
         """
         for k in self._free:
-            if not self._lower[k] <= q[k] <= self._upper[k]:
+            if not self.lower[k] <= q[k] <= self.upper[k]:
                 raise PlannercheckError(
-                    f"joint {self._names[k]!r} is {q[k]:g}, the space reaches from {self._lower[k]:g} to "
-                    f"{self._upper[k]:g}: another joint follows it, so that whole turns count; plan() makes the space "
+                    f"joint {self._names[k]!r} is {q[k]:g}, the space reaches from {self.lower[k]:g} to "
+                    f"{self.upper[k]:g}: another joint follows it, so that whole turns count; plan() makes the space "
                     "as large as its start and goal need"
                 )
         if not self._turning:
@@ -115,13 +125,15 @@ class JointSpace(NumberedSpace):
 
 def bounded_space(lower: Floats, upper: Floats) -> Any:
     """An OMPL space of real numbers between bounds (k,)."""
-    bounds = base.RealVectorBounds(len(lower))
-    for k, (low, high) in enumerate(zip(lower.tolist(), upper.tolist(), strict=True)):
-        bounds.setLow(k, low)
-        bounds.setHigh(k, high)
     space = base.RealVectorStateSpace(len(lower))
-    space.setBounds(bounds)
+    space.setBounds(_bounds(lower, upper))
     return space
+
+
+def _bounds(lower: Floats, upper: Floats) -> Any:
+    bounds = base.RealVectorBounds(len(lower))
+    bounds.low, bounds.high = lower.tolist(), upper.tolist()
+    return bounds
 
 
 def _columns(robot: Robot) -> tuple[NDArray[np.bool_], Floats, Floats, list[int]]:
@@ -148,7 +160,8 @@ def _columns(robot: Robot) -> tuple[NDArray[np.bool_], Floats, Floats, list[int]
     for k in free:
         upper[k] = free_range(robot.configuration_map, k)
         lower[k] = -upper[k]
-    columns.flags.writeable = False
+    for shared in (columns, lower, upper):
+        shared.flags.writeable = False
     return columns, lower, upper, free
 
 

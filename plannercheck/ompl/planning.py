@@ -11,6 +11,7 @@ motion_validators.py.
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 from math import isfinite
@@ -28,7 +29,9 @@ from plannercheck.common.silence import Silence
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.clearance import CLEARANCE_RESOLUTION, MaxMinClearance
+from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.ompl.motion_validators import Space
+from plannercheck.ompl.near_first import NEAR_FIRST, SAMPLINGS, Sampling, solve_near_first
 from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
 from plannercheck.ompl.plans import Plan, joint_length
 from plannercheck.ompl.pose_space import PoseSpace
@@ -43,8 +46,9 @@ SIMPLIFICATION_TIME = 1.0
 
 
 # Longest motion that a planner tries at once, rad. OMPL's default, a fifth of the space's extent, is 2.6 rad
-# for seven joints: most such motions collide, and checking them to a millimetre is wasted.
-LONGEST_MOTION = 0.5
+# for seven joints: most such motions collide, and checking them to a millimetre is wasted. Shorter ones give shorter
+# paths, longer ones take less time (measured: docs/reference/performance.md).
+LONGEST_MOTION = 0.7
 
 # OMPL says nothing on the console while it plans: results and reasons are returned.
 OMPL_SILENCE = Silence(util.getLogLevel, util.setLogLevel, util.LOG_NONE)
@@ -137,6 +141,7 @@ def plan(
     curve: Curve = "straight",
     turning_radius: float | None = None,
     bounds: ArrayLike | None = None,
+    sampling: Sampling = "near",
 ) -> Plan:
     """Plans from one configuration to another.
 
@@ -155,6 +160,9 @@ def plan(
         curve: As for `setup`.
         turning_radius: As for `setup`.
         bounds: As for `setup`; the box around all obstacles is also around start and goal.
+        sampling: "near" has RRTConnect sample bounded joints near start and goal first, and ever further from them the
+            longer the search takes (near_first.py); "everywhere" samples the whole space from the beginning, as all
+            other planners and other joints do.
 
     Returns:
         The plan. Free bodies move as on the path "slerp" of `Checker.check_motion`. Curved motions are given as states
@@ -165,6 +173,8 @@ def plan(
         raise unknown_name("planner", planner, planner_names())
     if not (isfinite(time_limit) and time_limit > 0):
         raise PlannercheckError(f"time_limit must be a positive time in s, not {time_limit!r}")
+    if sampling not in SAMPLINGS:
+        raise unknown_name("sampling", sampling, SAMPLINGS)
     if longest_motion is None:
         longest_motion = 0 if isinstance(checker, PlanarChecker) else LONGEST_MOTION
     if not (isfinite(longest_motion) and longest_motion >= 0):
@@ -182,7 +192,8 @@ def plan(
         setup.setPlanner(made_planner(planner, prepared.information, longest_motion))
         if seed is not None:
             prepared.draw_seeds()
-        found = _search(setup, space, checker, planner, time_limit, simplify, resolution)
+        near = tuple(ends.values()) if sampling == "near" else ()
+        found = _search(setup, space, checker, planner, time_limit, simplify, resolution, near)
         given_back(prepared)
         return found
 
@@ -203,10 +214,16 @@ def _search(
     time_limit: float,
     simplify: bool,
     resolution: float | None,
+    near: Sequence[Floats],
 ) -> Plan:
+    """Searches, first near some configurations if they are given."""
     robot = checker.robot
     began = time.perf_counter()
-    status = setup.solve(base.timedPlannerTerminationCondition(time_limit))
+    condition = base.timedPlannerTerminationCondition(time_limit)
+    if near and planner in NEAR_FIRST and isinstance(space, JointSpace):
+        status = solve_near_first(setup, space, near, condition)
+    else:
+        status = setup.solve(condition)
     found = time.perf_counter()
     if not setup.haveExactSolutionPath():
         reason = f"{planner} found no path in {found - began:.1f} s: {status.asString()}"

@@ -15,6 +15,7 @@ from statistics import mean, median
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl import plan
+from plannercheck.ompl.near_first import Sampling
 from plannercheck.ompl.plans import Plan
 from plannercheck.ompl.start_and_goal import EndState, check_end_state, checked_end
 from plannercheck.robots.robot import Robot
@@ -99,7 +100,7 @@ def solve(
 
 
 def with_ompl(
-    planner: str, time_limit: float, simplify: bool, seed: int | None, longest_motion: float
+    planner: str, time_limit: float, simplify: bool, seed: int | None, longest_motion: float, sampling: Sampling
 ) -> Callable[[Checker, Problem, int], Plan]:
     """A planner for `solve`; arguments as of `ompl.plan`."""
 
@@ -113,6 +114,7 @@ def with_ompl(
             simplify,
             seed,
             longest_motion=longest_motion,
+            sampling=sampling,
         )
 
     return run

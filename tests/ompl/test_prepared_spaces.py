@@ -63,10 +63,11 @@ def test_a_seed_gives_the_same_plan_whatever_was_planned_before(checker, ends, p
         start, seed = ends[i], i + 1
         goal = ends[np.linalg.norm(ends - start, axis=1).argsort()[1]]  # the nearest, or RRT may search for long
         expected = planned_anew(fresh, start, goal, planner, seed)
-        first = pc.ompl.plan(pc.Checker(checker.robot, checker.scene), start, goal, planner, seed=seed, simplify=False)
+        options = {"seed": seed, "simplify": False, "sampling": "everywhere"}
+        first = pc.ompl.plan(pc.Checker(checker.robot, checker.scene), start, goal, planner, **options)
         for other in PLANNERS:
             pc.ompl.plan(checker, ends[i + 20], ends[i + 30], other, time_limit=0.05)
-        again = pc.ompl.plan(checker, start, goal, planner, seed=seed, simplify=False)
+        again = pc.ompl.plan(checker, start, goal, planner, **options)
         assert np.array_equal(first.path, expected)
         assert np.array_equal(again.path, expected)
 

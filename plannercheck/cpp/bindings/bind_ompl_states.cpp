@@ -3,6 +3,7 @@
 #include <nanobind/stl/shared_ptr.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -42,6 +43,11 @@ nb::object kept_failures(nb::object judge, std::shared_ptr<PlannerFailure> failu
   return nb::cpp_function(judged, plain_floats);
 }
 
+// True from its call after so many on. A planner asks its condition once an iteration.
+nb::object call_limit(std::int64_t calls) {
+  return nb::cpp_function([left = std::make_shared<std::int64_t>(calls)] { return --*left < 0; }, plain_floats);
+}
+
 }  // namespace
 
 void bind_ompl_states(nb::module_& m) {
@@ -62,6 +68,7 @@ void bind_ompl_states(nb::module_& m) {
           "remember", [](PlannerFailure& self) { self.remembering.begin(); }, plain_floats)
       .def("forget", [](PlannerFailure& self) { self.remembering.end(); }, plain_floats);
   m.def("kept_failures", &kept_failures, plain_floats);
+  m.def("call_limit", &call_limit, plain_floats);
   nb::class_<MotionCounts>(m, "MotionCounts")
       .def(nb::init<>(), plain_floats)
       .def("add", &MotionCounts::add, plain_floats)

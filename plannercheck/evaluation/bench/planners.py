@@ -1,7 +1,7 @@
 """Who plans in `bench plans`: RRTConnect on proved motions, the same on coal's samples, and VAMP's own.
 
 In: a task. Out: `Planner`s, made once a task, that search with a seed. The first two are RRTConnect of the same OMPL on
-the same space with the same range:
+the same space with the same range and the same samples (near_first.py):
 
 - plannercheck: `pc.ompl.setup(checker)`, every motion proved free; and all of `pc.ompl.plan`, from arguments to plan;
 - Pinocchio + coal: a validity checker in Python that calls Pinocchio's computeCollisions with coal's dynamic AABB tree
@@ -28,6 +28,7 @@ from plannercheck.motions.checker import Checker
 from plannercheck.ompl import plan as ompl_plan
 from plannercheck.ompl import setup as ompl_setup
 from plannercheck.ompl.joint_space import JointSpace
+from plannercheck.ompl.near_first import solve_near_first
 from plannercheck.ompl.planning import OMPL_SILENCE, seed_ompl
 
 
@@ -121,7 +122,7 @@ def _searched(setup: Any, space: JointSpace, task: Task, settings: Settings, see
         condition = base.timedPlannerTerminationCondition(settings.limit)
         setup.setup()  # once a space and planner, as `plan` has it: a search begins with it otherwise
         began = time.process_time()
-        setup.solve(condition)
+        solve_near_first(setup, space, (task.start, task.goal), condition)
         spent = time.process_time() - began
     if not setup.haveExactSolutionPath():
         return Found(spent, None, None)
