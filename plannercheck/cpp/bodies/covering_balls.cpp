@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "bodies/polytope.hpp"
 
@@ -14,6 +15,11 @@ constexpr double kSliceThickness = 0.6;
 
 // Slices are no thinner than this, m: what is small is held by one ball.
 constexpr double kThinnestSlice = 0.04;
+
+// Each ball of a few takes as many tests as a body. So there are at most this many, and one more is taken only if that
+// makes the largest one smaller than this part of itself (measured).
+constexpr int kMostFewBalls = 3;
+constexpr double kFarSmaller = 0.7;
 
 // Where an edge is cut, the point errs by less than this part of the largest coordinates.
 constexpr double kCutError = 0x1p-48;
@@ -60,20 +66,23 @@ SmallBall ball_around(const std::vector<Vec3>& points) {
   return small_ball(points, 0.5 * (low + high));
 }
 
-}  // namespace
-
-// Bodies without volume have no triangles here; of them only segments are cut.
-std::vector<SmallBall> covering_balls(const Polytope& body) {
+// The axes of the body's frame, along the longest side of its box first.
+std::array<int, 3> axes_by_length(const Polytope& body) {
   const Vec3 size = body.high - body.low;
   std::array<int, 3> axes{0, 1, 2};
   std::sort(axes.begin(), axes.end(), [&](int a, int b) { return size[a] > size[b]; });
-  const int axis = axes[0];
-  const double length = size[axis],
-               thickness = larger(kThinnestSlice, kSliceThickness * size[axes[1]] + body.inflation_radius);
-  const bool is_cut = (body.dimension == 3 && !body.triangles.empty()) || body.dimension == 1;
-  if (!is_cut || !(length > thickness)) return {body.small_ball()};
-  const double slices = length < thickness * kMostCoveringBalls ? std::ceil(length / thickness) : kMostCoveringBalls;
+  return axes;
+}
+
+// Bodies without volume have no triangles here; of them only segments are cut.
+bool can_be_cut(const Polytope& body) {
+  return (body.dimension == 3 && !body.triangles.empty()) || body.dimension == 1;
+}
+
+// A ball around each slice of a body that can be cut.
+std::vector<SmallBall> balls_of_slices(const Polytope& body, int axis, double slices) {
   const Slices parts(body, axis);
+  const double length = body.high[axis] - body.low[axis];
   const double room = kCutError * (norm_1(body.low) + norm_1(body.high)), from = body.low[axis];
   std::vector<SmallBall> balls;
   std::vector<Vec3> points;
@@ -86,6 +95,36 @@ std::vector<SmallBall> covering_balls(const Polytope& body) {
     SmallBall ball = ball_around(points);
     ball.radius += room;
     balls.push_back(ball);
+  }
+  return balls;
+}
+
+double largest_radius(const std::vector<SmallBall>& balls) {
+  double most = 0;
+  for (const SmallBall& ball : balls) most = larger(most, ball.radius);
+  return most;
+}
+
+}  // namespace
+
+std::vector<SmallBall> covering_balls(const Polytope& body) {
+  const auto axes = axes_by_length(body);
+  const Vec3 size = body.high - body.low;
+  const double length = size[axes[0]],
+               thickness = larger(kThinnestSlice, kSliceThickness * size[axes[1]] + body.inflation_radius);
+  if (!can_be_cut(body) || !(length > thickness)) return {body.small_ball()};
+  const double slices = length < thickness * kMostCoveringBalls ? std::ceil(length / thickness) : kMostCoveringBalls;
+  return balls_of_slices(body, axes[0], slices);
+}
+
+std::vector<SmallBall> few_covering_balls(const Polytope& body) {
+  std::vector<SmallBall> balls{body.small_ball()};
+  if (!can_be_cut(body) || balls[0].radius + body.inflation_radius < kThinnestSlice) return balls;
+  for (int slices = 2; slices <= kMostFewBalls; ++slices) {
+    std::vector<SmallBall> smaller_ones = balls_of_slices(body, axes_by_length(body)[0], slices);
+    const double before = largest_radius(balls) + body.inflation_radius;
+    if (largest_radius(smaller_ones) + body.inflation_radius > kFarSmaller * before) break;
+    balls = std::move(smaller_ones);
   }
   return balls;
 }

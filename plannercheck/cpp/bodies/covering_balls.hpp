@@ -17,4 +17,8 @@ inline constexpr std::size_t kMostCoveringBalls = 6;
 // Around the hull, without the inflation radius.
 std::vector<SmallBall> covering_balls(const Polytope& body);
 
+// The same for filters that look at each ball of each body: two or three balls if that makes them far smaller, else
+// one.
+std::vector<SmallBall> few_covering_balls(const Polytope& body);
+
 }  // namespace plannercheck

@@ -52,6 +52,7 @@ struct Polytope {
   LazyValue<InnerShapes> lazy_inner_shapes;  // only checkers of configurations need these two
   LazyValue<SmallBall> lazy_small_ball;
   LazyValue<std::vector<SmallBall>> lazy_covering_balls;  // only motions before sets of parts need them
+  LazyValue<std::vector<SmallBall>> lazy_few_covering_balls;
   std::shared_ptr<const Solid> solid;  // if the body is this solid, of which all above is the hull; not in files
   LazyValue<Solid> lazy_surface;       // only tests with solids need it
   HullDents dents;                     // of a solid or a set; not in files
@@ -70,6 +71,10 @@ struct Polytope {
   // The same by several balls.
   const std::vector<SmallBall>& covering_balls() const {
     return lazy_covering_balls.get([this] { return plannercheck::covering_balls(*this); });
+  }
+  // The same by two or three balls at most.
+  const std::vector<SmallBall>& few_covering_balls() const {
+    return lazy_few_covering_balls.get([this] { return plannercheck::few_covering_balls(*this); });
   }
   // The solid, or the hull as one; without the inflation radius.
   const Solid& surface() const {

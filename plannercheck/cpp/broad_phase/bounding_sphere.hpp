@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "broad_phase/geometry_object.hpp"
 #include "math/simd.hpp"
@@ -37,5 +38,8 @@ Numbers BoundingBall::radius_at(Numbers x, Numbers y, Numbers z, Numbers radius,
 }
 
 BoundingBall bounding_ball(const GeometryObject& object);
+
+// Two or three balls that hold the body together, where one would be far larger; else none.
+std::vector<BoundingBall> slice_balls(const GeometryObject& object);
 
 }  // namespace plannercheck

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "bodies/lazy_value.hpp"
+#include "broad_phase/body_slices.hpp"
 #include "broad_phase/bounding_sphere.hpp"
 #include "broad_phase/box_filter.hpp"
 #include "broad_phase/float_link_poses.hpp"
@@ -84,11 +85,6 @@ class BroadPhase {
  private:
   // Scenes of up to this many obstacles are tested one by one faster than by the tree (measured).
   static constexpr std::size_t kFewObstacles = 64;
-
-  struct MovingPair {
-    std::int32_t a, b;  // movers
-    std::int32_t pair;
-  };
 
   // A box around an obstacle.
   struct FloatBox {

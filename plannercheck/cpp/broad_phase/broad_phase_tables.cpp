@@ -44,6 +44,7 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
     for (const std::int32_t b : pair) used[at(b)] = used[at(b)] || (moves && !is_unboxed(bodies[at(b)]));
   }
   std::vector<WorldBox> boxes;
+  std::vector<const GeometryObject*> objects;  // the movers
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (!used[b]) continue;
     const GeometryObject& object = bodies[b];
@@ -54,6 +55,7 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
     }
     place[b] = static_cast<std::int32_t>(movers_.size());
     movers_.push_back(bounding_ball(object));
+    objects.push_back(&object);
   }
   obstacles_ = boxes.size();
   tree_ = ObstacleTree(boxes);
@@ -96,7 +98,8 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   } else {
     boxes.clear();
   }
-  single_state_filter_ = SingleStateFilter(movers_, boxes, with_movers, with_boxes);
+  single_state_filter_ = SingleStateFilter(movers_, body_slices(objects, movers_, moving_pairs_, *sampled_), boxes,
+                                           with_movers, with_boxes);
   std::vector<BodyBox> body_boxes;
   for (const GeometryObject& object : bodies) body_boxes.push_back(body_box(object));
   boxes_ = BlockBoxes(std::move(body_boxes));

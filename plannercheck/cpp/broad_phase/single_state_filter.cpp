@@ -28,14 +28,21 @@ void set_side_by_side(const Centre (&centres)[kFloats], SingleStateFilter::Posed
 
 }  // namespace
 
-SingleStateFilter::SingleStateFilter(std::vector<BoundingBall> balls, const std::vector<WorldBox>& boxes,
-                                     const std::vector<Partner>& balls_with_balls,
+SingleStateFilter::SingleStateFilter(std::vector<BoundingBall> balls,
+                                     const std::vector<std::vector<BoundingBall>>& slices,
+                                     const std::vector<WorldBox>& boxes, const std::vector<Partner>& balls_with_balls,
                                      const std::vector<Partner>& balls_with_boxes)
-    : balls_(std::move(balls)),
-      sizes_(eights_of(balls_.size())),
-      boxes_(eights_of(boxes.size())),
-      ball_tests_(tests(balls_with_balls, balls_.size(), balls_.size())),
-      box_tests_(tests(balls_with_boxes, balls_.size(), boxes.size())) {
+    : balls_(std::move(balls)), boxes_(eights_of(boxes.size())) {
+  const std::size_t count = balls_.size();
+  std::vector<Partner> partners = balls_with_balls;
+  for (Partner& partner : partners) {
+    if (slices[partner.ball].empty() && !slices[partner.other].empty()) std::swap(partner.ball, partner.other);
+  }
+  ball_tests_ = tests(partners, count, count);
+  box_tests_ = tests(balls_with_boxes, count, boxes.size());
+  slice(slices);
+  while (balls_.size() % kFloats != 0) balls_.push_back(balls_.back());  // whole eights; nobody has a pair with these
+  sizes_.resize(eights_of(balls_.size()));
   for (std::size_t b = 0; b < balls_.size(); ++b) {
     sizes_[b / kFloats].radius[b % kFloats] = balls_[b].radius;
     sizes_[b / kFloats].room[b % kFloats] = balls_[b].room;
@@ -66,12 +73,32 @@ std::vector<SingleStateFilter::Test> SingleStateFilter::tests(const std::vector<
   return out;
 }
 
+// Puts slices in the place of whole bodies in tests of balls. Boxes are tested against whole bodies: slices would save
+// less there than they take.
+void SingleStateFilter::slice(const std::vector<std::vector<BoundingBall>>& slices) {
+  std::vector<std::size_t> first(slices.size());
+  for (std::size_t body = 0; body < slices.size(); ++body) {
+    first[body] = balls_.size();
+    balls_.insert(balls_.end(), slices[body].begin(), slices[body].end());
+  }
+  for (std::size_t slot = 0; slot < ball_tests_.size(); ++slot) {
+    Test& test = ball_tests_[slot];
+    const std::size_t body = test.ball, count = slices[body].size();
+    if (count == 0) continue;
+    test.ball = first[body];
+    for (std::size_t k = 1; k < count; ++k) {
+      slice_tests_.push_back({test, slot});
+      slice_tests_.back().test.ball += k;
+    }
+  }
+}
+
 // Poses in doubles, as the links are; the balls' room covers it.
 void SingleStateFilter::pose(const PoseColumns* links, Workspace& w) const {
   for (std::size_t k = 0; k < w.posed.size(); ++k) {
-    Centre centres[kFloats]{};
-    const std::size_t first = k * kFloats, count = std::min<std::size_t>(kFloats, balls_.size() - first);
-    for (std::size_t b = 0; b < count; ++b) centres[b] = posed_centre(balls_[first + b], links);
+    Centre centres[kFloats];
+#pragma GCC unroll 8
+    for (std::size_t b = 0; b < kFloats; ++b) centres[b] = posed_centre(balls_[k * kFloats + b], links);
     Posed& p = w.posed[k];
     set_side_by_side(centres, p);
     p.radius = BoundingBall::radius_at(p.x, p.y, p.z, sizes_[k].radius, sizes_[k].room);

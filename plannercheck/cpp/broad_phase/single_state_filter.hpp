@@ -28,8 +28,10 @@ class SingleStateFilter {
   };
 
   SingleStateFilter() = default;
-  SingleStateFilter(std::vector<BoundingBall> balls, const std::vector<WorldBox>& boxes,
-                    const std::vector<Partner>& balls_with_balls, const std::vector<Partner>& balls_with_boxes);
+  // `slices`: by ball, those that hold the body in its place, or none.
+  SingleStateFilter(std::vector<BoundingBall> balls, const std::vector<std::vector<BoundingBall>>& slices,
+                    const std::vector<WorldBox>& boxes, const std::vector<Partner>& balls_with_balls,
+                    const std::vector<Partner>& balls_with_boxes);
 
   // Eight posed balls.
   struct Posed {
@@ -62,11 +64,17 @@ class SingleStateFilter {
   }
   static Floats everywhere(float c) { return Floats{c, c, c, c, c, c, c, c}; }
 
-  // One ball against eight partners, with at least one of which it has a pair.
+  // One ball against eight partners, with at least one of which its body has a pair.
   struct Test {
     std::size_t ball, eight;
     std::uint8_t paired;                      // a bit for each partner with which it has one
     std::array<std::int32_t, kFloats> pairs;  // by partner
+  };
+
+  // The same of another slice of a body: what it is near is added to what that test of the first slice has found.
+  struct SliceTest {
+    Test test;
+    std::size_t slot;
   };
 
   struct Sizes {
@@ -80,12 +88,23 @@ class SingleStateFilter {
   static std::vector<Test> tests(const std::vector<Partner>& partners, std::size_t balls, std::size_t others);
   // Tests are looked at by eights.
   std::size_t tests_room() const { return eights_of(ball_tests_.size() + box_tests_.size()) * kFloats; }
+  void slice(const std::vector<std::vector<BoundingBall>>& slices);
+  static std::uint8_t near_balls(const Test& test, const Posed* posed);
 
   std::vector<BoundingBall> balls_;
   std::vector<Sizes> sizes_;  // of eight balls
   std::vector<Boxes> boxes_;  // of eight obstacles
   std::vector<Test> ball_tests_, box_tests_;
+  std::vector<SliceTest> slice_tests_;
 };
+
+inline std::uint8_t SingleStateFilter::near_balls(const Test& test, const Posed* posed) {
+  const Ball own = ball(test.ball, posed);
+  const Posed& others = posed[test.eight];
+  const Floats x = others.x - own.x, y = others.y - own.y, z = others.z - own.z;
+  const unsigned far = bits_above((x * x + y * y) + z * z, far_beyond(others.radius + own.radius));
+  return static_cast<std::uint8_t>(~far & test.paired);
+}
 
 // All tests first, without a branch: which partners are near is hard to predict.
 template <class Found>
@@ -93,12 +112,10 @@ void SingleStateFilter::find(Workspace& w, Found found) const {
   const Posed* const posed = w.posed.data();  // bytes are written, which might be these pointers' own
   const Boxes* const eights = boxes_.data();
   std::uint8_t* near = w.near.data();
-  for (const Test& test : ball_tests_) {
-    const Ball own = ball(test.ball, posed);
-    const Posed& others = posed[test.eight];
-    const Floats x = others.x - own.x, y = others.y - own.y, z = others.z - own.z;
-    const unsigned far = bits_above((x * x + y * y) + z * z, far_beyond(others.radius + own.radius));
-    *near++ = static_cast<std::uint8_t>(~far & test.paired);
+  for (const Test& test : ball_tests_) *near++ = near_balls(test, posed);
+  for (const SliceTest& test : slice_tests_) {
+    std::uint8_t& slot = w.near[test.slot];
+    slot = static_cast<std::uint8_t>(slot | near_balls(test.test, posed));
   }
   for (const Test& test : box_tests_) {
     const Ball own = ball(test.ball, posed);
