@@ -262,8 +262,10 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         """
         judge = self._judge_row  # called as a method, it would be sought in the class first
         known = judge(q)
-        if known is None:  # no array of doubles, nor a list of numbers
-            known = judge(np.ascontiguousarray((row := self._single(q))[0]))
+        if known is not None:
+            return known
+        row = self._single(q)  # it was no array of doubles, nor a list of numbers
+        known = judge(np.ascontiguousarray(row[0]))
         return bool(self.check_states(row)[0]) if known is None else known
 
     def state_validity(self, states: Any = None, failure: Any = None) -> Callable[[Any], bool] | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from random_poses import pose_at
@@ -107,14 +109,26 @@ def test_sets_that_are_too_large_have_no_grid() -> None:
 SIZES = {"long": (0.1, 0.12, 0.5), "thin": (0.3, 0.02, 0.02), "small": (0.01, 0.01, 0.02), "round": (1.0, 1.0, 1.0)}
 
 
+@pytest.mark.parametrize("few", [False, True])
 @pytest.mark.parametrize("size", SIZES.values(), ids=SIZES)
-def test_covering_balls_hold_the_hull(size: tuple[float, float, float]) -> None:
+def test_covering_balls_hold_the_hull(size: tuple[float, float, float], few: bool) -> None:
     rng = np.random.default_rng(7)
     for count in (2, 4, 40, 300):  # a segment, which is cut as well, and hulls
         points = rng.uniform(-0.5, 0.5, size=(count, 3)) * size
-        balls = pc.Polytope(points).core.covering_balls()
+        balls = pc.Polytope(points).core.covering_balls(few)
         inside = np.concatenate([points, rng.dirichlet(np.full(count, 0.1), size=4000) @ points])
         gaps = np.linalg.norm(inside[:, None] - balls[:, :3], axis=2) - balls[:, 3]
         assert (gaps.min(axis=1) <= 1e-12).all()
         if count > 4 and size == SIZES["long"]:
-            assert balls[:, 3].max() < 0.5 * np.linalg.norm(inside - inside.mean(axis=0), axis=1).max()
+            assert (
+                balls[:, 3].max() < (0.7 if few else 0.5) * np.linalg.norm(inside - inside.mean(axis=0), axis=1).max()
+            )
+
+
+def test_a_few_balls_are_three_at_most_and_for_large_bodies_only() -> None:
+    def balls_of(*size: float) -> int:
+        corners = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
+        return len(pc.Polytope(corners * size).core.covering_balls(True))
+
+    assert [balls_of(0.1, 0.1, length) for length in (0.1, 0.2, 0.3, 0.5, 2.0)] == [1, 1, 2, 2, 3]
+    assert balls_of(0.01, 0.01, 0.06) == 1

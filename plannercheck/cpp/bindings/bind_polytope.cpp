@@ -156,10 +156,10 @@ nb::tuple inner_shapes_of(const Polytope& body) {
                         output_array(box, {box.size() / 7, std::size_t{7}}));
 }
 
-// Centres and radii (n, 4).
-auto covering_balls_of(const Polytope& body) {
+// Centres and radii (n, 4); `few`: of two or three at most.
+auto covering_balls_of(const Polytope& body, bool few) {
   std::vector<double> balls;
-  for (const SmallBall& b : body.covering_balls())
+  for (const SmallBall& b : few ? body.few_covering_balls() : body.covering_balls())
     balls.insert(balls.end(), {b.centre.x, b.centre.y, b.centre.z, b.radius});
   return output_array(balls, {balls.size() / 4, std::size_t{4}});
 }
@@ -304,7 +304,7 @@ void bind_polytope(nb::module_& m) {
       .def("levels", &levels_of, plain_floats)
       .def("centre", &centre_of, plain_floats)
       .def("inner_shapes", &inner_shapes_of, plain_floats)
-      .def("covering_balls", &covering_balls_of, plain_floats)
+      .def("covering_balls", &covering_balls_of, nb::arg("few") = false, plain_floats)
       .def("inner_shape", &inner_shape_of, plain_floats)
       .def("polar_shape", &polar_shape_of, plain_floats)
       .def_ro("facets", &Polytope::facet_count)
