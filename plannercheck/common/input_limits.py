@@ -4,7 +4,8 @@ In: bytes of YAML, the path of an XML file, sizes of archives' members. Out: not
 Parsers of both formats are recursive in native code and crash on a file nested some ten thousand deep. Aliases of YAML
 stand for copies, whose number can double with every line. Event parsers count both first.
 
-The limits are far beyond the needs of robots and scenes; they can be changed: `INPUT_LIMITS.depth = 1000`.
+The limits are far beyond the needs of robots and scenes; they can be changed: `INPUT_LIMITS.depth = 500`. PyYAML from
+6.0.4 on goes no deeper than `PARSERS_DEPTH` itself.
 """
 
 from __future__ import annotations
@@ -20,6 +21,11 @@ import yaml
 from plannercheck.common.errors import PlannercheckError
 
 _PARSER: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+# Levels at which PyYAML's parser gives up (from 6.0.4 on), and what it says then. It reads ahead, so it may say so
+# before any event tells of a level.
+PARSERS_DEPTH = 1000
+_PARSER_SAYS = "maximum nesting depth"
 
 
 @dataclass
@@ -51,8 +57,14 @@ def check_yaml(text: bytes | str) -> None:
         return
     try:
         _check_events(text)
-    except (yaml.YAMLError, UnicodeDecodeError):
-        return  # who parses it will say what is wrong
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        if _PARSER_SAYS in str(error) and INPUT_LIMITS.depth < PARSERS_DEPTH:
+            raise _too_deep() from None
+        # Who parses it will say what is wrong.
+
+
+def _too_deep() -> PlannercheckError:
+    return PlannercheckError(f"is nested deeper than {INPUT_LIMITS.depth} levels (INPUT_LIMITS.depth)")
 
 
 def _may_be_deep(raw: bytes) -> bool:
@@ -88,7 +100,7 @@ def _check_events(text: bytes | str) -> None:
         if isinstance(event, yaml.CollectionStartEvent):
             open_nodes.append([event.anchor, 1])
             if len(open_nodes) > INPUT_LIMITS.depth + 1:
-                raise PlannercheckError(f"is nested deeper than {INPUT_LIMITS.depth} levels (INPUT_LIMITS.depth)")
+                raise _too_deep()
             continue
         if isinstance(event, yaml.ScalarEvent):
             anchor, size = event.anchor, 1
