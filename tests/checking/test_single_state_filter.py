@@ -1,5 +1,7 @@
 """Single states are bounded in lanes over bodies, sets in lanes over states: both find the same pairs."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 
@@ -52,13 +54,16 @@ def test_only_the_near_box_is_found(place):
     )
 
 
+ROD, BODY = (0.05, 0.05, 0.6), (0.05, 0.05, 0.05)  # sizes, m
+
+
 def _rods(*bodies):
     """A robot of two rods, 1 m apart, and small bodies at places (x, y, z); everything turns about axes of the base."""
     parts = ['<link name="base"/>']
     for name, x in (("rod0", 0), ("rod1", 1)):
-        parts.append(_box(name, (0.05, 0.05, 0.6), (x, 0, 0)) + _joint("base", name, (1, 0, 0)))
+        parts.append(_box(name, ROD, (x, 0, 0)) + _joint("base", name, (1, 0, 0)))
     for k, (place, axis) in enumerate(bodies):
-        parts.append(_box(f"body{k}", (0.05, 0.05, 0.05), place) + _joint("base", f"body{k}", axis))
+        parts.append(_box(f"body{k}", BODY, place) + _joint("base", f"body{k}", axis))
     return '<robot name="rods">' + "".join(parts) + "</robot>"
 
 
@@ -75,28 +80,50 @@ def _joint(parent, child, axis):
     )
 
 
+def _meeting_balls(robot, q, places):
+    """In how many pairs of bodies the balls around them meet, in all states together."""
+    poses = robot.link_poses(q)
+    centres = {name: (poses[:, robot.link_index(name)] @ [*place, 1])[:, :3] for name, place in places.items()}
+    radii = {name: np.linalg.norm(ROD if name.startswith("rod") else BODY) / 2 for name in places}
+    return sum(
+        np.count_nonzero(np.linalg.norm(centres[a] - centres[b], axis=1) <= radii[a] + radii[b])
+        for a, b in combinations(places, 2)
+    )
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_slices_of_rods_leave_out_no_pair(tmp_path, seed):
     rng = np.random.default_rng(seed)
     path = tmp_path / "rods.urdf"
-    path.write_text(_rods(*((rng.uniform(-0.4, 0.4, 3), rng.normal(size=3)) for _ in range(12))))
+    bodies = [(rng.uniform(-0.4, 0.4, 3), rng.normal(size=3)) for _ in range(12)]
+    path.write_text(_rods(*bodies))
     robot = pc.Robot.from_urdf(path)
     single, together, plain = (pc.Checker(robot, overlaps=False, bounds=on) for on in (True, True, False))
     q = robot.random_configurations(400, seed=seed)
-    assert [single.is_valid(row) for row in q] == plain.check_states(q).tolist()
-    together.check_states(q)
+    valid = plain.check_states(q).tolist()
+    assert 10 < sum(valid) < 390
+    assert [single.is_valid(row) for row in q] == valid
+    assert together.check_states(q).tolist() == valid
     # A ball around a rod meets most bodies, its slices few.
-    assert single.statistics()["bounds"] > together.statistics()["bounds"] + len(q)
+    places = {"rod0": (0, 0, 0), "rod1": (1, 0, 0)} | {f"body{k}": place for k, (place, _) in enumerate(bodies)}
+    whole = _meeting_balls(robot, q, places)
+    for checker in (single, together):
+        counted = checker.statistics()
+        assert counted["pairs"] - counted["unreachable"] - counted["bounds"] < whole - 2 * len(q)
 
 
 @pytest.mark.parametrize("height", np.linspace(-0.3, 0.3, 13).round(2))
 @pytest.mark.parametrize("x", [0, 1])
 def test_every_slice_of_a_rod_is_found(tmp_path, height, x):
-    """One body beside a rod, 2 cm from it, at any height; another one, further away, is the other rod's."""
+    """One body beside a rod, 2 cm from it, at any height; others are further away, so that slices are worth it."""
     path = tmp_path / "rods.urdf"
-    path.write_text(_rods(((x, 0.07, height), (1, 0, 0)), ((1 - x, 0.15, 0.3), (1, 0, 0))))
+    others = [((k, y, z), (1, 0, 0)) for k in (0, 1) for y in (-0.16, 0.16) for z in (-0.25, 0.25)]
+    path.write_text(_rods(((x, 0.07, height), (1, 0, 0)), *others))
     robot = pc.Robot.from_urdf(path)
+    home = np.zeros(robot.nq)
+    away = np.where(np.arange(robot.nq) == 2, 2.0, home)  # the body is turned away from the rod
     for padding, free in ((0.0, True), (0.019, True), (0.021, False)):
         checker = pc.Checker(robot, padding=padding, overlaps=False)
-        assert checker.is_valid(np.zeros(4)) == free
-        assert checker.check_states(np.zeros((1, 4)))[0] == free
+        assert checker.is_valid(home) == free
+        assert checker.check_states(home[None])[0] == free
+        assert checker.check_states(np.array([away] * 11 + [home] + [away] * 11))[11] == free

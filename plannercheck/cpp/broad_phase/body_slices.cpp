@@ -5,7 +5,7 @@
 namespace plannercheck {
 namespace {
 
-// Slices have to leave so many pairs fewer a state: posing and testing them takes as long (measured).
+// Slices have to leave so many pairs fewer a single state: posing and testing them takes as long (measured).
 constexpr double kWorthSlicing = 0.25;
 
 Vec3 posed_centre(const BoundingBall& ball, const double* link) {
@@ -39,15 +39,16 @@ std::size_t saved(std::int32_t mover, const std::vector<BoundingBall>& slices, c
 
 }  // namespace
 
-std::vector<std::vector<BoundingBall>> body_slices(const std::vector<const GeometryObject*>& objects,
-                                                   const std::vector<BoundingBall>& balls,
-                                                   const std::vector<MovingPair>& pairs, const SampledPoses& sampled) {
-  std::vector<std::vector<BoundingBall>> out(objects.size());
+std::vector<BodySlices> body_slices(const std::vector<const GeometryObject*>& objects,
+                                    const std::vector<BoundingBall>& balls, const std::vector<MovingPair>& pairs,
+                                    const SampledPoses& sampled) {
+  std::vector<BodySlices> out(objects.size());
   for (std::size_t m = 0; m < objects.size(); ++m) {
     std::vector<BoundingBall> slices = slice_balls(*objects[m]);
-    if (slices.empty()) continue;
-    const auto fewer = static_cast<double>(saved(static_cast<std::int32_t>(m), slices, balls, pairs, sampled));
-    if (fewer > kWorthSlicing * static_cast<double>(sampled.states)) out[m] = std::move(slices);
+    if (slices.empty() || sampled.states == 0) continue;
+    const auto fewer = static_cast<double>(saved(static_cast<std::int32_t>(m), slices, balls, pairs, sampled)) /
+                       static_cast<double>(sampled.states);
+    if (fewer > kWorthSlicing) out[m] = {std::move(slices), fewer};
   }
   return out;
 }

@@ -19,9 +19,15 @@ struct MovingPair {
   std::int32_t pair;
 };
 
-// By mover: its slices, or none. `objects`: the movers.
-std::vector<std::vector<BoundingBall>> body_slices(const std::vector<const GeometryObject*>& objects,
-                                                   const std::vector<BoundingBall>& balls,
-                                                   const std::vector<MovingPair>& pairs, const SampledPoses& sampled);
+// Those of one mover; none if it is not long, or not worth slicing.
+struct BodySlices {
+  std::vector<BoundingBall> balls;
+  double fewer_pairs = 0;  // a state, on average, whose bodies may touch
+};
+
+// By mover. `objects`: the movers.
+std::vector<BodySlices> body_slices(const std::vector<const GeometryObject*>& objects,
+                                    const std::vector<BoundingBall>& balls, const std::vector<MovingPair>& pairs,
+                                    const SampledPoses& sampled);
 
 }  // namespace plannercheck

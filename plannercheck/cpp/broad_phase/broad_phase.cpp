@@ -88,7 +88,8 @@ void BroadPhase::take_all(int count, Workspace& w) const {
 }
 
 void BroadPhase::find_for_block(int count, Workspace& w) const {
-  pose_balls(w);
+  pose(movers_, w.balls, w);
+  pose(slices_, w.slices, w);
   find_among_movers(count, w);
   const auto posed = [&](std::size_t mover) -> const Balls& { return w.balls[mover]; };
   const auto take = [&](std::int32_t pair, unsigned near) { w.unboxed.push_back({pair, near}); };
@@ -136,26 +137,41 @@ void BroadPhase::find_for_state(const PoseColumns* links, std::size_t state, Wor
   }
 }
 
-void BroadPhase::pose_balls(Workspace& w) const {
-  for (std::size_t i = 0; i < movers_.size(); ++i) {
-    const BoundingBall& mover = movers_[i];
-    const FloatPose& link = w.links.of(at(mover.link));
-    const auto [x, y, z] = mover.centre;
-    Balls& balls = w.balls[i];
-    balls.x = link.turned(0, x, y, z) + link.m[3];
-    balls.y = link.turned(1, x, y, z) + link.m[7];
-    balls.z = link.turned(2, x, y, z) + link.m[11];
-    balls.radius = mover.radius_at(balls.x, balls.y, balls.z);
+void BroadPhase::pose(const std::vector<BoundingBall>& balls, std::vector<Balls>& posed, Workspace& w) {
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    const BoundingBall& ball = balls[i];
+    const FloatPose& link = w.links.of(at(ball.link));
+    const auto [x, y, z] = ball.centre;
+    Balls& out = posed[i];
+    out.x = link.turned(0, x, y, z) + link.m[3];
+    out.y = link.turned(1, x, y, z) + link.m[7];
+    out.z = link.turned(2, x, y, z) + link.m[11];
+    out.radius = ball.radius_at(out.x, out.y, out.z);
   }
+}
+
+inline unsigned BroadPhase::near(const Balls& a, const Balls& b) {
+  const StateFloats x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+  return ~bits_above((x * x + y * y) + z * z, far_beyond(a.radius + b.radius));
+}
+
+// The states in which a slice of a mover is near another ball; all states of movers that are not sliced.
+inline unsigned BroadPhase::near_slices(std::size_t mover, const Balls& other, const Workspace& w) const {
+  const std::size_t first = first_slice_[mover], past = first_slice_[mover + 1];
+  if (first == past) return ~0U;
+  unsigned out = 0;
+  for (std::size_t k = first; k < past; ++k) out |= near(w.slices[k], other);
+  return out;
 }
 
 void BroadPhase::find_among_movers(int count, Workspace& w) const {
   const unsigned states = (1U << count) - 1;
   for (const MovingPair& pair : moving_pairs_) {
     const Balls &a = w.balls[at(pair.a)], &b = w.balls[at(pair.b)];
-    const StateFloats x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
-    const unsigned near = ~bits_above((x * x + y * y) + z * z, far_beyond(a.radius + b.radius)) & states;
-    if (near != 0) w.candidates.push_back({pair.pair, near});
+    unsigned found = near(a, b) & states;
+    if (found == 0) continue;
+    found &= near_slices(at(pair.a), b, w) & near_slices(at(pair.b), a, w);
+    if (found != 0) w.candidates.push_back({pair.pair, found});
   }
 }
 

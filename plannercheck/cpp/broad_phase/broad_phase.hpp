@@ -50,7 +50,7 @@ class BroadPhase {
   struct Workspace {
     RoundedLinks links;
     std::vector<PoseColumns> state_links;  // of one state of a block that has few
-    std::vector<Balls> balls;
+    std::vector<Balls> balls, slices;
     SingleStateFilter::Workspace single_state_filter;
     BlockBoxes::Workspace boxes;
     BlockOverlaps::Workspace overlaps;
@@ -99,6 +99,9 @@ class BroadPhase {
   std::size_t links_;
   std::vector<std::array<std::int32_t, 2>> pairs_;
   std::vector<BoundingBall> movers_;  // around bodies that hang on links
+  // Of movers that are tested against others as slices: slices_[first_slice_[m]] to slices_[first_slice_[m + 1] - 1].
+  std::vector<BoundingBall> slices_;
+  std::vector<std::size_t> first_slice_;
   std::vector<MovingPair> moving_pairs_;
   std::vector<std::int32_t> permanent_pairs_;  // these collide in every state
   PlaneFilter plane_filter_;                   // of movers before half-spaces
@@ -126,7 +129,9 @@ class BroadPhase {
   void find_for_state(const PoseColumns* links, std::size_t state, Workspace& workspace) const;
   const PoseColumns* links_in_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
   void filter(int count, Filters filters, Workspace& workspace) const;
-  void pose_balls(Workspace& workspace) const;
+  static void pose(const std::vector<BoundingBall>& balls, std::vector<Balls>& posed, Workspace& workspace);
+  static unsigned near(const Balls& a, const Balls& b);
+  unsigned near_slices(std::size_t mover, const Balls& other, const Workspace& workspace) const;
   void find_among_movers(int count, Workspace& workspace) const;
   void find_listed(const MoverGroup& group, int count, Workspace& workspace) const;
   void find_in_tree(std::int32_t mover, int count, Workspace& workspace) const;

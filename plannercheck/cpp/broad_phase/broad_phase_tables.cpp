@@ -11,6 +11,10 @@ namespace {
 // Of posing an obstacle's vertices in doubles: three products and sums.
 constexpr double kVertexError = 8 * 0x1p-53;
 
+// In blocks, slices have to leave more pairs fewer a state than where states are single (measured): there, a pair's
+// test is shared by all states of the block.
+constexpr double kWorthSlicingInBlocks = 1;
+
 // No box is looked at before these filters' own tests.
 bool is_unboxed(const GeometryObject& object) { return object.body->half_space || HeightFilter::is_for(object); }
 
@@ -98,8 +102,15 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   } else {
     boxes.clear();
   }
-  single_state_filter_ = SingleStateFilter(movers_, body_slices(objects, movers_, moving_pairs_, *sampled_), boxes,
-                                           with_movers, with_boxes);
+  std::vector<std::vector<BoundingBall>> slices;
+  for (BodySlices& of_mover : body_slices(objects, movers_, moving_pairs_, *sampled_)) {
+    first_slice_.push_back(slices_.size());
+    if (of_mover.fewer_pairs > kWorthSlicingInBlocks)
+      slices_.insert(slices_.end(), of_mover.balls.begin(), of_mover.balls.end());
+    slices.push_back(std::move(of_mover.balls));
+  }
+  first_slice_.push_back(slices_.size());
+  single_state_filter_ = SingleStateFilter(movers_, slices, boxes, with_movers, with_boxes);
   std::vector<BodyBox> body_boxes;
   for (const GeometryObject& object : bodies) body_boxes.push_back(body_box(object));
   boxes_ = BlockBoxes(std::move(body_boxes));
@@ -119,7 +130,7 @@ BroadPhase::Workspace BroadPhase::new_workspace() const {
   Workspace w;
   w.links = RoundedLinks(links_);
   w.state_links.resize(links_);
-  w.balls.resize(movers_.size());
+  w.balls.resize(movers_.size()), w.slices.resize(slices_.size());
   w.single_state_filter = single_state_filter_.new_workspace();
   w.boxes = boxes_.new_workspace();
   w.overlaps = overlaps_.new_workspace();

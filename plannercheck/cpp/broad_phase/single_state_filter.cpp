@@ -1,7 +1,5 @@
 #include "broad_phase/single_state_filter.hpp"
 
-#include <algorithm>
-#include <iterator>
 #include <utility>
 
 namespace plannercheck {
@@ -38,8 +36,8 @@ SingleStateFilter::SingleStateFilter(std::vector<BoundingBall> balls,
   for (Partner& partner : partners) {
     if (slices[partner.ball].empty() && !slices[partner.other].empty()) std::swap(partner.ball, partner.other);
   }
-  ball_tests_ = tests(partners, count, count);
-  box_tests_ = tests(balls_with_boxes, count, boxes.size());
+  ball_tests_ = tests<Posed>(partners, count, count);
+  box_tests_ = tests<Boxes>(balls_with_boxes, count, boxes.size());
   slice(slices);
   while (balls_.size() % kFloats != 0) balls_.push_back(balls_.back());  // whole eights; nobody has a pair with these
   sizes_.resize(eights_of(balls_.size()));
@@ -56,20 +54,29 @@ SingleStateFilter::SingleStateFilter(std::vector<BoundingBall> balls,
   }
 }
 
-// Ball by ball, and by partner.
-std::vector<SingleStateFilter::Test> SingleStateFilter::tests(const std::vector<Partner>& partners, std::size_t balls,
-                                                              std::size_t others) {
-  std::vector<std::vector<Test>> of_ball(balls);
+// Ball by ball, and by partner. `Eight`: of partners.
+template <class Eight>
+SingleStateFilter::Tests SingleStateFilter::tests(const std::vector<Partner>& partners, std::size_t balls,
+                                                  std::size_t others) {
+  const std::size_t eights = eights_of(others);
+  std::vector<Tests> of_ball(balls);
   for (const Partner& partner : partners) {
-    auto& own = of_ball[partner.ball];
-    for (std::size_t k = own.size(); k < eights_of(others); ++k) own.push_back({partner.ball, k, 0, {}});
+    auto& [own, pairs] = of_ball[partner.ball];
+    for (std::size_t k = own.size(); k < eights; ++k) {
+      own.push_back({place_of<Posed>(partner.ball), place_of<Eight>(k * kFloats), 0});
+      pairs.push_back({});
+    }
     Test& test = own[partner.other / kFloats];
     test.paired = static_cast<std::uint8_t>(test.paired | 1U << partner.other % kFloats);
-    test.pairs[partner.other % kFloats] = partner.pair;
+    pairs[partner.other / kFloats][partner.other % kFloats] = partner.pair;
   }
-  std::vector<Test> out;
-  for (const auto& own : of_ball)
-    std::copy_if(own.begin(), own.end(), std::back_inserter(out), [](const Test& test) { return test.paired != 0; });
+  Tests out;
+  for (const auto& [own, pairs] : of_ball) {
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      if (own[k].paired == 0) continue;
+      out.tests.push_back(own[k]), out.pairs.push_back(pairs[k]);
+    }
+  }
   return out;
 }
 
@@ -81,14 +88,16 @@ void SingleStateFilter::slice(const std::vector<std::vector<BoundingBall>>& slic
     first[body] = balls_.size();
     balls_.insert(balls_.end(), slices[body].begin(), slices[body].end());
   }
-  for (std::size_t slot = 0; slot < ball_tests_.size(); ++slot) {
-    Test& test = ball_tests_[slot];
-    const std::size_t body = test.ball, count = slices[body].size();
-    if (count == 0) continue;
-    test.ball = first[body];
-    for (std::size_t k = 1; k < count; ++k) {
-      slice_tests_.push_back({test, slot});
-      slice_tests_.back().test.ball += k;
+  for (std::size_t body = 0; body < slices.size(); ++body) {
+    if (slices[body].empty()) continue;
+    for (std::size_t slot = 0; slot < ball_tests_.tests.size(); ++slot) {
+      Test& test = ball_tests_.tests[slot];
+      if (test.own != place_of<Posed>(body)) continue;
+      test.own = place_of<Posed>(first[body]);
+      for (std::size_t k = 1; k < slices[body].size(); ++k) {
+        const Test other{place_of<Posed>(first[body] + k), test.eight, test.paired};
+        slice_tests_.push_back({other, static_cast<std::uint32_t>(slot)});
+      }
     }
   }
 }

@@ -50,32 +50,46 @@ class SingleStateFilter {
   struct Ball {
     float x, y, z, radius, limit;
   };
-  static Ball ball(std::size_t index, const Workspace& workspace) { return ball(index, workspace.posed.data()); }
+  static Ball ball(std::size_t index, const Workspace& workspace) {
+    return ball_at(floats_of(workspace), place_of<Posed>(index));
+  }
 
   // Calls found(pair) for all pairs that may touch.
   template <class Found>
   void find(Workspace& workspace, Found found) const;
 
  private:
-  static Ball ball(std::size_t index, const Posed* posed) {
-    const Posed& eight = posed[index / kFloats];
-    const std::size_t lane = index % kFloats;
-    return {eight.x[lane], eight.y[lane], eight.z[lane], eight.radius[lane], eight.limit[lane]};
+  static Ball ball_at(const float* posed, std::uint32_t place) {
+    const float* const own = posed + place;
+    return {own[0], own[kFloats], own[2 * kFloats], own[3 * kFloats], own[4 * kFloats]};
+  }
+  static const float* floats_of(const Workspace& w) { return reinterpret_cast<const float*>(w.posed.data()); }
+
+  // Where an item begins in an array of eights of items, in floats.
+  template <class Eight>
+  static std::uint32_t place_of(std::size_t item) {
+    return static_cast<std::uint32_t>(item / kFloats * (sizeof(Eight) / sizeof(float)) + item % kFloats);
+  }
+  template <class Eight>
+  static const Eight& eight_at(const float* floats, std::uint32_t place) {
+    return *reinterpret_cast<const Eight*>(floats + place);
   }
   static Floats everywhere(float c) { return Floats{c, c, c, c, c, c, c, c}; }
 
-  // One ball against eight partners, with at least one of which its body has a pair.
+  // One ball against eight partners, with at least one of which its body has a pair. Places are counted in floats, so
+  // that nothing is computed to find them.
   struct Test {
-    std::size_t ball, eight;
-    std::uint8_t paired;                      // a bit for each partner with which it has one
-    std::array<std::int32_t, kFloats> pairs;  // by partner
+    std::uint32_t own, eight;  // where the ball is in the posed ones, where the partners begin
+    std::uint8_t paired;       // a bit for each partner with which it has a pair
   };
 
   // The same of another slice of a body: what it is near is added to what that test of the first slice has found.
   struct SliceTest {
     Test test;
-    std::size_t slot;
+    std::uint32_t slot;
   };
+
+  using Pairs = std::array<std::int32_t, kFloats>;  // by partner
 
   struct Sizes {
     Floats radius, room;
@@ -84,55 +98,66 @@ class SingleStateFilter {
     std::array<Floats, 3> low, high;
   };
 
+  // Tests of one kind.
+  struct Tests {
+    std::vector<Test> tests;
+    std::vector<Pairs> pairs;  // of each
+  };
+
   static std::size_t eights_of(std::size_t count) { return (count + kFloats - 1) / kFloats; }
-  static std::vector<Test> tests(const std::vector<Partner>& partners, std::size_t balls, std::size_t others);
+  template <class Eight>
+  static Tests tests(const std::vector<Partner>& partners, std::size_t balls, std::size_t others);
   // Tests are looked at by eights.
-  std::size_t tests_room() const { return eights_of(ball_tests_.size() + box_tests_.size()) * kFloats; }
+  std::size_t tests_room() const { return eights_of(ball_tests_.tests.size() + box_tests_.tests.size()) * kFloats; }
   void slice(const std::vector<std::vector<BoundingBall>>& slices);
-  static std::uint8_t near_balls(const Test& test, const Posed* posed);
+  static std::uint8_t near_balls(const Test& test, const float* posed);
+  static std::uint8_t near_boxes(const Test& test, const float* posed, const float* boxes);
 
   std::vector<BoundingBall> balls_;
   std::vector<Sizes> sizes_;  // of eight balls
   std::vector<Boxes> boxes_;  // of eight obstacles
-  std::vector<Test> ball_tests_, box_tests_;
+  Tests ball_tests_, box_tests_;
   std::vector<SliceTest> slice_tests_;
 };
 
-inline std::uint8_t SingleStateFilter::near_balls(const Test& test, const Posed* posed) {
-  const Ball own = ball(test.ball, posed);
-  const Posed& others = posed[test.eight];
+inline std::uint8_t SingleStateFilter::near_balls(const Test& test, const float* posed) {
+  const Ball own = ball_at(posed, test.own);
+  const Posed& others = eight_at<Posed>(posed, test.eight);
   const Floats x = others.x - own.x, y = others.y - own.y, z = others.z - own.z;
   const unsigned far = bits_above((x * x + y * y) + z * z, far_beyond(others.radius + own.radius));
+  return static_cast<std::uint8_t>(~far & test.paired);
+}
+
+inline std::uint8_t SingleStateFilter::near_boxes(const Test& test, const float* posed, const float* boxes) {
+  const Ball own = ball_at(posed, test.own);
+  const Boxes& eight = eight_at<Boxes>(boxes, test.eight);
+  const Floats x = beyond(everywhere(own.x), eight.low[0], eight.high[0]);
+  const Floats y = beyond(everywhere(own.y), eight.low[1], eight.high[1]);
+  const Floats z = beyond(everywhere(own.z), eight.low[2], eight.high[2]);
+  const unsigned far = bits_above((x * x + y * y) + z * z, everywhere(own.limit));
   return static_cast<std::uint8_t>(~far & test.paired);
 }
 
 // All tests first, without a branch: which partners are near is hard to predict.
 template <class Found>
 void SingleStateFilter::find(Workspace& w, Found found) const {
-  const Posed* const posed = w.posed.data();  // bytes are written, which might be these pointers' own
-  const Boxes* const eights = boxes_.data();
-  std::uint8_t* near = w.near.data();
-  for (const Test& test : ball_tests_) *near++ = near_balls(test, posed);
+  const float* const posed = floats_of(w);  // bytes are written, which might be these pointers' own
+  const float* const boxes = reinterpret_cast<const float*>(boxes_.data());
+  std::uint8_t* const near = w.near.data();
+  std::uint8_t* next = near;
+  for (const Test& test : ball_tests_.tests) *next++ = near_balls(test, posed);
   for (const SliceTest& test : slice_tests_) {
-    std::uint8_t& slot = w.near[test.slot];
-    slot = static_cast<std::uint8_t>(slot | near_balls(test.test, posed));
+    near[test.slot] = static_cast<std::uint8_t>(near[test.slot] | near_balls(test.test, posed));
   }
-  for (const Test& test : box_tests_) {
-    const Ball own = ball(test.ball, posed);
-    const Boxes& boxes = eights[test.eight];
-    const Floats x = beyond(everywhere(own.x), boxes.low[0], boxes.high[0]);
-    const Floats y = beyond(everywhere(own.y), boxes.low[1], boxes.high[1]);
-    const Floats z = beyond(everywhere(own.z), boxes.low[2], boxes.high[2]);
-    const unsigned far = bits_above((x * x + y * y) + z * z, everywhere(own.limit));
-    *near++ = static_cast<std::uint8_t>(~far & test.paired);
-  }
-  for (std::size_t first = 0; first < w.near.size(); first += kFloats) {
+  for (const Test& test : box_tests_.tests) *next++ = near_boxes(test, posed, boxes);
+  const std::size_t of_balls = ball_tests_.tests.size(), room = w.near.size();
+  for (std::size_t first = 0; first < room; first += kFloats) {
     std::uint64_t eight;
-    std::memcpy(&eight, &w.near[first], sizeof eight);
+    std::memcpy(&eight, near + first, sizeof eight);
     for (; eight != 0; eight &= eight - 1) {
       const auto bit = static_cast<std::size_t>(__builtin_ctzll(eight)), k = first + bit / kFloats;
-      const Test& test = k < ball_tests_.size() ? ball_tests_[k] : box_tests_[k - ball_tests_.size()];
-      found(test.pairs[bit % kFloats]);
+      const Pairs& pairs = k < of_balls ? ball_tests_.pairs[k] : box_tests_.pairs[k - of_balls];
+      found(pairs[bit % kFloats]);
     }
   }
 }
