@@ -36,6 +36,7 @@ from plannercheck.checking.touching_pairs import warn_of_touching
 from plannercheck.checking.verdicts import PairCertificate
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration, read_only
+from plannercheck.common.compiled_first import compiled_first
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.threads import checked_threads
 from plannercheck.robots.kinematic_error import largest_distance
@@ -251,6 +252,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         """Like `polytopes`, with None for bodies that have not been needed so far: those of unreachable pairs."""
         return self._preparation.prepared_bodies()
 
+    @compiled_first("_judge_row", 1)
     def is_valid(self, q: Configuration) -> bool:
         """Whether one configuration is free of collision.
 
@@ -260,12 +262,8 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         Returns:
             True if no pair of bodies shares a point.
         """
-        judge = self._judge_row  # called as a method, it would be sought in the class first
-        known = judge(q)
-        if known is not None:
-            return known
-        row = self._single(q)  # it was no array of doubles, nor a list of numbers
-        known = judge(np.ascontiguousarray(row[0]))
+        row = self._single(q)  # it is no array of doubles, nor a list of numbers
+        known = self._judge_row(np.ascontiguousarray(row[0]))
         return bool(self.check_states(row)[0]) if known is None else known
 
     def state_validity(self, states: Any = None, failure: Any = None) -> Callable[[Any], bool] | None:

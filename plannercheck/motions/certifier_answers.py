@@ -7,6 +7,7 @@ proved pair and interval; or an error if rounding takes too large a part of the 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
@@ -99,7 +100,7 @@ def proofs_of(frames: Sequence[int], pairs: Ints, intervals: Floats, directions:
 
 def check_tolerance(tolerance: float) -> None:
     """Raises an error unless a tolerance is a positive length."""
-    if not 0 < tolerance < float("inf"):
+    if not (isinstance(tolerance, Real) and 0 < tolerance < float("inf")):
         raise PlannercheckError(f"tolerance must be a positive length in m, not {tolerance!r}")
 
 

@@ -15,6 +15,7 @@ from plannercheck.checking.state_checker import StateChecker
 from plannercheck.checking.verdicts import MotionVerdict
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import Configuration, contiguous
+from plannercheck.common.compiled_first import compiled_first
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath, check_path
 from plannercheck.common.public_names import set_module
@@ -56,6 +57,7 @@ class Checker(StateChecker):
         key = "motion sampler", self.excess
         return self.robot.remembered(key, lambda: MotionSampler(self.robot, self.excess))
 
+    @compiled_first("_judge_motion", 2, DEFAULT_TOLERANCE)
     def check_motion(
         self,
         q0: Configuration,
@@ -87,11 +89,11 @@ class Checker(StateChecker):
         """
         if path != "screw":
             check_path(path)
-        if resolution is None and self._kernel is not None:
-            judge = self._judge_motion
-            if judge is None:
-                judge = self._judge_motion = self.motion_certifier.judge_rows
-            known = judge(q0, q1, tolerance)
+        given = (q0, q1, tolerance)
+        if resolution is None and self._kernel is not None and not any(each is None for each in given):
+            if self._judge_motion is None:
+                self._judge_motion = self.motion_certifier.judge_rows
+            known = self._judge_motion(*given)
             if known is not None:
                 return known
         starts, ends = self._single(q0), self._single(q1)

@@ -121,7 +121,7 @@ nb::object row_validity(nb::object checker, nb::object kinematics, Columns units
     StateNumbers numbers(width);
     return listed.read(row, numbers) ? judged(numbers.data()) : nb::none();
   };
-  return nb::cpp_function(is_free, nb::arg("q").none(), plain_floats);
+  return nb::cpp_function(is_free, plain_floats);
 }
 
 // The same for sets of configurations, an (n, nq) array: an array (n,) of whether each is free, or None.

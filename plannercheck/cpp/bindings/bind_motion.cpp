@@ -184,8 +184,7 @@ nb::object motion_row_validity(nb::object certifier, nb::object kinematics, Inpu
     if (answer > static_cast<int>(MotionAnswer::kRefused)) return nb::none();
     return nb::bool_(answer == static_cast<int>(MotionAnswer::kFree));
   };
-  return nb::cpp_function(is_free, nb::arg("start").none(), nb::arg("end").none(), nb::arg("tolerance").none(),
-                          plain_floats);
+  return nb::cpp_function(is_free, plain_floats);
 }
 
 // The same for sets of motions, (n, nq) arrays of starts and of ends: an array (n,) of whether each is free, or None if

@@ -1,0 +1,34 @@
+"""Methods whose compiled twin is asked first.
+
+In: a method; the attribute in which each object keeps a compiled function of the same arguments. Out: the method, of
+which a call with positional arguments makes no frame of Python's where that function answers anything but None.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+from plannercheck.common.core import core
+
+Method = TypeVar("Method", bound=Callable[..., Any])
+
+
+def compiled_first(attribute: str, arguments: int, *values: object) -> Callable[[Method], Method]:
+    """Decorates a method.
+
+    Args:
+        attribute: Name under which an object's own dictionary has the compiled function, or None; without it, the
+            method is called.
+        arguments: Number of arguments of a call, besides the object, for which that function is asked; if one of them is
+            None, the method is called.
+        values: More arguments for it, after those of the call.
+
+    Returns:
+        The decorator. `__wrapped__` of what it returns is the method itself.
+    """
+
+    def decorated(method: Method) -> Method:
+        return cast(Method, core.CompiledFirst(method, attribute, arguments, values))
+
+    return decorated
