@@ -30,7 +30,7 @@ NEAR_FIRST = ("RRTConnect",)
 
 # The first margin, rad or m, and the iterations that it is given (measured: docs/reference/performance.md).
 FIRST_MARGIN = 0.5
-FIRST_ITERATIONS = 500
+FIRST_ITERATIONS = 1000
 
 
 def solve_near_first(setup: Any, space: JointSpace, ends: Sequence[Floats], condition: Any) -> Any:
