@@ -20,8 +20,8 @@ def compiled_first(attribute: str, arguments: int, *values: object) -> Callable[
     Args:
         attribute: Name under which an object's own dictionary has the compiled function, or None; without it, the
             method is called.
-        arguments: Number of arguments of a call, besides the object, for which that function is asked; if one of them is
-            None, the method is called.
+        arguments: Number of arguments of a call, besides the object, for which that function is asked, unless one of
+            them is None.
         values: More arguments for it, after those of the call.
 
     Returns:
