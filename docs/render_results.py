@@ -28,7 +28,7 @@ TABLES: dict[str, Callable[[], str]] = {
     for make in (
         *(peers.overview, peers.summary, peers.overview_sources, peers.states, peers.states_along_motions),
         *(peers.vamp_verdicts, peers.set_up, peers.pairs),
-        *(planning.motions, planning.plans, planning.waiting, planning.from_files),
+        *(planning.motions, planning.plans, planning.plan_sampling, planning.waiting, planning.from_files),
         *(planning.changing_scenes, inside.motions_cost, inside.hierarchies, inside.preparation),
         *(inside.complexity, inside.stages, inside.planar, inside.clearance, inside.switches, inside.scale),
         *(inside.ndim_rounds, inside.ndim_speed, inside.motions_missed, inside.planar_motions_missed),

@@ -1,7 +1,8 @@
 """Tables of what planners and their users wait for, in Markdown, from docs/results: motions, plans, set-up.
 
-In: files of results, written by `plannercheck bench motions`, `plans` and `setup`. Out: text for `render_results.py`,
-under each table the command, the date, the commit and the machine that its figures come from.
+In: files of results, written by `plannercheck bench motions`, `plans` and `setup`, and by
+tests/benchmarks/plan_sampling.py. Out: text for `render_results.py`, under each table the command, the date, the commit
+and the machine that its figures come from.
 """
 
 from __future__ import annotations
@@ -81,6 +82,33 @@ def plans() -> str:
     )
     header = ("set", "planner", "median ms", "mean ms", "whole call, median ms", "solved", "plans that collide")
     return table((*header, "deepest, median mm", "at most"), lines) + f"\n{told}\n" + provenance(found)
+
+
+def plan_sampling() -> str:
+    """Searches that sample everywhere, and near start and goal first, with several ranges; a column for each set."""
+    found = record("plan_sampling")
+    rows = {(row["sampling"], row["range"], row["set"]): row for row in found["rows"]}
+    sets = list(dict.fromkeys(name for _, _, name in rows))
+    settings = list(dict.fromkeys(key[:2] for key in rows))
+    fields = ("median_ms", "mean_ms", "shortened")
+    lines = [
+        [samples, number(longest)]
+        + [", ".join(number(rows[samples, longest, name][field]) for field in fields) for name in sets]
+        for samples, longest in settings
+    ]
+    solved = [
+        [samples, number(longest)]
+        + [f"{row['solved']} of {row['tried']}" for name in sets for row in [rows[samples, longest, name]]]
+        for samples, longest in settings
+    ]
+    heads = [name.removesuffix("_panda") for name in sets]
+    return (
+        table(["samples", "range, rad", *heads], lines)
+        + "\n"
+        + table(["solved: samples", "range, rad", *heads], solved)
+        + "\n"
+        + provenance(found)
+    )
 
 
 def waiting() -> str:
