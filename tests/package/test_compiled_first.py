@@ -122,8 +122,18 @@ def test_what_asks_a_method_what_it_is_hears_of_the_function() -> None:
     assert inspect.ismethod(Doubling().doubled)
     assert "Twice a number." in pydoc.render_doc(Doubling)
     assert method.__wrapped__(Doubling(answers_to_whole_numbers), 3) == 6
+    assert repr(method) == repr(method.__wrapped__)
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = method.nothing
+
+
+def test_weak_references_to_methods() -> None:
+    doubling = Doubling(answers_to_whole_numbers)
+    weak = weakref.WeakMethod(doubling.doubled)
+    assert weak()(3) == ("twin", 3)
+    assert weakref.ref(Doubling.doubled)() is Doubling.doubled
+    del doubling
+    assert weak() is None
 
 
 def test_pickles_go_by_name(checker: pc.Checker) -> None:

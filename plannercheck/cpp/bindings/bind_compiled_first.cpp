@@ -30,6 +30,7 @@ struct CompiledFirst {
   PyObject_HEAD vectorcallfunc call;
   PyObject *function, *attribute, *values;
   Py_ssize_t arguments;
+  PyObject* weak_references;
 };
 
 CompiledFirst* of(PyObject* self) { return reinterpret_cast<CompiledFirst*>(self); }
@@ -115,6 +116,7 @@ int clear(PyObject* self) {
 void dealloc(PyObject* self) {
   PyTypeObject* const type = Py_TYPE(self);
   PyObject_GC_UnTrack(self);
+  if (of(self)->weak_references != nullptr) PyObject_ClearWeakRefs(self);
   clear(self);
   type->tp_free(self);
   Py_DECREF(type);
@@ -135,6 +137,8 @@ PyObject* attribute_of(PyObject* self, PyObject* name) {
 // Some ask for it as if it were any object's.
 PyObject* documentation(PyObject* self, void*) { return PyObject_GetAttrString(of(self)->function, "__doc__"); }
 
+PyObject* described(PyObject* self) { return PyObject_Repr(of(self)->function); }
+
 PyObject* reduced(PyObject* self, PyObject*) { return PyObject_GetAttrString(of(self)->function, "__qualname__"); }
 
 PyGetSetDef properties[] = {{"__doc__", &documentation, nullptr, nullptr, nullptr},
@@ -142,8 +146,10 @@ PyGetSetDef properties[] = {{"__doc__", &documentation, nullptr, nullptr, nullpt
 
 PyMethodDef methods[] = {{"__reduce__", &reduced, METH_NOARGS, nullptr}, {nullptr, nullptr, 0, nullptr}};
 
-PyMemberDef members[] = {{"__vectorcalloffset__", T_PYSSIZET, offsetof(CompiledFirst, call), READONLY, nullptr},
-                         {nullptr, 0, 0, 0, nullptr}};
+PyMemberDef members[] = {
+    {"__vectorcalloffset__", T_PYSSIZET, offsetof(CompiledFirst, call), READONLY, nullptr},
+    {"__weaklistoffset__", T_PYSSIZET, offsetof(CompiledFirst, weak_references), READONLY, nullptr},
+    {nullptr, 0, 0, 0, nullptr}};
 
 template <class Function>
 void* slot(Function* function) {
@@ -158,6 +164,7 @@ void bind_compiled_first(nb::module_& m) {
                                 {Py_tp_traverse, slot(&traverse)},
                                 {Py_tp_clear, slot(&clear)},
                                 {Py_tp_call, slot(&PyVectorcall_Call)},
+                                {Py_tp_repr, slot(&described)},
                                 {Py_tp_descr_get, slot(&bound_to)},
                                 {Py_tp_getattro, slot(&attribute_of)},
                                 {Py_tp_members, members},

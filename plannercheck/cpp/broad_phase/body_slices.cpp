@@ -6,7 +6,8 @@ namespace plannercheck {
 namespace {
 
 // Slices have to leave so many pairs fewer a single state: posing and testing them takes as long (measured).
-constexpr double kWorthSlicing = 0.25;
+// In blocks, where all states share a pair's test, they have to leave more.
+constexpr double kWorthSlicing = 0.25, kWorthSlicingInBlocks = 1;
 
 Vec3 posed_centre(const BoundingBall& ball, const double* link) {
   const double x = ball.centre[0], y = ball.centre[1], z = ball.centre[2];
@@ -20,18 +21,18 @@ bool meet(const BoundingBall& a, const BoundingBall& b, const double* links) {
   return dot(way, way) <= radii * radii;
 }
 
-// In how many pairs a mover's ball meets the other one, but no slice does, in all states together.
-std::size_t saved(std::int32_t mover, const std::vector<BoundingBall>& slices, const std::vector<BoundingBall>& balls,
-                  const std::vector<MovingPair>& pairs, const SampledPoses& sampled) {
+// In how many pairs a mover's ball meets one of some others, but no slice does, in all states together.
+std::size_t saved(const BoundingBall& whole, const std::vector<BoundingBall>& slices,
+                  const std::vector<const BoundingBall*>& others, const SampledPoses& sampled) {
   std::size_t count = 0;
   for (std::size_t state = 0; state < sampled.states; ++state) {
     const double* const links = &sampled.poses[state * (sampled.poses.size() / sampled.states)];
-    for (const MovingPair& pair : pairs) {
-      if (pair.a != mover && pair.b != mover) continue;
-      const BoundingBall& other = balls[at(pair.a == mover ? pair.b : pair.a)];
-      const bool meets_slice = std::any_of(slices.begin(), slices.end(),
-                                           [&](const BoundingBall& slice) { return meet(slice, other, links); });
-      count += !meets_slice && meet(balls[at(mover)], other, links) ? 1 : 0;
+    for (const BoundingBall* other : others) {
+      if (!meet(whole, *other, links)) continue;
+      count += std::none_of(slices.begin(), slices.end(),
+                            [&](const BoundingBall& slice) { return meet(slice, *other, links); })
+                   ? 1
+                   : 0;
     }
   }
   return count;
@@ -42,13 +43,19 @@ std::size_t saved(std::int32_t mover, const std::vector<BoundingBall>& slices, c
 std::vector<BodySlices> body_slices(const std::vector<const GeometryObject*>& objects,
                                     const std::vector<BoundingBall>& balls, const std::vector<MovingPair>& pairs,
                                     const SampledPoses& sampled) {
+  std::vector<std::vector<const BoundingBall*>> others(objects.size());  // with which each mover has a pair
+  for (const MovingPair& pair : pairs) {
+    others[at(pair.a)].push_back(&balls[at(pair.b)]);
+    others[at(pair.b)].push_back(&balls[at(pair.a)]);
+  }
   std::vector<BodySlices> out(objects.size());
   for (std::size_t m = 0; m < objects.size(); ++m) {
+    if (sampled.states == 0 || others[m].empty()) continue;
     std::vector<BoundingBall> slices = slice_balls(*objects[m]);
-    if (slices.empty() || sampled.states == 0) continue;
-    const auto fewer = static_cast<double>(saved(static_cast<std::int32_t>(m), slices, balls, pairs, sampled)) /
-                       static_cast<double>(sampled.states);
-    if (fewer > kWorthSlicing) out[m] = {std::move(slices), fewer};
+    if (slices.empty()) continue;
+    const auto fewer =
+        static_cast<double>(saved(balls[m], slices, others[m], sampled)) / static_cast<double>(sampled.states);
+    if (fewer > kWorthSlicing) out[m] = {std::move(slices), fewer > kWorthSlicingInBlocks};
   }
   return out;
 }

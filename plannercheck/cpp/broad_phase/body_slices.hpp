@@ -22,7 +22,7 @@ struct MovingPair {
 // Those of one mover; none if it is not long, or not worth slicing.
 struct BodySlices {
   std::vector<BoundingBall> balls;
-  double fewer_pairs = 0;  // a state, on average, whose bodies may touch
+  bool pay_in_blocks = false;  // also for states that are judged together
 };
 
 // By mover. `objects`: the movers.

@@ -11,10 +11,6 @@ namespace {
 // Of posing an obstacle's vertices in doubles: three products and sums.
 constexpr double kVertexError = 8 * 0x1p-53;
 
-// In blocks, slices have to leave more pairs fewer a state than where states are single (measured): there, a pair's
-// test is shared by all states of the block.
-constexpr double kWorthSlicingInBlocks = 1;
-
 // No box is looked at before these filters' own tests.
 bool is_unboxed(const GeometryObject& object) { return object.body->half_space || HeightFilter::is_for(object); }
 
@@ -105,8 +101,7 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   std::vector<std::vector<BoundingBall>> slices;
   for (BodySlices& of_mover : body_slices(objects, movers_, moving_pairs_, *sampled_)) {
     first_slice_.push_back(slices_.size());
-    if (of_mover.fewer_pairs > kWorthSlicingInBlocks)
-      slices_.insert(slices_.end(), of_mover.balls.begin(), of_mover.balls.end());
+    if (of_mover.pay_in_blocks) slices_.insert(slices_.end(), of_mover.balls.begin(), of_mover.balls.end());
     slices.push_back(std::move(of_mover.balls));
   }
   first_slice_.push_back(slices_.size());
