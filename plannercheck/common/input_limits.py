@@ -58,7 +58,7 @@ def check_yaml(text: bytes | str) -> None:
     try:
         _check_events(text)
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        if _PARSER_SAYS in str(error) and INPUT_LIMITS.depth < PARSERS_DEPTH:
+        if _PARSER_SAYS in str(getattr(error, "problem", None)) and INPUT_LIMITS.depth <= PARSERS_DEPTH:
             raise _too_deep() from None
         # Who parses it will say what is wrong.
 

@@ -7,7 +7,6 @@ proved pair and interval; or an error if rounding takes too large a part of the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
@@ -100,7 +99,11 @@ def proofs_of(frames: Sequence[int], pairs: Ints, intervals: Floats, directions:
 
 def check_tolerance(tolerance: float) -> None:
     """Raises an error unless a tolerance is a positive length."""
-    if not (isinstance(tolerance, Real) and 0 < tolerance < float("inf")):
+    try:
+        is_length = np.ndim(tolerance) == 0 and bool(0 < tolerance < float("inf"))
+    except TypeError:
+        is_length = False
+    if not is_length:
         raise PlannercheckError(f"tolerance must be a positive length in m, not {tolerance!r}")
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -27,7 +30,9 @@ def test_ends_that_are_none_are_named(warm: bool, ends: tuple[object, object]) -
         checker.check_motion(*ends)
 
 
-@pytest.mark.parametrize("tolerance", [None, "1e-4", np.array([1e-4]), -1.0, 0, float("nan"), 1j])
+@pytest.mark.parametrize(
+    "tolerance", [None, "1e-4", b"1", np.array([1e-4]), np.array([1e-4, 1]), [1e-4], -1.0, 0, float("nan"), 1j]
+)
 def test_tolerances_that_are_none_are_named(checker: pc.Checker, tolerance: object) -> None:
     calls = (checker.check_motion, checker.explain_motion)
     for call in calls:
@@ -37,7 +42,9 @@ def test_tolerances_that_are_none_are_named(checker: pc.Checker, tolerance: obje
         checker.check_motions(Q[None], Q[None], tolerance=tolerance)
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, np.float64(1e-3), np.float32(1e-3), 1])
+@pytest.mark.parametrize(
+    "tolerance", [1e-3, np.float64(1e-3), np.float32(1e-3), np.array(1e-3), Decimal("0.001"), Fraction(1, 1000), 1]
+)
 def test_tolerances_of_any_kind_of_real_number(checker: pc.Checker, tolerance: float) -> None:
     ends = checker.robot.random_configurations(60, seed=1), checker.robot.random_configurations(60, seed=2)
     free = checker.check_motions(*ends, tolerance=float(tolerance))

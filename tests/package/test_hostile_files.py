@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 import plannercheck as pc
 from plannercheck.common import input_limits
@@ -85,6 +86,12 @@ def test_limits_can_be_set(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(input_limits.INPUT_LIMITS, "depth", 140)
     with pytest.raises(pc.PlannercheckError, match="deeper than 140 levels"):
         parse_yaml(text)
+
+
+@pytest.mark.parametrize("loader", [yaml.SafeLoader, getattr(yaml, "CSafeLoader", yaml.SafeLoader)])
+def test_text_about_nesting_is_not_nested(loader: type, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(input_limits, "_PARSER", loader)
+    input_limits.check_yaml("a: &x 1\nb: *x\nc: [maximum nesting depth: }")
 
 
 def test_aliases_that_repeat_little_are_welcome() -> None:
