@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import GeometryObject
+from plannercheck.checking.apart_cells import PairsInCells
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import read_only
@@ -64,6 +65,7 @@ class CompiledPairs:
         pairs: Ints,
         rows: NDArray[np.int64] | None = None,
         limits: tuple[Floats, Floats] | None = None,
+        in_cells: Sequence[PairsInCells] = (),
     ) -> None:
         """Prepares the bodies and compiles.
 
@@ -72,6 +74,7 @@ class CompiledPairs:
             pairs: (n, 2) indices of bodies.
             rows: The rows of `pairs` to compile; None for all.
             limits: Least and largest configuration (nq,) that the core may judge with these pairs; None for no limits.
+            in_cells: Cells in which some of the compiled pairs, by their index there, are apart within the limits.
         """
         robot = source.robot
         self.rows = np.arange(len(pairs)) if rows is None else rows
@@ -98,6 +101,7 @@ class CompiledPairs:
             upper,
             *source.options,
             robot.remembered("sampled poses", lambda: core.sampled_poses(robot.sampled_link_poses)),
+            [(each.cells, each.pairs) for each in in_cells],
         )
 
     def to_table_rows(self, first: Ints) -> Ints:

@@ -8,12 +8,13 @@ beyond the limits, or a given pose, first needs it.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.checking.apart_cells import PairsInCells
 from plannercheck.checking.compiled_pairs import CompiledPairs, PairSource, body_placements
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration
@@ -22,7 +23,7 @@ from plannercheck.common.counters import sum_counters
 from plannercheck.robots.unit_lengths import UNIT_TOLERANCE
 
 JudgeOfRow: TypeAlias = Callable[[Configuration], bool | None]
-JudgeOfSet: TypeAlias = Callable[[Any], NDArray[np.uint8] | None]
+JudgeOfSet: TypeAlias = Callable[[Any, int], NDArray[np.uint8] | None]
 
 
 class CompiledTables:
@@ -30,21 +31,25 @@ class CompiledTables:
 
     Attributes:
         limits: Least and largest configuration, (nq,) each: between them only pairs of `within_limits` can collide.
-            None: these are the only pairs that can collide at any configuration.
+            None: these are the only pairs that can collide at any configuration, and none is in cells.
         within_limits: The pairs that can meet within the limits.
     """
 
-    def __init__(self, source: PairSource, pairs: Ints, unreachable: Bools) -> None:
+    def __init__(
+        self, source: PairSource, pairs: Ints, unreachable: Bools, in_cells: Sequence[PairsInCells] = ()
+    ) -> None:
         """Compiles the pairs that can meet within the limits.
 
         Args:
             source: The inputs of both tables.
             pairs: (k, 2) indices of bodies.
             unreachable: (k,) which of them can't meet at any configuration within the robot's limits.
+            in_cells: Cells in which others of them are apart, by their index among these others.
         """
         self._source, self._pairs = source, pairs
-        self.limits = (source.robot.lower, source.robot.upper) if unreachable.any() else None
-        self.within_limits = CompiledPairs(source, pairs, np.flatnonzero(~unreachable), self.limits)
+        is_within_limits = unreachable.any() or len(in_cells) > 0
+        self.limits = (source.robot.lower, source.robot.upper) if is_within_limits else None
+        self.within_limits = CompiledPairs(source, pairs, np.flatnonzero(~unreachable), self.limits, in_cells)
         self._all_pairs: CompiledPairs | None = self.within_limits if self.limits is None else None
         self._lock = threading.RLock()  # re-entrant: a finaliser may run, and ask, while this thread compiles
 
@@ -93,7 +98,7 @@ class CompiledTables:
         return beyond
 
     def judges(self, kernel: Any | None) -> tuple[JudgeOfRow, JudgeOfSet]:
-        """Compiled judges of a row (nq,) and of sets (n, nq), 1 for free; None for all that needs care.
+        """Compiled judges of a row (nq,) and of sets (n, nq) on some threads, 1 for free; None for all that needs care.
 
         `kernel` poses the links.
         """
@@ -136,5 +141,5 @@ class CompiledTables:
         return {"states": counted.pop("states"), "pairs": counted.pop("pairs"), "unreachable": unreachable, **counted}
 
 
-def _never_known(q: Configuration) -> None:
+def _never_known(q: Configuration, threads: int = 1) -> None:
     """For robots that the kernel does not pose."""

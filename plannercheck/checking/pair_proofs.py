@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import GeometryObject
+from plannercheck.checking.apart_cells import PairsInCells
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.checking.robot_reach import RobotReach, reach_of
 from plannercheck.checking.unreachable_pairs import UnreachablePairs, stays_apart, unreachable_pairs
@@ -131,6 +132,25 @@ class MeetingProofs:
         apart = apart.copy()
         apart[near] = at_rest
         return apart, static
+
+    def in_cells(self, pairs: Ints) -> tuple[PairsInCells, ...]:
+        """Cells of the joints of the robot in which pairs (k, 2) are apart, for those for which they pay."""
+        reach = self._reach
+        if reach is None or not self._is_compiled:
+            return ()
+        rows = np.flatnonzero((pairs < self._own).all(axis=1))
+        own, bodies = pairs[rows], tuple(self._bodies[: self._own])
+        key = ("cells", bodies, self._preparation.paddings[: self._own].tobytes(), self._preparation.excess)
+        found = self._robot.remembered(
+            (*key, own.tobytes()), lambda: reach.in_cells(own, self._preparation.polytope, self._sampled_poses)
+        )
+        return tuple(each.of(rows) for each in found)
+
+    def _sampled_poses(self) -> Floats:
+        """(n, bodies, 4, 4) of the bodies on links in sampled states, m."""
+        own = self._bodies[: self._own]
+        links = [self._robot.link_index(str(body.link)) for body in own]
+        return np.asarray(self._robot.sampled_link_poses[:, links] @ np.array([body.pose for body in own]))
 
     def _of_obstacles(self, pairs: Ints, static: Bools) -> Bools:
         """Of pairs (k, 2) of a body on a link and an obstacle."""

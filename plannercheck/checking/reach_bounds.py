@@ -190,6 +190,21 @@ class Chains:
             common += 1
         return first[common:], second[common:]
 
+    def whole_cut(self, a: int, b: int) -> Cut | None:
+        """The columns on which the relative pose of two bodies depends; None if there are none, or too many to cut."""
+        joints = [joint for branch in self.branches(a, b) for joint in branch]
+        if not joints or not all(self._can_be_cut[joint] for joint in joints):
+            return None
+        columns = tuple(sorted({self._column(joint) for joint in joints}))
+        spans = self.robot.upper[list(columns)] - self.robot.lower[list(columns)]
+        return columns if len(columns) <= MOST_COLUMNS and (spans > 0).all() else None
+
+    def add_to(self, key: Any) -> None:
+        """Adds all that poses and lengths depend on, besides the bodies' hulls, to a hash."""
+        for part in (*self._frames, self.robot.lower, self.robot.upper, self._base):
+            array = np.ascontiguousarray(part)
+            key.update(repr((array.dtype.str, array.shape)).encode() + array.tobytes())
+
     @property
     def count(self) -> int:
         """How many of the bodies are on links."""

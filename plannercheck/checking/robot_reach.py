@@ -13,7 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, InflatedHull
+from plannercheck.checking.apart_cells import PairsInCells, pairs_in_cells
 from plannercheck.checking.reach_bounds import Boxes, Chains
 from plannercheck.checking.unreachable_pairs import MARGIN, RELATIVE, apart_among_links, sizes_of
 from plannercheck.common.array_types import Bools, Floats, Ints
@@ -77,6 +79,17 @@ class RobotReach:
         apart[is_new] = apart_among_links(self._chains, pairs[is_new])
         apart[~is_new] = self._carrier.own_pairs(pairs[~is_new])[0]
         return apart
+
+    def in_cells(
+        self, pairs: Ints, polytopes: Callable[[int], Polytope], sampled: Callable[[], Floats]
+    ) -> tuple[PairsInCells, ...]:
+        """Cells in which pairs (k, 2) of these bodies are apart, see `pairs_in_cells`; none for carried bodies."""
+        own = self.carrier_count or self._chains.count
+        rows = np.flatnonzero((pairs < own).all(axis=1))
+        if not self.is_proved or not len(rows):
+            return ()
+        found = pairs_in_cells(self._chains, pairs[rows], polytopes, sampled)
+        return tuple(each.of(rows) for each in found)
 
     @property
     def carrier_count(self) -> int:

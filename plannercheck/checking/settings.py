@@ -35,6 +35,8 @@ class CheckerSwitches:
             the heights under a body settle sets of parts. Off, each part is tested by itself, as a body of its own.
         middle_states: The middle states of several motions are judged first, together; then the ends, where these often
             collide.
+        sorted_states: Like states of a set are judged together.
+        apart_cells: Pairs whose relative pose depends on one or two joints are looked up in cells proved apart.
     """
 
     pair: Switches = field(default_factory=Switches)
@@ -46,10 +48,20 @@ class CheckerSwitches:
     static_poses: bool = True
     middle_states: bool = True
     part_trees: bool = True
+    sorted_states: bool = True
+    apart_cells: bool = True
 
     def core_options(self) -> tuple[Any, ...]:
         """The switches in the order in which core.Checker takes them."""
-        return self.pair.pair_options(), self.bounds, self.boxes, self.overlaps, self.learning, self.part_trees
+        return (
+            self.pair.pair_options(),
+            self.bounds,
+            self.boxes,
+            self.overlaps,
+            self.learning,
+            self.part_trees,
+            self.sorted_states,
+        )
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,7 @@ from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.compiled_first import compiled_first
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.threads import checked_threads
+from plannercheck.common.threads import MOST_THREADS, checked_threads
 from plannercheck.robots.kinematic_error import largest_distance
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
@@ -100,6 +100,8 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         static_poses: bool = True,
         middle_states: bool = True,
         part_trees: bool = True,
+        sorted_states: bool = True,
+        apart_cells: bool = True,
     ) -> None:
         """Prepares all bodies (through the disk cache) and the pair table.
 
@@ -140,7 +142,17 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
             dents=dents,
         )
         switches = CheckerSwitches(
-            test, bounds, boxes, overlaps, learning, reach, static_poses, middle_states, part_trees
+            test,
+            bounds,
+            boxes,
+            overlaps,
+            learning,
+            reach,
+            static_poses,
+            middle_states,
+            part_trees,
+            sorted_states,
+            apart_cells,
         )
         self._settings = Settings(alone, self_collision, padding, acm, kinematics, bodies, switches)
         self._prepare(scene if scene is not None else Scene("empty"), None)
@@ -186,7 +198,9 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         return MeetingProofs(self.robot, self.bodies, self._preparation, self._kernel is not None, earlier)
 
     def _compile(self) -> None:
-        self._tables = CompiledTables(self._pair_source(), self.pairs, self.unreachable)
+        is_wanted = self._settings.switches.apart_cells
+        in_cells = self._proofs.in_cells(self.pairs[~self.unreachable]) if is_wanted else ()
+        self._tables = CompiledTables(self._pair_source(), self.pairs, self.unreachable, in_cells)
         self._judge_row, self._judge_set = self._tables.judges(self._kernel)
         # A dictionary of its own: attributes in one whose keys all checkers share take Python 3.11 four times as long.
         self.__dict__ = dict(self.__dict__)
@@ -290,8 +304,10 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         Returns:
             (n,), True means valid.
         """
-        if type(threads) is int and threads == 1 and (known := self._judge_set(q)) is not None:
-            return known.view(bool)
+        if type(threads) is int and threads >= 1:
+            known = self._judge_set(q, min(threads, MOST_THREADS))
+            if known is not None:
+                return known.view(bool)
         rows = self.robot.check_configurations(q)
         threads = checked_threads(threads, len(rows))
         if self._kernel is None:

@@ -161,9 +161,9 @@ class MotionCertifier:
         return judge
 
     @cached_property
-    def judge_sets(self) -> Callable[[Any, Any, float], NDArray[np.uint8] | None]:
-        """The same of sets of motions, between arrays (n, nq): (n,) 1 for free."""
-        judge: Callable[[Any, Any, float], NDArray[np.uint8] | None]
+    def judge_sets(self) -> Callable[[Any, Any, float, int], NDArray[np.uint8] | None]:
+        """The same of sets of motions, between arrays (n, nq), on a number of threads: (n,) 1 for free."""
+        judge: Callable[[Any, Any, float, int], NDArray[np.uint8] | None]
         judge = self._compiled_judge(core.motion_set_validity)
         return judge
 
@@ -302,7 +302,7 @@ class MotionCertifier:
         return sum_counters(part.core.statistics() for part in parts)
 
 
-def _never_known(_start: Configuration, _end: Configuration, _tolerance: float) -> None:
+def _never_known(_start: Configuration, _end: Configuration, _tolerance: float, _threads: int = 1) -> None:
     """For robots whose motions all need care."""
 
 

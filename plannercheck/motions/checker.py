@@ -19,7 +19,7 @@ from plannercheck.common.compiled_first import compiled_first
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath, check_path
 from plannercheck.common.public_names import set_module
-from plannercheck.common.threads import checked_threads
+from plannercheck.common.threads import MOST_THREADS, checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE, JudgeMotion, MotionCertifier
 from plannercheck.motions.certifier_pairs import MotionSwitches
 from plannercheck.motions.explanation import explained_motion
@@ -127,8 +127,8 @@ class Checker(StateChecker):
             (n,), True means free.
         """
         check_path(path)
-        if resolution is None and type(threads) is int and threads == 1 and self._kernel is not None:
-            known = self.motion_certifier.judge_sets(q0, q1, tolerance)
+        if resolution is None and type(threads) is int and threads >= 1 and self._kernel is not None:
+            known = self.motion_certifier.judge_sets(q0, q1, tolerance, min(threads, MOST_THREADS))
             if known is not None:
                 return known.view(bool)
         starts, ends = self._motion_ends(q0, q1)

@@ -1,6 +1,7 @@
 // The checker in Python: batches of configurations, with the GIL released, on any number of threads.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
@@ -36,10 +37,12 @@ class BoundChecker : public Pooled<CheckerCore> {
   BoundChecker(std::vector<std::shared_ptr<Polytope>> bodies, InputArray<std::int32_t, -1> links,
                InputArray<double, -1, 4, 4> placements, InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count,
                InputArray<double, -1> lower, InputArray<double, -1> upper, const PairOptions& options, bool bounds,
-               bool boxes, bool overlaps, bool learning, bool part_trees, std::shared_ptr<SampledPoses> sampled)
+               bool boxes, bool overlaps, bool learning, bool part_trees, bool sorted_states,
+               std::shared_ptr<SampledPoses> sampled,
+               const std::vector<std::pair<std::shared_ptr<ApartCells>, InputArray<std::int32_t, -1>>>& in_cells)
       : Pooled(geometry_objects(bodies, links, placements), pairs_from(pairs), link_count,
-               CheckerOptions{options, bounds, boxes, overlaps, learning, part_trees},
-               of_links(std::move(sampled), link_count)),
+               CheckerOptions{options, bounds, boxes, overlaps, learning, part_trees, sorted_states},
+               of_links(std::move(sampled), link_count), pairs_in_cells(in_cells, pairs.shape(0))),
         limits_({lower.data(), lower.data() + lower.shape(0)}, {upper.data(), upper.data() + upper.shape(0)}) {}
 
   // The limits that hold for this checker's choice of pairs: what is within may be judged.
@@ -78,6 +81,23 @@ class BoundChecker : public Pooled<CheckerCore> {
     std::vector<GeometryObject> out;
     for (std::size_t i = 0; i < bodies.size(); ++i)
       out.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
+    return out;
+  }
+
+  static std::vector<PairsInCells> pairs_in_cells(
+      const std::vector<std::pair<std::shared_ptr<ApartCells>, InputArray<std::int32_t, -1>>>& given,
+      std::size_t pairs) {
+    std::vector<PairsInCells> out;
+    for (const auto& [cells, numbers] : given) {
+      PairsInCells& own = out.emplace_back();
+      own.cells = cells;
+      own.pairs.fill(-1);
+      for (std::size_t bit = 0; bit < own.pairs.size() && bit < numbers.shape(0); ++bit) {
+        own.pairs[bit] = numbers(bit);
+        if (numbers(bit) >= static_cast<std::int32_t>(pairs))
+          throw std::invalid_argument("a pair in cells is none of the checker's");
+      }
+    }
     return out;
   }
 
@@ -130,15 +150,15 @@ nb::object set_validity(nb::object checker, nb::object kinematics, Columns units
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
   const auto width = static_cast<std::size_t>(kernel->width());
   const auto are_free = [checker, kinematics, judge, kernel, width, array = NumpyArray(),
-                         lengths = UnitParts(units, tolerance)](nb::handle rows) -> nb::object {
+                         lengths = UnitParts(units, tolerance)](nb::handle rows, int threads) -> nb::object {
     const NumpyRows q(array, rows, width);
     if (q.n == 0 || !judge->limits().hold(q.data, q.n) || !lengths.are_unit(q.data, q.n, width)) return nb::none();
     return nb::cast(judge->of_rows<std::uint8_t>(
-        q.n, 1, [&](std::size_t, std::size_t n, std::uint8_t* valid, CheckerCore::Workspace& w) {
-          judge->core().check_states(*kernel, q.data, n, valid, w);
+        q.n, threads, [&](std::size_t row, std::size_t n, std::uint8_t* valid, CheckerCore::Workspace& w) {
+          judge->core().check_states(*kernel, q.data + row * width, n, valid, w);
         }));
   };
-  return nb::cpp_function(are_free, nb::arg("q").none(), plain_floats);
+  return nb::cpp_function(are_free, nb::arg("q").none(), nb::arg("threads"), plain_floats);
 }
 
 // A function that OMPL calls with states, read by `states`, as rows if that is null (ompl_states.hpp). It passes states
@@ -242,7 +262,8 @@ void bind_checker(nb::module_& m) {
   nb::class_<BoundChecker>(m, "Checker")
       .def(nb::init<std::vector<std::shared_ptr<Polytope>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
                     InputArray<std::int32_t, -1, 2>, std::int32_t, InputArray<double, -1>, InputArray<double, -1>,
-                    const PairOptions&, bool, bool, bool, bool, bool, std::shared_ptr<SampledPoses>>(),
+                    const PairOptions&, bool, bool, bool, bool, bool, bool, std::shared_ptr<SampledPoses>,
+                    const std::vector<std::pair<std::shared_ptr<ApartCells>, InputArray<std::int32_t, -1>>>&>(),
            plain_floats)
       .def("first_of_states", &first_of_states, plain_floats)
       .def("check_states", &check_states, plain_floats)

@@ -112,9 +112,24 @@ nb::tuple clearances(const std::vector<std::shared_ptr<Polytope>>& bodies, Input
   return nb::make_tuple(output_array(distances, {n}), output_array(nearest, {n}));
 }
 
+// (n,) lower bounds of the distance of hulls, after some steps: cheap where bodies overlap, too.
+auto distance_bounds(const Polytope& a, PoseRows poses_a, const Polytope& b, PoseRows poses_b, int rounds) {
+  const std::size_t n = std::max(poses_a.shape(0), poses_b.shape(0));
+  std::vector<double> lower(n);
+  without_gil([&] {
+    PairCounters counters;
+    for (std::size_t i = 0; i < n; ++i) {
+      poll_interruption();
+      lower[i] = distance_bound({&a, pose_at(poses_a, i)}, {&b, pose_at(poses_b, i)}, rounds, counters);
+    }
+  });
+  return output_array(lower, {n});
+}
+
 }  // namespace
 
 void bind_distance(nb::module_& m) {
+  m.def("distance_bounds", &distance_bounds, plain_floats);
   m.def("distance_batch", &distance_batch, plain_floats);
   m.def("clearances", &clearances, plain_floats);
 }

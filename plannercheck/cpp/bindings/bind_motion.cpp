@@ -5,6 +5,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -195,8 +196,8 @@ nb::object motion_set_validity(nb::object certifier, nb::object kinematics, Inpu
   auto* bound = nb::cast<BoundCertifier*>(certifier);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
   const auto are_free = [certifier, kinematics, bound, kernel, angles, array = NumpyArray(),
-                         range = error_range(low, high, kinematic_error)](nb::handle starts, nb::handle ends,
-                                                                          nb::handle length) -> nb::object {
+                         range = error_range(low, high, kinematic_error)](
+                            nb::handle starts, nb::handle ends, nb::handle length, int threads) -> nb::object {
     const std::size_t width = range.low.size();
     const NumpyRows from(array, starts, width), to(array, ends, width);
     if (from.n == 0 || from.n != to.n || !PyFloat_Check(length.ptr())) return nb::none();
@@ -211,19 +212,20 @@ nb::object motion_set_validity(nb::object certifier, nb::object kinematics, Inpu
       for (const std::size_t k : angles) known &= std::abs(q1[k] - q0[k]) <= kNearlyHalfTurn;
       if (!known) return nb::none();
     }
-    bool answered = true;
+    std::atomic<bool> answered{true};
     const auto free = bound->of_rows<std::uint8_t>(
-        from.n, 1, [&](std::size_t, std::size_t n, std::uint8_t* answers, MotionCertifier::Workspace& w) {
-          bound->core().check(*kernel, from.data, to.data, n, tolerance, range.error, answers, w);
+        from.n, threads, [&](std::size_t row, std::size_t n, std::uint8_t* answers, MotionCertifier::Workspace& w) {
+          const double *q0 = from.data + row * width, *q1 = to.data + row * width;
+          bound->core().check(*kernel, q0, q1, n, tolerance, range.error, answers, w);
           for (std::size_t i = 0; i < n; ++i) {
-            answered &= answers[i] <= static_cast<std::uint8_t>(MotionAnswer::kRefused);
+            if (answers[i] > static_cast<std::uint8_t>(MotionAnswer::kRefused)) answered = false;
             answers[i] = answers[i] == static_cast<std::uint8_t>(MotionAnswer::kFree) ? 1 : 0;
           }
         });
     return answered ? nb::cast(free) : nb::none();
   };
   return nb::cpp_function(are_free, nb::arg("starts").none(), nb::arg("ends").none(), nb::arg("tolerance").none(),
-                          plain_floats);
+                          nb::arg("threads"), plain_floats);
 }
 
 // See `explained_motion`; with proofs if wanted.

@@ -1,7 +1,9 @@
 // Cells of reach in Python: they come as arrays from plannercheck/checking/robot_reach.py.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -11,6 +13,7 @@
 #include "bindings/long_calls.hpp"
 #include "bindings/module.hpp"
 #include "bindings/plain_floats.hpp"
+#include "broad_phase/apart_cells.hpp"
 #include "checking/reach_cells.hpp"
 
 namespace nb = nanobind;
@@ -60,9 +63,20 @@ auto clear_of(const ReachCells& cells, InputArray<double, -1, 4, 4> poses, Input
   return output_array(clear, {bodies, n});
 }
 
+// may_meet: (cells of the first number, of the second), a bit for each pair.
+ApartCells apart_cells(const std::array<std::size_t, 2>& columns, const std::array<double, 2>& low,
+                       const std::array<double, 2>& per_unit, InputArray<std::uint8_t, -1, -1> may_meet) {
+  const auto of = [&](std::size_t k) {
+    return CellsOfColumn{columns[k], low[k], per_unit[k], static_cast<int>(may_meet.shape(k))};
+  };
+  return {{of(0), of(1)}, {may_meet.data(), may_meet.data() + may_meet.size()}};
+}
+
 }  // namespace
 
 void bind_reach(nb::module_& m) {
+  nb::class_<ApartCells>(m, "ApartCells");
+  m.def("apart_cells", &apart_cells, plain_floats);
   nb::class_<ReachCells>(m, "ReachCells").def("clear_of", &clear_of, plain_floats);
   m.def("reach_cells", &reach_cells, plain_floats);
 }

@@ -47,19 +47,27 @@ class Pooled {
   }
 
   // An array of a value for each of n rows, without the GIL: work(first row, how many, their values, workspace).
-  // Several threads take rows by and by: one that starts late, or whose core has other work, leaves the others more.
+  // Several threads take shares of the rows that are left, which get smaller: sets are judged faster where they are
+  // larger, and a thread that starts late, or whose core has other work, leaves the others more.
   template <class Value, class Work>
   auto of_rows(std::size_t n, int threads, Work work) {
     std::vector<Value> values(n);
-    const std::size_t share =
-        threads > 1 ? rows_at_once(n, static_cast<std::size_t>(threads)) : std::max<std::size_t>(n, 1);
-    const std::size_t shares = std::max<std::size_t>((n + share - 1) / share, 1);
+    const auto wanted = static_cast<std::size_t>(std::max(threads, 1));
+    const std::size_t least = wanted > 1 ? least_share(n, wanted) : std::max<std::size_t>(n, 1);
+    const std::size_t takers = std::clamp<std::size_t>((n + least - 1) / least, 1, wanted);
     std::atomic<std::size_t> taken{0};
-    without_gil(std::min(static_cast<std::size_t>(std::max(threads, 1)), shares), [&](std::size_t) {
+    without_gil(takers, [&](std::size_t) {
       with_workspace([&](Workspace& w) {
-        for (std::size_t k = taken++; k < shares; k = taken++) {
-          const std::size_t first = k * share;
-          work(first, std::min(share, n - first), values.data() + first, w);
+        std::size_t first = 0, count = 0;
+        const auto take = [&] {
+          first = taken.load();
+          do {
+            count = std::min(std::max(least, (n - first) / (2 * takers) / kBlock * kBlock), n - first);
+          } while (!taken.compare_exchange_weak(first, first + count));
+          return count > 0;
+        };
+        while (take()) {
+          work(first, count, values.data() + first, w);
           poll_interruption();
         }
       });
@@ -91,9 +99,11 @@ class Pooled {
   // A workspace that nobody else has. Its type is complete only where the core is compiled.
   using Held = std::unique_ptr<std::shared_ptr<Workspace>>;
 
-  // Few enough that threads end at nearly the same time; whole blocks of states, where there are enough.
-  static std::size_t rows_at_once(std::size_t n, std::size_t threads) {
-    constexpr std::size_t kSharesOfThread = 32, kBlock = 16;
+  static constexpr std::size_t kBlock = 16;  // rows that are judged together, at most
+
+  // So small that threads end at nearly the same time.
+  static std::size_t least_share(std::size_t n, std::size_t threads) {
+    constexpr std::size_t kSharesOfThread = 32;
     const std::size_t rows = (n + threads * kSharesOfThread - 1) / (threads * kSharesOfThread);
     return rows < kBlock ? std::max<std::size_t>(rows, 1) : (rows + kBlock - 1) / kBlock * kBlock;
   }

@@ -1,10 +1,15 @@
 #include "broad_phase/broad_phase.hpp"
 
+#include <limits>
+
 namespace plannercheck {
 namespace {
 
 // From this many states on, lanes over states beat lanes over obstacles and pairs' boxes one by one (measured).
 constexpr int kFewStates = 3;
+
+// In place of a configuration's numbers where only poses are given: no cell is known, then.
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
@@ -17,20 +22,22 @@ void BroadPhase::begin(Workspace& w) {
   w.boxes.begin(), w.overlaps.begin();
 }
 
-void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace& w) const {
+void BroadPhase::find(const Lanes* links, BlockConfigurations q, int count, Filters filters, Workspace& w) const {
   begin(w);
   if (filters.overlaps && !permanent_pairs_.empty()) return take_overlapping(count, w);
   w.links.begin(links);
   if (count < kFewStates) {
-    for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state)
-      find_for_state(links_in_state(links, state, w), state, w);
+    for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
+      const auto value = [&](std::size_t column) { return q.are_known() ? q.value(column, state) : kUnknown; };
+      find_for_state(links_in_state(links, state, w), value, state, w);
+    }
   } else {
-    find_for_block(count, w);
+    find_for_block(q, count, w);
   }
   filter(count, filters, w);
 }
 
-void BroadPhase::find(const PoseColumns* links, Filters filters, Workspace& w) const {
+void BroadPhase::find(const PoseColumns* links, const double* q, Filters filters, Workspace& w) const {
   begin(w);
   if (filters.overlaps && !permanent_pairs_.empty()) return take_overlapping(1, w);
   w.links.begin(links);
@@ -40,7 +47,7 @@ void BroadPhase::find(const PoseColumns* links, Filters filters, Workspace& w) c
   if (w.overlap != LikelyOverlaps::kNone) {
     take_overlapping(1, w);
   } else {
-    find_for_state(links, 0, w);
+    find_for_state(links, [&](std::size_t column) { return q[column]; }, 0, w);
     if (learns) w.likely.put_first(w.candidates);
     filter(1, filters, w);
   }
@@ -87,10 +94,10 @@ void BroadPhase::take_all(int count, Workspace& w) const {
   }
 }
 
-void BroadPhase::find_for_block(int count, Workspace& w) const {
+void BroadPhase::find_for_block(BlockConfigurations q, int count, Workspace& w) const {
   pose(movers_, w.balls, w);
   pose(slices_, w.slices, w);
-  find_among_movers(count, w);
+  find_among_movers(q, count, w);
   const auto posed = [&](std::size_t mover) -> const Balls& { return w.balls[mover]; };
   const auto take = [&](std::int32_t pair, unsigned near) { w.unboxed.push_back({pair, near}); };
   plane_filter_.find(posed, (1U << count) - 1, take);
@@ -114,11 +121,18 @@ const PoseColumns* BroadPhase::links_in_state(const Lanes* links, std::size_t st
   return w.state_links.data();
 }
 
-void BroadPhase::find_for_state(const PoseColumns* links, std::size_t state, Workspace& w) const {
+template <class Value>
+void BroadPhase::find_for_state(const PoseColumns* links, Value value, std::size_t state, Workspace& w) const {
   const unsigned bit = 1U << state;
   const auto take = [&](std::int32_t pair) { w.candidates.push_back({pair, bit}); };
   single_state_filter_.pose(links, w.single_state_filter);
   single_state_filter_.find(w.single_state_filter, take);
+  for (const MovingPairsInCells& some : in_cells_) {
+    for (unsigned may_meet = some.cells->of_state(value); may_meet != 0; may_meet &= may_meet - 1) {
+      const MovingPair& pair = some.pairs[static_cast<std::size_t>(__builtin_ctz(may_meet))];
+      if (pair.pair >= 0) take(pair.pair);
+    }
+  }
   const auto posed = [&](std::size_t mover) {
     const SingleStateFilter::Ball ball = SingleStateFilter::ball(mover, w.single_state_filter);
     return Balls{StateFloats{} + ball.x, StateFloats{} + ball.y, StateFloats{} + ball.z, StateFloats{} + ball.radius};
@@ -164,14 +178,23 @@ inline unsigned BroadPhase::near_slices(std::size_t mover, const Balls& other, c
   return out;
 }
 
-void BroadPhase::find_among_movers(int count, Workspace& w) const {
+inline void BroadPhase::take_near(const MovingPair& pair, unsigned states, Workspace& w) const {
+  const Balls &a = w.balls[at(pair.a)], &b = w.balls[at(pair.b)];
+  unsigned found = near(a, b) & states;
+  if (found == 0) return;
+  found &= near_slices(at(pair.a), b, w) & near_slices(at(pair.b), a, w);
+  if (found != 0) w.candidates.push_back({pair.pair, found});
+}
+
+void BroadPhase::find_among_movers(BlockConfigurations q, int count, Workspace& w) const {
   const unsigned states = (1U << count) - 1;
-  for (const MovingPair& pair : moving_pairs_) {
-    const Balls &a = w.balls[at(pair.a)], &b = w.balls[at(pair.b)];
-    unsigned found = near(a, b) & states;
-    if (found == 0) continue;
-    found &= near_slices(at(pair.a), b, w) & near_slices(at(pair.b), a, w);
-    if (found != 0) w.candidates.push_back({pair.pair, found});
+  for (const MovingPair& pair : moving_pairs_) take_near(pair, states, w);
+  for (const MovingPairsInCells& some : in_cells_) {
+    const PairsByState pairs = q.are_known() ? PairsByState(*some.cells, q) : PairsByState();
+    for (unsigned any = pairs.in_any(); any != 0; any &= any - 1) {
+      const auto k = static_cast<std::size_t>(__builtin_ctz(any));
+      if (some.pairs[k].pair >= 0) take_near(some.pairs[k], states & pairs.states_of(k), w);
+    }
   }
 }
 

@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "bodies/lazy_value.hpp"
+#include "broad_phase/apart_cells.hpp"
+#include "broad_phase/block_configurations.hpp"
 #include "broad_phase/body_slices.hpp"
 #include "broad_phase/bounding_sphere.hpp"
 #include "broad_phase/box_filter.hpp"
@@ -33,8 +35,10 @@ namespace plannercheck {
 class BroadPhase {
  public:
   // `permanent`: for each pair, whether both bodies stand still and share a point. Other such pairs are apart.
+  // `in_cells`: pairs of moving bodies that are looked up by the configuration first.
   BroadPhase(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
-             const std::vector<bool>& permanent, std::size_t links, std::shared_ptr<const SampledPoses> sampled);
+             const std::vector<bool>& permanent, std::size_t links, std::shared_ptr<const SampledPoses> sampled,
+             const std::vector<PairsInCells>& in_cells);
 
   // A ball around a moving body in each state of a block; its radius covers the rounding of its posing.
   struct Balls {
@@ -75,10 +79,10 @@ class BroadPhase {
     bool learning;  // with overlaps: of single states, the pairs that overlapped most lately are tried first
   };
 
-  // Fills `near` for the first `count` states.
-  void find(const Lanes* links, int count, Filters filters, Workspace& workspace) const;
+  // Fills `near` for the first `count` states, whose configurations may be unknown.
+  void find(const Lanes* links, BlockConfigurations q, int count, Filters filters, Workspace& workspace) const;
   // The same for one state.
-  void find(const PoseColumns* links, Filters filters, Workspace& workspace) const;
+  void find(const PoseColumns* links, const double* q, Filters filters, Workspace& workspace) const;
   // The same without bounds: all pairs.
   void take_all(int count, Workspace& workspace) const;
 
@@ -89,6 +93,12 @@ class BroadPhase {
   // A box around an obstacle.
   struct FloatBox {
     std::array<float, 3> low, high;
+  };
+
+  // Some pairs of movers, by the bits of their cells.
+  struct MovingPairsInCells {
+    std::shared_ptr<const ApartCells> cells;
+    std::array<MovingPair, ApartCells::kMostPairs> pairs;
   };
 
   // A box in each state, around some movers.
@@ -102,7 +112,8 @@ class BroadPhase {
   // Of movers that are tested against others as slices: slices_[first_slice_[m]] to slices_[first_slice_[m + 1] - 1].
   std::vector<BoundingBall> slices_;
   std::vector<std::size_t> first_slice_;
-  std::vector<MovingPair> moving_pairs_;
+  std::vector<MovingPair> moving_pairs_;  // without those in cells
+  std::vector<MovingPairsInCells> in_cells_;
   std::vector<std::int32_t> permanent_pairs_;  // these collide in every state
   PlaneFilter plane_filter_;                   // of movers before half-spaces
   HeightFilter height_filter_;                 // and before fields of heights
@@ -125,14 +136,16 @@ class BroadPhase {
   BoxInStates around(const MoverGroup& group, const std::vector<Balls>& balls) const;
   static void begin(Workspace& workspace);
   void take_overlapping(int count, Workspace& workspace) const;
-  void find_for_block(int count, Workspace& workspace) const;
-  void find_for_state(const PoseColumns* links, std::size_t state, Workspace& workspace) const;
+  void find_for_block(BlockConfigurations q, int count, Workspace& workspace) const;
+  template <class Value>
+  void find_for_state(const PoseColumns* links, Value value, std::size_t state, Workspace& workspace) const;
   const PoseColumns* links_in_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
   void filter(int count, Filters filters, Workspace& workspace) const;
   static void pose(const std::vector<BoundingBall>& balls, std::vector<Balls>& posed, Workspace& workspace);
   static unsigned near(const Balls& a, const Balls& b);
   unsigned near_slices(std::size_t mover, const Balls& other, const Workspace& workspace) const;
-  void find_among_movers(int count, Workspace& workspace) const;
+  void take_near(const MovingPair& pair, unsigned states, Workspace& workspace) const;
+  void find_among_movers(BlockConfigurations q, int count, Workspace& workspace) const;
   void find_listed(const MoverGroup& group, int count, Workspace& workspace) const;
   void find_in_tree(std::int32_t mover, int count, Workspace& workspace) const;
   unsigned drop_apart(Candidate& candidate, unsigned states, Workspace& workspace) const;

@@ -34,7 +34,7 @@ WorldBox world_box(const GeometryObject& object) {
 
 BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
                        const std::vector<bool>& permanent, std::size_t links,
-                       std::shared_ptr<const SampledPoses> sampled)
+                       std::shared_ptr<const SampledPoses> sampled, const std::vector<PairsInCells>& in_cells)
     : links_(links), pairs_(pairs), obstacles_(0), sampled_(std::move(sampled)), tree_({}) {
   // The index of a body among the movers or among the obstacles, in the order of the bodies.
   std::vector<std::int32_t> place(bodies.size(), -1);
@@ -60,7 +60,18 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   obstacles_ = boxes.size();
   tree_ = ObstacleTree(boxes);
   pair_of_.assign(movers_.size() * obstacles_, -1);
-  std::vector<bool> has_obstacle(movers_.size(), false);
+  std::vector<bool> has_obstacle(movers_.size(), false), is_in_cells(pairs.size(), false);
+  for (const PairsInCells& some : in_cells) {
+    MovingPairsInCells& own = in_cells_.emplace_back();
+    own.cells = some.cells;
+    for (std::size_t bit = 0; bit < some.pairs.size(); ++bit) {
+      const std::int32_t pair = some.pairs[bit];
+      own.pairs[bit] = {0, 0, pair};
+      if (pair < 0) continue;
+      own.pairs[bit].a = place[at(pairs[at(pair)][0])], own.pairs[bit].b = place[at(pairs[at(pair)][1])];
+      is_in_cells[at(pair)] = true;
+    }
+  }
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const auto pair = static_cast<std::int32_t>(k);
     const bool first = bodies[at(pairs[k][0])].link >= 0, second = bodies[at(pairs[k][1])].link >= 0;
@@ -72,7 +83,7 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
       const std::size_t mover = at(first ? a : b);
       height_filter_.add(pair, mover, movers_[mover], still, bodies[at(still)]);
     } else if (first && second) {
-      moving_pairs_.push_back({a, b, pair});
+      if (!is_in_cells[k]) moving_pairs_.push_back({a, b, pair});
     } else if (!first && !second) {
       if (permanent[k]) permanent_pairs_.push_back(pair);
     } else {

@@ -93,7 +93,8 @@ CheckerCounters& operator+=(CheckerCounters& sum, const CheckerCounters& more) {
 }
 
 CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::array<std::int32_t, 2>> pairs,
-                         std::int32_t links, CheckerOptions options, std::shared_ptr<const SampledPoses> sampled)
+                         std::int32_t links, CheckerOptions options, std::shared_ptr<const SampledPoses> sampled,
+                         const std::vector<PairsInCells>& in_cells)
     : bodies_(std::move(bodies)), pairs_(std::move(pairs)), links_(links), needed_(at(links), 0), options_(options) {
   for (auto& pair : pairs_) {
     if (choose_host(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body) == 0) std::swap(pair[0], pair[1]);
@@ -106,7 +107,7 @@ CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::ar
   part_groups_ = part_groups(bodies_, pairs_);
   clearances_ = std::make_shared<const PartClearances>(bodies_, largest_reach(bodies_, at(links_), sampled.get()));
   broad_phase_ = std::make_shared<const BroadPhase>(
-      bodies_, pairs_, permanent_collisions(bodies_, pairs_, options_.pair), at(links_), std::move(sampled));
+      bodies_, pairs_, permanent_collisions(bodies_, pairs_, options_.pair), at(links_), std::move(sampled), in_cells);
 }
 
 std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
@@ -219,8 +220,10 @@ std::int32_t CheckerCore::first_collision(std::size_t state, Workspace& w) const
 
 void CheckerCore::begin_posing(const Kinematics& kinematics, Workspace& w) const {
   w.state_links = nullptr;
+  w.configurations = {w.columns.data(), at(kinematics.width())};
   if (w.posed_by == kinematics.id()) return;
   w.columns.resize(kBlockGroups * at(kinematics.width()));
+  w.configurations.columns = w.columns.data();
   w.poser.begin(kinematics, needed_.data());
   w.state_poser.begin(kinematics, needed_.data());
   w.posed_by = kinematics.id();
@@ -252,9 +255,9 @@ void CheckerCore::find_near(int count, Query query, Workspace& w) const {
     const BroadPhase::Filters filters{options_.overlaps && query == Query::kAnyCollision, options_.boxes,
                                       options_.learning};
     if (w.state_links != nullptr) {
-      broad_phase_->find(w.state_links, filters, w.broad_phase);
+      broad_phase_->find(w.state_links, w.state, filters, w.broad_phase);
     } else {
-      broad_phase_->find(w.links.data(), count, filters, w.broad_phase);
+      broad_phase_->find(w.links.data(), w.configurations, count, filters, w.broad_phase);
     }
   } else {
     broad_phase_->take_all(count, w.broad_phase);
@@ -278,23 +281,30 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
   const std::size_t width = at(kinematics.width());
   begin_posing(kinematics, w);
   if (n == 1) {
-    w.state_links = w.state_poser.pose(q);
+    w.state_links = w.state_poser.pose(q), w.state = q;
     find_near(1, query, w);
     return judge(0, 0);
   }
-  for (std::size_t row = 0; row < n; row += kBlockStates) {
-    if (row > 0) poll_interruption();
-    const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);
-    load_rows<kBlockStates>(q + row * width, count, width, w.columns.data());
-    pose_links(width, static_cast<int>(count), w);
-    find_near(static_cast<int>(count), query, w);
-    for (std::size_t state = 0; state < count; ++state) judge(row + state, state);
+  for (std::size_t first = 0; first < n; first += StateOrder::kMostRows) {
+    const double* const part = q + first * width;
+    const std::size_t rows = std::min(StateOrder::kMostRows, n - first);
+    if (options_.sorted_states) w.order.find(part, rows, width);
+    for (std::size_t i = 0; i < rows; i += kBlockStates) {
+      if (first + i > 0) poll_interruption();
+      const std::size_t count = std::min<std::size_t>(kBlockStates, rows - i);
+      const auto row = [&](std::size_t state) { return w.order.row(i + state); };
+      load_rows<kBlockStates>([&](std::size_t state) { return part + row(state) * width; }, count, width,
+                              w.columns.data());
+      pose_links(width, static_cast<int>(count), w);
+      find_near(static_cast<int>(count), query, w);
+      for (std::size_t state = 0; state < count; ++state) judge(first + row(state), state);
+    }
   }
 }
 
 template <class Judge>
 void CheckerCore::each_state(const double* links, std::size_t n, Workspace& w, Judge judge) const {
-  w.state_links = nullptr;
+  w.state_links = nullptr, w.configurations = {};
   for (std::size_t row = 0; row < n; row += kBlockStates) {
     if (row > 0) poll_interruption();
     const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);

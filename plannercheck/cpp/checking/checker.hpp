@@ -11,6 +11,7 @@
 #include <memory>
 #include <vector>
 
+#include "broad_phase/apart_cells.hpp"
 #include "broad_phase/geometry_object.hpp"
 #include "broad_phase/part_groups.hpp"
 #include "broad_phase/sampled_poses.hpp"
@@ -37,9 +38,10 @@ struct CheckerOptions {
   PairOptions pair;
   bool bounds = true;  // balls and the tree of obstacles
   bool boxes = true;
-  bool overlaps = true;    // of balls inside bodies with boxes inside others, where any collision decides
-  bool learning = true;    // tests the pair that collided most often first, where any collision decides
-  bool part_trees = true;  // of sets of parts; boxes around several bodies; looks at heights under them
+  bool overlaps = true;       // of balls inside bodies with boxes inside others, where any collision decides
+  bool learning = true;       // tests the pair that collided most often first, where any collision decides
+  bool part_trees = true;     // of sets of parts; boxes around several bodies; looks at heights under them
+  bool sorted_states = true;  // like states of a set are judged together
 };
 
 // What a state's verdict depends on: whether any pair shares a point, or which ones.
@@ -50,9 +52,11 @@ class PartClearances;
 
 class CheckerCore {
  public:
-  // `sampled`: states that determine which bodies are tested together; they have no effect on verdicts.
+  // `sampled`: states that determine which bodies are tested together; they have no effect on verdicts. `in_cells`:
+  // pairs of bodies on links that are apart wherever their cells say so.
   CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::array<std::int32_t, 2>> pairs, std::int32_t links,
-              CheckerOptions options, std::shared_ptr<const SampledPoses> sampled);
+              CheckerOptions options, std::shared_ptr<const SampledPoses> sampled,
+              const std::vector<PairsInCells>& in_cells);
 
   // The poses, bounds, learnt order and counts of one thread.
   struct Workspace;

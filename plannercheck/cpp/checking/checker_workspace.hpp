@@ -7,6 +7,7 @@
 #include "broad_phase/broad_phase.hpp"
 #include "checking/checker.hpp"
 #include "checking/state_blocks.hpp"
+#include "checking/state_order.hpp"
 #include "narrow_phase/solid_pair.hpp"
 #include "robots/kinematics_lanes.hpp"
 #include "robots/state_poser.hpp"
@@ -29,7 +30,10 @@ struct ClearStates {
 struct CheckerCore::Workspace {
   CheckerCounters counters;
   std::vector<Lanes> columns, links;         // of a block's groups: configurations and link poses
+  StateOrder order;                          // of the rows of a set
   const PoseColumns* state_links = nullptr;  // the poses of a single state, if they are not among those
+  const double* state = nullptr;             // its configuration
+  BlockConfigurations configurations;        // of a block, if they are known
   LinkPoser poser;
   StatePoser state_poser;
   std::uint64_t posed_by = 0;  // the kinematics for which the posers are prepared

@@ -13,12 +13,12 @@
 
 namespace plannercheck {
 
-// n rows of `width` numbers, as the first of `states`.
-template <std::size_t states>
-void load_rows(const double* q, std::size_t n, std::size_t width, Lanes* columns) {
+// n rows of `width` numbers, as the first of `states`; row_at(k): where the k-th is.
+template <std::size_t states, class Row>
+void load_rows(Row row_at, std::size_t n, std::size_t width, Lanes* columns) {
   for (std::size_t group = 0; group < states / kLanes; ++group) {
     std::array<const double*, kLanes> row;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) row[lane] = q + std::min(group * kLanes + lane, n - 1) * width;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) row[lane] = row_at(std::min(group * kLanes + lane, n - 1));
     for (std::size_t c = 0; c < width; ++c) {
       Lanes column{};  // put together in a register: a wide load after narrow stores would wait for them
       for (std::size_t lane = 0; lane < kLanes; ++lane) column[lane] = row[lane][c];

@@ -115,7 +115,7 @@ void PlanarChecker::each_block(const double* q, std::size_t n, Workspace& w, Wor
   for (std::size_t row = 0; row < n; row += kLanes) {
     if (row > 0) poll_interruption();
     const std::size_t count = std::min<std::size_t>(kLanes, n - row);
-    load_rows<kLanes>(q + row * width_, count, width_, w.columns.data());
+    load_rows<kLanes>([&](std::size_t k) { return q + (row + k) * width_; }, count, width_, w.columns.data());
     work(row, count);
   }
 }

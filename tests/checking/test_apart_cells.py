@@ -1,0 +1,275 @@
+"""Pairs that one or two joints move relative to each other are looked up in cells that are proved apart."""
+
+import functools
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import plannercheck as pc
+from plannercheck.bodies import polytope_files
+from plannercheck.checking import apart_cells
+from plannercheck.common.core import core
+
+ROBOTS = ("panda", "xarm7", "talos", "go2", "g1", "tiago", "pr2")
+
+
+@functools.cache
+def checkers(name, scene=None):
+    """With cells and without."""
+    robot = pc.Robot.load(name)
+    scene = None if scene is None else pc.Scene.load(scene)
+    return tuple(pc.Checker(robot, scene, apart_cells=each) for each in (True, False))
+
+
+def cells_of(checker):
+    return checker._proofs.in_cells(checker.pairs[~checker.unreachable])
+
+
+def found_cells(checker):
+    """Each pair in cells, its columns, and where it is apart (cells, cells)."""
+    chains = checker._proofs._reach._chains
+    pairs = checker.pairs[~checker.unreachable]
+    for each in cells_of(checker):
+        for pair in pairs[each.pairs[each.pairs >= 0]].tolist():
+            cut = chains.whole_cut(*pair)
+            yield pair, cut, apart_cells.apart_in_cells(chains, cut, tuple(pair), checker._preparation.polytope)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_verdicts_are_the_same(name):
+    on, off = checkers(name)
+    assert cells_of(on)
+    robot = on.robot
+    q = robot.random_configurations(3000, seed=1)
+    expected = off.check_states(q)
+    assert (on.check_states(q) == expected).all()
+    assert (on.check_states(q, threads=2) == expected).all()
+    assert [on.is_valid(row) for row in q[:600]] == expected[:600].tolist()
+    assert (on.first_colliding_pair(q) == off.first_colliding_pair(q)).all()
+    for count in (1, 2, 3, 5, 9):
+        assert (on.check_states(q[:count]) == expected[:count]).all()
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_verdicts_at_borders_of_cells(name):
+    """At borders, an ulp beside them, at the limits, and beyond these, where the cells say nothing."""
+    on, off = checkers(name)
+    robot = on.robot
+    rng = np.random.default_rng(2)
+    for _, cut, apart in found_cells(on):
+        q = robot.random_configurations(1500, seed=3)
+        for column in cut:
+            low, high = robot.lower[column], robot.upper[column]
+            places = rng.integers(-2, apart.shape[0] + 3, size=len(q))
+            q[:, column] = low + (high - low) * places / apart.shape[0]
+            q[:, column] = np.nextafter(q[:, column], rng.choice([-np.inf, np.inf], size=len(q)))
+            exactly = rng.random(len(q)) < 0.2
+            q[exactly, column] = rng.choice([low, high], size=exactly.sum())
+        assert (on.check_states(q) == off.check_states(q)).all()
+        assert [on.is_valid(row) for row in q[:200]] == off.check_states(q[:200]).tolist()
+
+
+def pinocchio_poses(robot, q, bodies):
+    """By Pinocchio itself, not by our kernel: (4, 4) of some bodies."""
+    model, full = robot.model, robot.expand(q)
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, full)
+    return [data.oMf[model.getFrameId(body.link)].homogeneous @ body.pose for body in bodies]
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_pairs_are_apart_all_over_their_cells(name):
+    """In the cells that are nearest to those that are not proved, at their corners: by Pinocchio and the exact test."""
+    on, _ = checkers(name)
+    robot = on.robot
+    rng = np.random.default_rng(4)
+    for pair, cut, apart in found_cells(on):
+        assert apart.any()
+        near = ~apart
+        for axis in range(apart.ndim):
+            near = near | np.roll(near, 1, axis=axis) | np.roll(near, -1, axis=axis)
+        cells = np.argwhere(apart & near)
+        if not len(cells):
+            cells = np.argwhere(apart)
+        bodies = [on.bodies[k] for k in pair]
+        polytopes = [on._preparation.polytope(k) for k in pair]
+        for cell in rng.permutation(cells)[:40]:
+            q = robot.random_configurations(1, seed=int(rng.integers(1 << 30)))[0]
+            corner = rng.choice([0.0, 1.0], size=len(cut))
+            span = robot.upper[list(cut)] - robot.lower[list(cut)]
+            q[list(cut)] = robot.lower[list(cut)] + span * (cell + corner) / apart.shape[0]
+            poses = pinocchio_poses(robot, q, bodies)
+            assert not pc.intersects(*polytopes, *poses)
+            assert pc.distance(*polytopes, *poses).distance > 0
+
+
+def test_most_of_the_fingers_cells_are_proved():
+    on, _ = checkers("panda", "bookshelf")
+    (cells,) = cells_of(on)
+    assert (cells.pairs >= 0).sum() == 8
+    for pair, cut, apart in found_cells(on):
+        assert {on.bodies[k].link.removeprefix("panda_") for k in pair} & {"link5"}
+        assert cut == (5, 6)
+        assert apart.mean() > 0.97
+
+
+def test_less_is_tested():
+    on, off = checkers("g1")
+    q = on.robot.random_configurations(2000, seed=5)
+    spent = []
+    for checker in (on, off):
+        before = checker.statistics()
+        checker.check_states(q)
+        spent.append({name: checker.statistics()[name] - before[name] for name in ("boxes", "centre_axis")})
+    assert spent[0]["boxes"] < 0.5 * spent[1]["boxes"]
+    assert spent[0]["centre_axis"] < 0.5 * spent[1]["centre_axis"]
+    before = [checker.statistics() for checker in (on, off)]
+    for checker in (on, off):
+        for row in q[:500]:
+            checker.is_valid(row)
+    on_boxes, off_boxes = (c.statistics()["bounds"] - b["bounds"] for c, b in zip((on, off), before, strict=True))
+    assert on_boxes > off_boxes
+
+
+def with_made_up_cells(may_meet):
+    """A checker of the Panda whose pairs of a finger and link 5 are looked up in these cells."""
+    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene())
+    robot = checker.robot
+    (real,) = cells_of(checker)
+    low, high = robot.lower[[5, 6]], robot.upper[[5, 6]]
+    table = core.apart_cells([5, 6], low.tolist(), (np.array(may_meet.shape) / (high - low)).tolist(), may_meet)
+    checker._proofs.in_cells = lambda pairs: (real._replace(cells=table),)
+    checker._compile()
+    return checker, real.pairs
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (2, 3), (64, 64), (5, 256)])
+def test_a_state_is_looked_up_in_its_own_cell(shape):
+    """Cells that are made up leave out pairs that collide: just those whose bit is not set, in just their cells."""
+    rng = np.random.default_rng(6)
+    may_meet = rng.integers(0, 256, size=shape, dtype=np.uint8)
+    checker, rows = with_made_up_cells(may_meet)
+    plain = pc.Checker(checker.robot, pc.Scene(), apart_cells=False)
+    robot = checker.robot
+    q = robot.random_configurations(120_000, seed=7)
+    q = q[~plain.check_states(q)]
+    colliding = plain.colliding_pairs(q)[:, ~plain.unreachable]
+    place = (q[:, [5, 6]] - robot.lower[[5, 6]]) / (robot.upper[[5, 6]] - robot.lower[[5, 6]]) * shape
+    flags = may_meet[tuple(np.minimum(place.astype(int), np.array(shape) - 1).T)]
+    for bit, row in enumerate(rows):
+        colliding[:, row] &= (flags >> bit & 1).astype(bool)
+    expected = ~colliding.any(axis=1)
+    assert 0.02 < expected.mean() < 0.9
+    assert (checker.check_states(q) == expected).all()
+    assert (checker.check_states(q, threads=2) == expected).all()
+    assert [checker.is_valid(row) for row in q[:2000]] == expected[:2000].tolist()
+    for count in (1, 2, 3, 7):
+        assert (checker.check_states(q[:count]) == expected[:count]).all()
+        assert (checker.check_states(q[-count:]) == expected[-count:]).all()
+
+
+def test_poses_alone_are_in_no_cell():
+    checker, _ = with_made_up_cells(np.zeros((4, 4), dtype=np.uint8))
+    plain = pc.Checker(checker.robot, pc.Scene(), apart_cells=False)
+    q = checker.robot.random_configurations(3000, seed=8)
+    assert (checker.check_states(q) != plain.check_states(q)).any()
+    poses = checker.robot.link_poses(q)
+    first = checker._tables.within_limits.core.first_of_poses(np.ascontiguousarray(poses), 1)
+    assert ((first < 0) == plain.check_states(q)).all()
+
+
+def test_states_beyond_the_limits_are_in_no_cell():
+    """Whatever the cells say: the table of all pairs judges these, and its pairs are in none."""
+    checker, _ = with_made_up_cells(np.zeros((4, 4), dtype=np.uint8))
+    plain = pc.Checker(checker.robot, pc.Scene(), apart_cells=False)
+    q = checker.robot.random_configurations(3000, seed=9)
+    q[:, 0] = checker.robot.upper[0] + 0.1
+    assert (checker.check_states(q) == plain.check_states(q)).all()
+    assert not plain.check_states(q).all()
+
+
+def test_cells_are_of_the_fingers_as_they_are_held():
+    robot = pc.Robot.load("panda")
+    tables = []
+    for width in (0.0, 0.04):
+        held = robot.holding({"panda_finger_joint1": width})
+        on, off = (pc.Checker(held, pc.Scene(), apart_cells=each) for each in (True, False))
+        q = held.random_configurations(4000, seed=10)
+        assert (on.check_states(q) == off.check_states(q)).all()
+        tables.append(np.array([apart for *_, apart in found_cells(on)]))
+    assert (tables[0] != tables[1]).any()
+
+
+def test_padding_counts():
+    robot = pc.Robot.load("panda")
+    on, off = (pc.Checker(robot, pc.Scene(), padding=0.03, apart_cells=each) for each in (True, False))
+    q = robot.random_configurations(4000, seed=11)
+    assert cells_of(on)
+    assert (on.check_states(q) == off.check_states(q)).all()
+    padded = np.array([apart.mean() for *_, apart in found_cells(on)])
+    plain = np.array([apart.mean() for *_, apart in found_cells(checkers("panda")[0])])
+    assert (padded < plain).all()
+
+
+def test_carried_objects_are_in_no_cell():
+    robot = pc.Robot.load("panda")
+    scene = pc.Scene.load("bookshelf")
+    scene.add("mug", pc.Cylinder(0.04, 0.1), robot.link_poses(robot.reference)[robot.link_index("panda_hand")])
+    scene.attach("mug", "panda_hand")
+    on, off = (pc.Checker(robot, scene, apart_cells=each) for each in (True, False))
+    carried = {k for k, body in enumerate(on.bodies) if body.carried is not None}
+    pairs = on.pairs[~on.unreachable]
+    assert carried
+    for each in cells_of(on):
+        assert not carried & set(pairs[each.pairs[each.pairs >= 0]].ravel().tolist())
+    q = robot.random_configurations(2000, seed=12)
+    assert (on.check_states(q) == off.check_states(q)).all()
+
+
+def test_solids():
+    on, off = (
+        pc.Checker(pc.Robot.load("xarm7", geometry="solid"), pc.Scene(), apart_cells=each) for each in (True, False)
+    )
+    q = on.robot.random_configurations(2000, seed=13)
+    assert (on.check_states(q) == off.check_states(q)).all()
+
+
+def test_cells_come_from_the_cache_only_if_they_are_whole(tmp_path, monkeypatch):
+    def fresh():
+        robot = pc.Robot.load("panda")
+        robot._parts.memory.__init__()
+        return cells_of(pc.Checker(robot, pc.Scene()))
+
+    monkeypatch.setenv("PLANNERCHECK_CACHE", str(tmp_path))
+    proved = []
+    real = apart_cells.apart_in_cells
+    monkeypatch.setattr(apart_cells, "apart_in_cells", lambda *args: proved.append(1) or real(*args))
+    fresh()
+    assert len(proved) == 8
+    (path,) = tmp_path.glob("*.cells")
+    fresh()
+    assert len(proved) == 8
+    content = path.read_bytes()
+    for broken in (content[:-1], content[: len(content) // 2], b"", content[:-1] + bytes([content[-1] ^ 1])):
+        path.write_bytes(broken)
+        before = len(proved)
+        fresh()
+        assert len(proved) == before + 8
+        assert path.read_bytes() == content
+    polytope_files.write_to_cache(path, b"\xff" * 10)  # whole, but of something else
+    before = len(proved)
+    fresh()
+    assert len(proved) == before + 8
+    monkeypatch.setenv("PLANNERCHECK_CACHE", "0")
+    fresh()
+    assert len(proved) == before + 16
+
+
+@pytest.mark.parametrize(
+    ("columns", "flags"),
+    [([0, 1], np.zeros((0, 4), dtype=np.uint8)), ([0, 1], np.zeros((4, 2000), dtype=np.uint8))],
+)
+def test_tables_that_are_none(columns, flags):
+    with pytest.raises(ValueError, match="1 to 1024 cells"):
+        core.apart_cells(columns, [0.0, 0.0], [1.0, 1.0], flags)
