@@ -1,7 +1,8 @@
 """The pairs of bodies that a checker tests, and its verdict on one configuration.
 
 Read `pair_table` first (all pairs). `pair_proofs` and `unreachable_pairs` prove which of them never meet within the
-limits, by the bounds of `reach_bounds`; `robot_reach` keeps what obstacles do not change. `prepared_bodies`,
+limits, by the bounds of `reach_bounds`; `apart_cells` proves for which values of two joints a pair is apart;
+`robot_reach` keeps what obstacles do not change. `prepared_bodies`,
 `compiled_pairs` and `compiled_tables` hold what the core judges configurations with, and `verdicts` what a checker
 returns. `state_checker` puts these together; its base classes are in `checker_base` (names and certificates, in space
 and in the plane), `clearance`, `point_queries` and `carrying_checker`. `padding` and `settings` hold its arguments,

@@ -15,8 +15,8 @@ leave out pairs:
 7. checking/compiled_tables.py: what 5 and 6 prove takes effect: configurations within the limits are judged by a table
    without these pairs, those beyond by the table of all pairs.
 8. cpp/checking/checker.cpp: both bodies are static, so that one test decides for every configuration.
-9. cpp/broad_phase: bounds show that the bodies are apart at the configuration, or, where any collision decides, another
-   pair collides already.
+9. cpp/broad_phase: cells of one or two joints (checking/apart_cells.py) or bounds show that the bodies are apart at the
+   configuration, or, where any collision decides, another pair collides already.
 
 1 to 4 define the verdict; 5 to 9 save work and never change it.
 """

@@ -139,11 +139,7 @@ class MeetingProofs:
         if reach is None or not self._is_compiled:
             return ()
         rows = np.flatnonzero((pairs < self._own).all(axis=1))
-        own, bodies = pairs[rows], tuple(self._bodies[: self._own])
-        key = ("cells", bodies, self._preparation.paddings[: self._own].tobytes(), self._preparation.excess)
-        found = self._robot.remembered(
-            (*key, own.tobytes()), lambda: reach.in_cells(own, self._preparation.polytope, self._sampled_poses)
-        )
+        found = reach.in_cells(pairs[rows], self._preparation.polytope, self._sampled_poses)
         return tuple(each.of(rows) for each in found)
 
     def _sampled_poses(self) -> Floats:

@@ -50,6 +50,7 @@ class RobotReach:
         if carrier is not None:
             self._chains.inherit(carrier._chains)
         self._known: dict[bytes, tuple[Bools, Bools]] = {}
+        self._cells_of: dict[bytes, tuple[PairsInCells, ...]] = {}
 
     @cached_property
     def is_proved(self) -> bool:
@@ -83,12 +84,23 @@ class RobotReach:
     def in_cells(
         self, pairs: Ints, polytopes: Callable[[int], Polytope], sampled: Callable[[], Floats]
     ) -> tuple[PairsInCells, ...]:
-        """Cells in which pairs (k, 2) of these bodies are apart, see `pairs_in_cells`; none for carried bodies."""
+        """Cells in which pairs (k, 2) of these bodies are apart, see `pairs_in_cells`; kept. Carried ones have none."""
+        key = pairs.tobytes()
+        if key not in self._cells_of:
+            self._cells_of[key] = self._find_cells(pairs, polytopes, sampled)
+        return self._cells_of[key]
+
+    def _find_cells(
+        self, pairs: Ints, polytopes: Callable[[int], Polytope], sampled: Callable[[], Floats]
+    ) -> tuple[PairsInCells, ...]:
         own = self.carrier_count or self._chains.count
         rows = np.flatnonzero((pairs < own).all(axis=1))
         if not self.is_proved or not len(rows):
             return ()
-        found = pairs_in_cells(self._chains, pairs[rows], polytopes, sampled)
+        if self._carrier is not None:
+            found = self._carrier.in_cells(pairs[rows], polytopes, sampled)
+        else:
+            found = pairs_in_cells(self._chains, pairs[rows], polytopes, sampled)
         return tuple(each.of(rows) for each in found)
 
     @property

@@ -53,6 +53,8 @@ _PARTS: dict[type[PartSet], str] = {PointCloud: "points", HeightField: "triangle
 SKIPS = {
     "reach": "pairs that limits keep apart",
     "static_poses": "static links",
+    "sorted_states": "like states together",
+    "apart_cells": "cells of two joints",
     "bounds": "balls, tree of obstacles",
     "overlaps": "balls and boxes inside bodies",
     "boxes": "planes along boxes",
@@ -68,7 +70,7 @@ SKIPS = {
 STAGES = {
     "pairs": "all pairs of the table",
     "unreachable": "apart at all states within the joint limits, by proof",
-    "bounds": "apart: bounding balls, or the tree of obstacles",
+    "bounds": "apart: cells of two joints, bounding balls, or the tree of obstacles",
     "overlaps": "in collision: balls or boxes inside both bodies",
     "boxes": "apart along an axis of a bounding box",
     "skipped": "not tested, since another pair of the configuration collides",

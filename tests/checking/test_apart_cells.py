@@ -273,3 +273,41 @@ def test_cells_come_from_the_cache_only_if_they_are_whole(tmp_path, monkeypatch)
 def test_tables_that_are_none(columns, flags):
     with pytest.raises(ValueError, match="1 to 1024 cells"):
         core.apart_cells(columns, [0.0, 0.0], [1.0, 1.0], flags)
+
+
+def test_each_cell_file_is_of_one_robot(tmp_path, monkeypatch):
+    """Robots that differ in a held joint, a limit, a body's place or shape, or a padding."""
+    urdf = """<robot name="r"><link name="base"><collision><geometry><box size="0.1 0.1 {height}"/></geometry></collision>
+      </link>{links}</robot>"""
+    link = """<link name="l{k}"><collision><origin xyz="{x} 0 0"/><geometry><box size="0.3 0.04 0.04"/></geometry>
+      </collision></link><joint name="j{k}" type="revolute"><parent link="{parent}"/><child link="l{k}"/>
+      <origin xyz="{x} 0 0"/><axis xyz="0 0 1"/><limit lower="-{limit}" upper="{limit}" velocity="1" effort="1"/>
+      </joint>"""
+
+    def robot(height=0.1, x=0.16, limit=3.0, hold=None):
+        links = "".join(
+            link.format(k=k, parent=f"l{k - 1}" if k else "base", x=x if k else 0.05, limit=limit) for k in range(3)
+        )
+        path = tmp_path / "r.urdf"
+        path.write_text(urdf.format(height=height, links=links))
+        loaded = pc.Robot.from_urdf(path)
+        return loaded if hold is None else loaded.holding(hold)
+
+    folder = tmp_path / "cache"
+    monkeypatch.setenv("PLANNERCHECK_CACHE", str(folder))
+    monkeypatch.setattr(apart_cells, "_WORTH", 0.01)
+    files = set()
+    for padding, settings in [
+        (0.0, {}),
+        (0.01, {}),
+        (0.0, {"x": 0.17}),
+        (0.0, {"limit": 2.5}),
+        (0.0, {"height": 0.12}),
+    ]:
+        made = robot(**settings)
+        on, off = (pc.Checker(made, pc.Scene(), padding=padding, apart_cells=each) for each in (True, False))
+        assert cells_of(on)
+        q = made.random_configurations(4000, seed=14)
+        assert (on.check_states(q) == off.check_states(q)).all()
+        before, files = files, {path.name for path in folder.glob("*.cells")}
+        assert len(files) > len(before), (padding, settings)

@@ -23,6 +23,8 @@ from plannercheck.scenes.scene import Scene
 SWITCHES = (
     "reach",
     "static_poses",
+    "sorted_states",
+    "apart_cells",
     "bounds",
     "overlaps",
     "boxes",
