@@ -5,12 +5,16 @@ pairs that such proofs settle often: cells of two columns of the configuration, 
 there. A state then needs a look-up, where bounds and boxes of all these pairs would be tested.
 
 The idea. If all joints between two bodies are driven by at most two columns, these alone set the relative pose. In the
-middle of a cell the core computes a lower bound of the distance. Within the cell, a column moves no point of a body by
-more than lever arm times half the cell's width (reach_bounds.py). So a distance that exceeds these motions, and the
-margin of unreachable_pairs.py, proves the whole cell. Cells that are not proved are cut into four, down to the finest.
+middle of a cell the core computes a lower bound of the distance. Within the cell, each joint that a column drives, on
+the way to either body, moves no point by more than its lever arm times half the cell's width (reach_bounds.py). So a
+distance that exceeds the sum of these motions, and the margin of unreachable_pairs.py, proves the whole cell. Cells
+that are not proved are cut into four, down to the finest. Both bodies have to move: one at rest is an obstacle in the
+core.
 
-The core finds a cell by (value - low) * cells / span in doubles. That errs by less than 1e-12 of the span, which moves
-no point by more than a millionth of the margin. Like all proofs of reach, these hold within the joint limits only.
+The core finds a cell by (value - low) * cells / span in doubles, and middles are computed by low + width * number. Both
+err by less than 1e-9 of the span, since spans are more than 1e-6 of their limits (`Chains`). So does what a point moves
+for it, as a part of the motion within a cell: by less than 1e-6, and the margin has 1e-5 of that. Like all proofs of
+reach, these hold within the joint limits only.
 """
 
 from __future__ import annotations
@@ -111,7 +115,8 @@ def _in_a_block(part: Floats) -> Floats:
 def _near(chains: Chains, poses: Floats, pairs: Ints) -> Floats:
     """(k,) the part of the sampled states in which the balls around a pair meet."""
     centre, radius = chains.boxes.centre, chains.boxes.radius + chains.boxes.inflation_radius
-    at = np.einsum("nbij,bj->nbi", poses[..., :3, :3], centre[: poses.shape[1]]) + poses[..., :3, 3]
+    own = poses[:, : chains.count]
+    at = np.einsum("nbij,bj->nbi", own[..., :3, :3], centre[: chains.count]) + own[..., :3, 3]
     away = np.linalg.norm(at[:, pairs[:, 0]] - at[:, pairs[:, 1]], axis=-1)
     return np.asarray((away <= radius[pairs[:, 0]] + radius[pairs[:, 1]]).mean(axis=0))
 
@@ -156,7 +161,8 @@ def _cache_file(
     for pair in pairs:
         key.update(repr(pair).encode())
         for body in map(polytopes, pair):
-            key.update(np.float64(body.inflation_radius).tobytes() + np.ascontiguousarray(body.vertices).tobytes())
+            key.update(repr((body.inflation_radius, body.vertices.shape)).encode())
+            key.update(np.ascontiguousarray(body.vertices).tobytes())
     return folder / f"{key.hexdigest()}.cells"
 
 
@@ -206,7 +212,9 @@ class _RelativePoses:
         poses = [np.ascontiguousarray(all_poses[:, self._around.place[end.frame]]) for end in self._ends]
         sway = self._levers @ half
         extent = sway.sum() + sum(
-            np.linalg.norm(at[:, :3, :3] @ end.centre + at[:, :3, 3], axis=1) + end.radius
+            np.linalg.norm(at[:, :3, :3] @ end.centre + at[:, :3, 3], axis=1)
+            + np.linalg.norm(end.centre)  # a body may be far from its own frame, whose rotation may be off rigid
+            + end.radius
             for at, end in zip(poses, self._ends, strict=True)
         )
         return poses, sway.sum() + MARGIN + RELATIVE * extent

@@ -40,6 +40,9 @@ RIGID = 1e-9
 CELLS = {0: 1, 1: 128, 2: 24}
 MOST_COLUMNS = max(CELLS)
 
+# Columns are cut if their span is more than this part of their limits.
+_LEAST_SPAN = 1e-6
+
 
 class BoundingBall(NamedTuple):
     """A bound on where a body is, given values of some columns.
@@ -118,8 +121,11 @@ class Chains:
         self._moving = [bool((columns >= 0).any()) for columns in table.columns]
         self._slides = [_most_slide(table, k, robot.lower, robot.upper) for k in range(self._joints)]
         spans = robot.upper - robot.lower
+        sizes = np.maximum(np.abs(robot.lower), np.abs(robot.upper))
+        # The middles of cells round by half an ulp of the limits: nothing beside a span that is a part of these.
+        has_cells = np.isfinite(spans) & ((spans == 0) | (spans > _LEAST_SPAN * sizes))
         self._can_be_cut = [
-            self._moving[k] and math.isfinite(self._slides[k]) and math.isfinite(spans[self._column(k)])
+            self._moving[k] and math.isfinite(self._slides[k]) and bool(has_cells[self._column(k)])
             for k in range(self._joints)
         ]
         links = [int(table.link_joints[robot.link_index(str(body.link))]) for body in own]

@@ -94,7 +94,8 @@ class RobotReach:
         self, pairs: Ints, polytopes: Callable[[int], Polytope], sampled: Callable[[], Floats]
     ) -> tuple[PairsInCells, ...]:
         own = self.carrier_count or self._chains.count
-        rows = np.flatnonzero((pairs < own).all(axis=1))
+        # Bodies at rest are obstacles in the core, which finds them otherwise.
+        rows = np.flatnonzero((pairs < own).all(axis=1) & ~self.at_rest[np.minimum(pairs, own - 1)].any(axis=1))
         if not self.is_proved or not len(rows):
             return ()
         if self._carrier is not None:

@@ -66,3 +66,15 @@ def test_a_pair_is_forgotten_in_states_that_are_free(panda):
         assert [bounded(row) for _ in range(12)][-1] is False
         assert all(checker.is_valid(other) for other in q[valid][:40])
         assert bounded(row)
+
+
+@pytest.mark.parametrize("times", [100, 140, 400])
+def test_a_free_state_after_very_many_that_collide_alike(panda, times):
+    """Found by an audit: then all weight was one pair's, and a second one, which was none, was tried."""
+    checker = pc.Checker(panda, pc.Scene())
+    q = panda.random_configurations(3000, seed=1)
+    valid = checker.check_states(q)
+    for colliding in q[~valid][:5]:
+        for _ in range(times):
+            assert not checker.is_valid(colliding)
+        assert all(checker.is_valid(row) for row in q[valid][:3])

@@ -124,6 +124,7 @@ class CheckoutCopy:
             "-m",
             "pytest",
             "-q",
+            "-n0",
             "-rfE",
             "--tb=line",
             "-p",

@@ -66,9 +66,11 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
     own.cells = some.cells;
     for (std::size_t bit = 0; bit < some.pairs.size(); ++bit) {
       const std::int32_t pair = some.pairs[bit];
-      own.pairs[bit] = {0, 0, pair};
+      own.pairs[bit] = {0, 0, -1};
       if (pair < 0) continue;
-      own.pairs[bit].a = place[at(pairs[at(pair)][0])], own.pairs[bit].b = place[at(pairs[at(pair)][1])];
+      const auto [a, b] = pairs[at(pair)];
+      if (bodies[at(a)].link < 0 || bodies[at(b)].link < 0) continue;  // one is an obstacle, and no mover
+      own.pairs[bit] = {place[at(a)], place[at(b)], pair};
       is_in_cells[at(pair)] = true;
     }
   }

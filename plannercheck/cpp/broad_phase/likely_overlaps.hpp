@@ -28,7 +28,8 @@ class LikelyOverlaps {
   std::size_t first(Overlaps overlaps) const {
     int left = kAlways;  // the weight of what has not been tried in vain
     for (const Entry& entry : entries_) {
-      if (kWorth * entry.weight < left) break;
+      // The second: after very many states with the first pair, nothing is left, and there may be no other pair.
+      if (kWorth * entry.weight < left || entry.pair == kNone) break;
       if (overlaps(entry.pair)) return entry.pair;
       left -= entry.weight;
     }
