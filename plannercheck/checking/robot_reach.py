@@ -93,15 +93,14 @@ class RobotReach:
     def _find_cells(
         self, pairs: Ints, polytopes: Callable[[int], Polytope], sampled: Callable[[], Floats]
     ) -> tuple[PairsInCells, ...]:
-        own = self.carrier_count or self._chains.count
+        if self._carrier is not None:
+            return self._carrier.in_cells(pairs, polytopes, sampled)
+        own = self._chains.count
         # Bodies at rest are obstacles in the core, which finds them otherwise.
         rows = np.flatnonzero((pairs < own).all(axis=1) & ~self.at_rest[np.minimum(pairs, own - 1)].any(axis=1))
         if not self.is_proved or not len(rows):
             return ()
-        if self._carrier is not None:
-            found = self._carrier.in_cells(pairs[rows], polytopes, sampled)
-        else:
-            found = pairs_in_cells(self._chains, pairs[rows], polytopes, sampled)
+        found = pairs_in_cells(self._chains, pairs[rows], polytopes, sampled)
         return tuple(each.of(rows) for each in found)
 
     @property

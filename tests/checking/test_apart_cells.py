@@ -335,3 +335,30 @@ def test_bodies_at_rest_are_in_no_cell(tmp_path, monkeypatch, count):
         assert not cells_of(checker)
         assert (checker.check_states(q) == expected).all()
         assert [checker.is_valid(row) for row in q[:500]] == expected[:500].tolist()
+
+
+def test_cells_of_bodies_that_slide(tmp_path, monkeypatch):
+    """Two boxes of 0.2 m, one of which slides by (x, y) against the other: they are apart where either exceeds 0.2."""
+    monkeypatch.setattr(apart_cells, "_WORTH", 0.01)
+    box = '<collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision>'
+    joint = """<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/><axis xyz="{axis}"/>
+      <limit lower="-{limit}" upper="{limit}" velocity="1" effort="1"/></joint>"""
+    joints = (
+        joint.format(name="turn", kind="revolute", parent="base", child="first", axis="0 0 1", limit=2),
+        joint.format(name="x", kind="prismatic", parent="first", child="between", axis="1 0 0", limit=0.7),
+        joint.format(name="y", kind="prismatic", parent="between", child="last", axis="0 1 0", limit=0.9),
+    )
+    (tmp_path / "r.urdf").write_text(
+        f'<robot name="r"><link name="base"/><link name="first">{box}</link><link name="between"/>'
+        f'<link name="last">{box}</link>{"".join(joints)}</robot>'
+    )
+    checker = pc.Checker(pc.Robot.from_urdf(tmp_path / "r.urdf"), pc.Scene())
+    ((_, cut, apart),) = found_cells(checker)
+    assert cut == (1, 2)
+    ways = [np.linspace(-limit, limit, len(apart) + 1) for limit in (0.7, 0.9)]
+    nearest = [
+        np.where(np.sign(way[1:]) != np.sign(way[:-1]), 0, np.minimum(*np.abs([way[1:], way[:-1]]))) for way in ways
+    ]
+    surely = (nearest[0] > 0.2)[:, None] | (nearest[1] > 0.2)[None]
+    assert not (apart & ~surely).any()
+    assert (apart & surely).sum() > 0.9 * surely.sum()
