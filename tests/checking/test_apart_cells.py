@@ -362,3 +362,21 @@ def test_cells_of_bodies_that_slide(tmp_path, monkeypatch):
     surely = (nearest[0] > 0.2)[:, None] | (nearest[1] > 0.2)[None]
     assert not (apart & ~surely).any()
     assert (apart & surely).sum() > 0.9 * surely.sum()
+
+
+@pytest.mark.parametrize(("low", "has_cells"), [(-2.0, True), (1e7, False)])
+def test_limits_far_from_zero_have_no_cells(tmp_path, monkeypatch, low, has_cells):
+    """Found by an audit: middles of cells round by an ulp of the limits, which may be as wide as a cell."""
+    monkeypatch.setattr(apart_cells, "_WORTH", 0.01)
+    box = '<collision><origin xyz="0.1 0 0"/><geometry><box size="0.2 0.05 0.05"/></geometry></collision>'
+    links = "".join(f'<link name="l{k}">{box}</link>' for k in range(4))
+    joints = "".join(
+        f'<joint name="j{k}" type="revolute"><parent link="l{k}"/><child link="l{k + 1}"/><origin xyz="0.2 0 0"/>'
+        f'<axis xyz="0 0 1"/><limit lower="{low}" upper="{low + 4}" velocity="1" effort="1"/></joint>'
+        for k in range(3)
+    )
+    (tmp_path / "r.urdf").write_text(f'<robot name="r">{links}{joints}</robot>')
+    on, off = (pc.Checker(pc.Robot.from_urdf(tmp_path / "r.urdf"), pc.Scene(), apart_cells=e) for e in (True, False))
+    assert bool(cells_of(on)) == has_cells
+    q = on.robot.random_configurations(2000, seed=16)
+    assert (on.check_states(q) == off.check_states(q)).all()
