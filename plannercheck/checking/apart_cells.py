@@ -42,7 +42,7 @@ _CELLS = {1: (16, 64, 256), 2: (8, 16, 32, 64)}
 # Cells are used where, in all, they settle half a pair a state that balls do not, or in a block of as many (measured).
 _WORTH, _BLOCK = 0.5, 8
 
-# Steps after which a distance has to exceed what it is compared with.
+# Steps after which a distance has to exceed what it is compared with: 64 prove no cell more, 8 fewer (measured).
 _ROUNDS = 16
 
 _FORMAT = b"apart cells 1"

@@ -221,6 +221,7 @@ def test_carried_objects_are_in_no_cell():
     carried = {k for k, body in enumerate(on.bodies) if body.carried is not None}
     pairs = on.pairs[~on.unreachable]
     assert carried
+    assert cells_of(on)
     for each in cells_of(on):
         assert not carried & set(pairs[each.pairs[each.pairs >= 0]].ravel().tolist())
     q = robot.random_configurations(2000, seed=12)
@@ -231,6 +232,7 @@ def test_solids():
     on, off = (
         pc.Checker(pc.Robot.load("xarm7", geometry="solid"), pc.Scene(), apart_cells=each) for each in (True, False)
     )
+    assert cells_of(on)
     q = on.robot.random_configurations(2000, seed=13)
     assert (on.check_states(q) == off.check_states(q)).all()
 
@@ -380,3 +382,14 @@ def test_limits_far_from_zero_have_no_cells(tmp_path, monkeypatch, low, has_cell
     assert bool(cells_of(on)) == has_cells
     q = on.robot.random_configurations(2000, seed=16)
     assert (on.check_states(q) == off.check_states(q)).all()
+
+
+def test_cells_of_the_cache_are_those_that_were_proved(tmp_path, monkeypatch):
+    monkeypatch.setenv("PLANNERCHECK_CACHE", str(tmp_path))
+    checker, _ = checkers("panda")
+    found = list(found_cells(checker))
+    chains, pairs = checker._proofs._reach._chains, [tuple(pair) for pair, *_ in found]
+    for _ in range(2):  # written, then read
+        cells = apart_cells._apart(chains, (5, 6), pairs, checker._preparation.polytope)
+        assert (cells == np.array([apart for *_, apart in found])).all()
+    assert len(list(tmp_path.glob("*.cells"))) == 1

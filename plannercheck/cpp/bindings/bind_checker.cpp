@@ -30,6 +30,8 @@ namespace {
 using Configurations = InputArray<double, -1, -1>;
 using LinkPoses = InputArray<double, -1, -1, 4, 4>;
 
+using CellsOfPairs = std::vector<std::pair<std::shared_ptr<ApartCells>, InputArray<std::int32_t, -1>>>;  // by bit
+
 constexpr std::size_t kPoseStride = 16;
 
 class BoundChecker : public Pooled<CheckerCore> {
@@ -38,8 +40,7 @@ class BoundChecker : public Pooled<CheckerCore> {
                InputArray<double, -1, 4, 4> placements, InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count,
                InputArray<double, -1> lower, InputArray<double, -1> upper, const PairOptions& options, bool bounds,
                bool boxes, bool overlaps, bool learning, bool part_trees, bool sorted_states,
-               std::shared_ptr<SampledPoses> sampled,
-               const std::vector<std::pair<std::shared_ptr<ApartCells>, InputArray<std::int32_t, -1>>>& in_cells)
+               std::shared_ptr<SampledPoses> sampled, const CellsOfPairs& in_cells)
       : Pooled(geometry_objects(bodies, links, placements), pairs_from(pairs), link_count,
                CheckerOptions{options, bounds, boxes, overlaps, learning, part_trees, sorted_states},
                of_links(std::move(sampled), link_count), pairs_in_cells(in_cells, pairs.shape(0))),
@@ -84,9 +85,7 @@ class BoundChecker : public Pooled<CheckerCore> {
     return out;
   }
 
-  static std::vector<PairsInCells> pairs_in_cells(
-      const std::vector<std::pair<std::shared_ptr<ApartCells>, InputArray<std::int32_t, -1>>>& given,
-      std::size_t pairs) {
+  static std::vector<PairsInCells> pairs_in_cells(const CellsOfPairs& given, std::size_t pairs) {
     std::vector<PairsInCells> out;
     for (const auto& [cells, numbers] : given) {
       PairsInCells& own = out.emplace_back();
@@ -95,7 +94,8 @@ class BoundChecker : public Pooled<CheckerCore> {
       for (std::size_t bit = 0; bit < own.pairs.size() && bit < numbers.shape(0); ++bit) {
         own.pairs[bit] = numbers(bit);
         if (numbers(bit) >= static_cast<std::int32_t>(pairs))
-          throw std::invalid_argument("a pair in cells is none of the checker's");
+          throw std::invalid_argument("pair " + std::to_string(numbers(bit)) + " in cells is none of " +
+                                      std::to_string(pairs));
       }
     }
     return out;
@@ -263,7 +263,7 @@ void bind_checker(nb::module_& m) {
       .def(nb::init<std::vector<std::shared_ptr<Polytope>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
                     InputArray<std::int32_t, -1, 2>, std::int32_t, InputArray<double, -1>, InputArray<double, -1>,
                     const PairOptions&, bool, bool, bool, bool, bool, bool, std::shared_ptr<SampledPoses>,
-                    const std::vector<std::pair<std::shared_ptr<ApartCells>, InputArray<std::int32_t, -1>>>&>(),
+                    const CellsOfPairs&>(),
            plain_floats)
       .def("first_of_states", &first_of_states, plain_floats)
       .def("check_states", &check_states, plain_floats)

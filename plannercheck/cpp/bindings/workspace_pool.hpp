@@ -47,8 +47,9 @@ class Pooled {
   }
 
   // An array of a value for each of n rows, without the GIL: work(first row, how many, their values, workspace).
-  // Several threads take shares of the rows that are left, which get smaller: sets are judged faster where they are
-  // larger, and a thread that starts late, or whose core has other work, leaves the others more.
+  // Several threads take shares of the rows that are left, half of what each has to do, which get smaller: sets are
+  // judged faster where they are larger, and a thread that starts late, or whose core has other work, leaves the others
+  // more.
   template <class Value, class Work>
   auto of_rows(std::size_t n, int threads, Work work) {
     std::vector<Value> values(n);

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "broad_phase/pairs_by_state.hpp"
+
 namespace plannercheck {
 namespace {
 

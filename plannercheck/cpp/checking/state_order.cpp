@@ -11,6 +11,7 @@ namespace {
 // Fewer rows are not worth their order, nor are those of which one of kAlike follows a row of its own cell. The first
 // kFineColumns numbers of many rows are cut more finely: a cell has a block or more of rows (all measured).
 constexpr std::size_t kFewRows = 512, kAlike = 8, kManyRows = 8192, kFineColumns = 2;
+// Rough quantiles are enough: sorting more rows would take more than a share of few rows.
 constexpr std::size_t kSampled = 32;
 
 // Row k of the sampled ones, of n: spread evenly, but without a period, which the rows may have themselves.
