@@ -6,6 +6,7 @@ import copy
 import pickle
 import warnings
 import xml.etree.ElementTree as ElementTree
+from weakref import WeakKeyDictionary, WeakValueDictionary
 
 import numpy as np
 import pytest
@@ -50,7 +51,7 @@ def q(panda):
 
 @pytest.fixture
 def preparations(monkeypatch):
-    """Names of the bodies that are prepared from now on."""
+    """Names of the bodies that are prepared from now on; nothing that other tests prepared is known any more."""
     names = []
 
     def counted(prepare):
@@ -69,6 +70,8 @@ def preparations(monkeypatch):
         return of_boxes(sizes, radii)
 
     monkeypatch.setattr(prepared_bodies, "polytopes_of_boxes", counted_boxes)
+    monkeypatch.setattr(prepared_bodies, "_PREPARED", WeakKeyDictionary())
+    monkeypatch.setattr(prepared_bodies, "_POLYTOPES", WeakValueDictionary())
     prepared_bodies._lasting.cache_clear()
     return names
 
