@@ -36,6 +36,7 @@ class CheckerSwitches:
         middle_states: The middle states of several motions are judged first, together; then the ends, where these often
             collide.
         sorted_states: Like states of a set are judged together.
+        float_poses: Filters of sets look at poses in floats, whose error is bounded.
         apart_cells: Pairs whose relative pose depends on one or two joints are looked up in cells proved apart.
     """
 
@@ -49,6 +50,7 @@ class CheckerSwitches:
     middle_states: bool = True
     part_trees: bool = True
     sorted_states: bool = True
+    float_poses: bool = True
     apart_cells: bool = True
 
     def core_options(self) -> tuple[Any, ...]:
@@ -61,6 +63,7 @@ class CheckerSwitches:
             self.learning,
             self.part_trees,
             self.sorted_states,
+            self.float_poses,
         )
 
 

@@ -101,6 +101,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         middle_states: bool = True,
         part_trees: bool = True,
         sorted_states: bool = True,
+        float_poses: bool = True,
         apart_cells: bool = True,
     ) -> None:
         """Prepares all bodies (through the disk cache) and the pair table.
@@ -152,6 +153,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
             middle_states,
             part_trees,
             sorted_states,
+            float_poses,
             apart_cells,
         )
         self._settings = Settings(alone, self_collision, padding, acm, kinematics, bodies, switches)

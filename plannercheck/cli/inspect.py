@@ -54,6 +54,7 @@ SKIPS = {
     "reach": "pairs that limits keep apart",
     "static_poses": "static links",
     "sorted_states": "like states together",
+    "float_poses": "poses in floats",
     "apart_cells": "cells of two joints",
     "bounds": "balls, tree of obstacles",
     "overlaps": "balls and boxes inside bodies",

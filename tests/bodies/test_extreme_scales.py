@@ -48,7 +48,7 @@ def test_boxes_whose_differences_overflow_floats(exponent):
     pose[0, 3], placements[1, 0, 3] = 2 * scale, -2 * scale
     links, pairs, nothing = np.array([0, -1], dtype=np.int32), np.array([[0, 1]], dtype=np.int32), np.zeros(0)
     for bounds, boxes in itertools.product((True, False), (True, False)):
-        switches = bounds, boxes, True, True, True, True
+        switches = bounds, boxes, True, True, True, True, True
         checker = core.Checker(
             [body, body],
             links,
@@ -79,7 +79,7 @@ def test_what_is_beyond_floats_may_be_anywhere(exponent, first):
     pairs = np.array([[0, 2], [1, 2]], dtype=np.int32)
     pose, nothing = np.eye(4)[None, None], np.zeros(0)
     checker = core.Checker(
-        bodies, links, placements, pairs, 1, nothing, nothing, pair_options(), *[True] * 6, core.sampled_poses(pose), []
+        bodies, links, placements, pairs, 1, nothing, nothing, pair_options(), *[True] * 7, core.sampled_poses(pose), []
     )
     assert checker.first_of_poses(np.repeat(pose, 8, axis=0), 1).tolist() == [first] * 8
 

@@ -33,7 +33,7 @@ def checker_of(bodies, links, pairs, placements=None, overlaps=False):
     placements = identities(len(bodies)) if placements is None else placements
     nothing, links = np.zeros(0), np.array(links, dtype=np.int32)
     moving = identities(int(links.max()) + 1)
-    switches = True, True, overlaps, True, True, True
+    switches = True, True, overlaps, True, True, True, True
     cores = [body.core for body in bodies]
     return core.Checker(
         cores, links, placements, np.array(pairs, dtype=np.int32), len(moving), nothing, nothing, pair_options(),

@@ -11,6 +11,7 @@
 #include "bindings/long_calls.hpp"
 #include "bindings/module.hpp"
 #include "bindings/plain_floats.hpp"
+#include "checking/posed_in_floats.hpp"
 #include "robots/kinematics.hpp"
 
 namespace nb = nanobind;
@@ -47,9 +48,13 @@ std::vector<LinkSpec> links_from(InputArray<int, -1> joints, InputArray<double, 
   return links;
 }
 
-PoseArray pose_array(const Kinematics& kinematics, InputArray<double, -1, -1> q, InputArray<unsigned char, -1> needed) {
+void check_sizes(const Kinematics& kinematics, InputArray<double, -1, -1> q, InputArray<unsigned char, -1> needed) {
   if (static_cast<int>(q.shape(1)) != kinematics.width()) throw nb::value_error("q must be (n, width)");
   if (static_cast<int>(needed.shape(0)) != kinematics.link_count()) throw nb::value_error("needed must be (links,)");
+}
+
+PoseArray pose_array(const Kinematics& kinematics, InputArray<double, -1, -1> q, InputArray<unsigned char, -1> needed) {
+  check_sizes(kinematics, q, needed);
   const size_t n = q.shape(0), links = needed.shape(0);
   // calloc gives untouched zero pages, so pages of links that are not needed are never written.
   auto* data = static_cast<double*>(std::calloc(std::max<size_t>(n * links, 1), 16 * sizeof(double)));
@@ -57,6 +62,15 @@ PoseArray pose_array(const Kinematics& kinematics, InputArray<double, -1, -1> q,
   nb::capsule owner(data, [](void* p) noexcept { std::free(p); });
   without_gil([&] { kinematics.link_poses_batch(q.data(), static_cast<long long>(n), needed.data(), data); });
   return PoseArray(data, {n, links, 4, 4}, owner);
+}
+
+// What filters of sets look at: poses (n, links, 3, 4) and errors (n, links, 2).
+nb::tuple float_link_poses(const Kinematics& kinematics, InputArray<double, -1, -1> q,
+                           InputArray<unsigned char, -1> needed) {
+  check_sizes(kinematics, q, needed);
+  const size_t n = q.shape(0), links = needed.shape(0);
+  const PosedInFloats found = posed_in_floats(kinematics, q.data(), n, needed.data());
+  return nb::make_tuple(output_array(found.poses, {n, links, 3, 4}), output_array(found.errors, {n, links, 2}));
 }
 
 }  // namespace
@@ -76,7 +90,8 @@ void bind_kinematics(nb::module_& m) {
       .def_prop_ro("width", &Kinematics::width)
       .def_prop_ro("link_count", &Kinematics::link_count)
       .def("link_is_constant", &Kinematics::link_is_constant, plain_floats)
-      .def("link_poses", &pose_array, nb::arg("q"), nb::arg("needed"), plain_floats);
+      .def("link_poses", &pose_array, nb::arg("q"), nb::arg("needed"), plain_floats)
+      .def("float_link_poses", &float_link_poses, nb::arg("q"), nb::arg("needed"), plain_floats);
 }
 
 }  // namespace plannercheck

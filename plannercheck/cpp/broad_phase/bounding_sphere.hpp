@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "broad_phase/float_pose_error.hpp"
 #include "broad_phase/geometry_object.hpp"
 #include "math/simd.hpp"
 
@@ -16,10 +17,15 @@ struct BoundingBall {
   float radius;
   float room;  // rounding of posing, besides that of the posed centre
 
-  // Radius of the posed ball: it holds the body in spite of all rounding, including that of this sum.
+  // Radius of the posed ball: it holds the body in spite of all rounding, including that of this sum, and of an error
+  // of its link's pose.
+  template <FloatVector Numbers>
+  Numbers radius_at(Numbers x, Numbers y, Numbers z, PoseError error) const {
+    return radius_at(x, y, z, Numbers{} + radius, Numbers{} + (room + error.of_point(reach())));
+  }
   template <FloatVector Numbers>
   Numbers radius_at(Numbers x, Numbers y, Numbers z) const {
-    return radius_at(x, y, z, Numbers{} + radius, Numbers{} + room);
+    return radius_at(x, y, z, PoseError{});
   }
   template <FloatVector Numbers>
   static Numbers radius_at(Numbers x, Numbers y, Numbers z, Numbers radius, Numbers room);
@@ -28,6 +34,10 @@ struct BoundingBall {
   // most 6u of the posed centre and 17u of |c|, in |.|_1. This also covers posing vertices in doubles and computing the
   // bound.
   static constexpr double kCentreError = 0x1p-19;
+
+ private:
+  // No point of the body is further from its link's origin (bounding_sphere.cpp).
+  float reach() const { return room * static_cast<float>(1 / kCentreError); }
 };
 
 template <FloatVector Numbers>

@@ -11,6 +11,9 @@ namespace {
 // at most 6u of its own and 29u of |c| in the link, in |.|_1. Differences of centres, times an axis, err by 13u of
 // both: kCentre. Both constants leave room for rounding what they are compared with.
 constexpr double kShadow = 0x1p-19, kCentre = 0x1p-19;
+// Where a pose errs by more than rounding, its box' axes, as they are, are as good as any other directions to separate
+// along. On an axis that errs by `turn`, its own half edges project to at most `turn` of their sum more, and so do the
+// other box' if that is the one that errs; the centre errs as a point does.
 // If two bodies have less room than this, both centres' |.|_1 are below 2^125, and nothing overflows.
 constexpr float kLargestRoom = 0x1p106F;
 // Bodies are off rigid by δ <= 3.6e-6 (plannercheck/robots/unit_lengths.py). Take the posed axis u of an edge, |u|² <=
@@ -54,7 +57,7 @@ void BlockBoxes::spread(const BodyBox& box, Posed& posed) {
   posed.room = StateFloats{} + box.room;
 }
 
-void BlockBoxes::pose_on(const FloatPose& link, const BodyBox& box, Posed& posed) {
+void BlockBoxes::pose_on(const FloatPose& link, PoseError error, const BodyBox& box, Posed& posed) {
   StateFloats size = {};
   for (std::size_t i = 0; i < 3; ++i) {
     posed.centre[i] = link.turned(i, box.centre[0], box.centre[1], box.centre[2]) + link.m[4 * i + 3];
@@ -64,15 +67,17 @@ void BlockBoxes::pose_on(const FloatPose& link, const BodyBox& box, Posed& posed
       posed.axes[3 * j + i] = box.upright ? link.m[4 * i + j] : link.turned(i, axis[0], axis[1], axis[2]);
     }
   }
-  posed.room = (size * static_cast<float>(kCentre) + box.room) * static_cast<float>(1 + kCentre);
+  static_assert(kShadow == kCentre);  // so that the room, over it, is at least the half edges' sum and |c|
+  const float room = box.room + error.of_point(box.room * static_cast<float>(1 / kCentre));
+  posed.room = (size * static_cast<float>(kCentre) + room) * static_cast<float>(1 + kCentre);
 }
 
-void BlockBoxes::pose(RoundedLinks& links, const BodyBox& box, Posed& posed) {
+void BlockBoxes::pose(FloatLinkPoses& links, const BodyBox& box, Posed& posed) {
   if (box.link < 0) return spread(box, posed);
-  pose_on(links.of(at(box.link)), box, posed);
+  pose_on(links.of(at(box.link)), links.error(at(box.link)), box, posed);
 }
 
-unsigned BlockBoxes::apart(RoundedLinks& links, std::size_t a, std::size_t b, Workspace& w) const {
+unsigned BlockBoxes::apart(FloatLinkPoses& links, std::size_t a, std::size_t b, Workspace& w) const {
   const Posed &p = posed(links, a, w), &q = posed(links, b, w);
   const std::array<float, 3>&half_a = boxes_[a].half, &half_b = boxes_[b].half;
   const StateFloats room = p.room + q.room;

@@ -43,10 +43,10 @@ class BlockBoxes {
   Workspace new_workspace() const { return Workspace(boxes_.size()); }
 
   // Bit k: in state k the boxes of bodies a and b are apart. `links`: all poses; those of moving boxes are read.
-  unsigned apart(RoundedLinks& links, std::size_t a, std::size_t b, Workspace& workspace) const;
+  unsigned apart(FloatLinkPoses& links, std::size_t a, std::size_t b, Workspace& workspace) const;
 
   // A body's box in the block, posed at the first call.
-  const Posed& posed(RoundedLinks& links, std::size_t body, Workspace& workspace) const {
+  const Posed& posed(FloatLinkPoses& links, std::size_t body, Workspace& workspace) const {
     const BodyBox& box = boxes_[body];
     return workspace.of(body, box.link < 0, [&](Posed& out) { pose(links, box, out); });
   }
@@ -55,8 +55,8 @@ class BlockBoxes {
   std::vector<BodyBox> boxes_;
 
   static void spread(const BodyBox& box, Posed& posed);
-  static void pose_on(const FloatPose& link, const BodyBox& box, Posed& posed);
-  [[gnu::noinline]] static void pose(RoundedLinks& links, const BodyBox& box, Posed& posed);
+  static void pose_on(const FloatPose& link, PoseError error, const BodyBox& box, Posed& posed);
+  [[gnu::noinline]] static void pose(FloatLinkPoses& links, const BodyBox& box, Posed& posed);
 };
 
 }  // namespace plannercheck

@@ -39,6 +39,15 @@ void BroadPhase::find(const Lanes* links, BlockConfigurations q, int count, Filt
   filter(count, filters, w);
 }
 
+void BroadPhase::find(const FloatPose* links, const PoseError* errors, BlockConfigurations q, int count,
+                      Filters filters, Workspace& w) const {
+  begin(w);
+  if (filters.overlaps && !permanent_pairs_.empty()) return take_overlapping(count, w);
+  w.links.begin(links, errors);
+  find_for_block(q, count, w);
+  filter(count, filters, w);
+}
+
 void BroadPhase::find(const PoseColumns* links, const double* q, Filters filters, Workspace& w) const {
   begin(w);
   if (filters.overlaps && !permanent_pairs_.empty()) return take_overlapping(1, w);
@@ -157,12 +166,13 @@ void BroadPhase::pose(const std::vector<BoundingBall>& balls, std::vector<Balls>
   for (std::size_t i = 0; i < balls.size(); ++i) {
     const BoundingBall& ball = balls[i];
     const FloatPose& link = w.links.of(at(ball.link));
+    const PoseError error = w.links.error(at(ball.link));
     const auto [x, y, z] = ball.centre;
     Balls& out = posed[i];
     out.x = link.turned(0, x, y, z) + link.m[3];
     out.y = link.turned(1, x, y, z) + link.m[7];
     out.z = link.turned(2, x, y, z) + link.m[11];
-    out.radius = ball.radius_at(out.x, out.y, out.z);
+    out.radius = ball.radius_at(out.x, out.y, out.z, error);
   }
 }
 

@@ -52,7 +52,7 @@ class BroadPhase {
   };
 
   struct Workspace {
-    RoundedLinks links;
+    FloatLinkPoses links;
     std::vector<PoseColumns> state_links;  // of one state of a block that has few
     std::vector<Balls> balls, slices;
     SingleStateFilter::Workspace single_state_filter;
@@ -81,6 +81,9 @@ class BroadPhase {
 
   // Fills `near` for the first `count` states, whose configurations may be unknown.
   void find(const Lanes* links, BlockConfigurations q, int count, Filters filters, Workspace& workspace) const;
+  // The same for poses in floats, with their errors by link.
+  void find(const FloatPose* links, const PoseError* errors, BlockConfigurations q, int count, Filters filters,
+            Workspace& workspace) const;
   // The same for one state.
   void find(const PoseColumns* links, const double* q, Filters filters, Workspace& workspace) const;
   // The same without bounds: all pairs.

@@ -136,7 +136,7 @@ BroadPhase::FloatBox BroadPhase::rounded(const WorldBox& box) {
 
 BroadPhase::Workspace BroadPhase::new_workspace() const {
   Workspace w;
-  w.links = RoundedLinks(links_);
+  w.links = FloatLinkPoses(links_);
   w.state_links.resize(links_);
   w.balls.resize(movers_.size()), w.slices.resize(slices_.size());
   w.single_state_filter = single_state_filter_.new_workspace();

@@ -18,7 +18,11 @@ namespace {
 // - posing stretches that distance, which is at most r + ρ, by 0.51 δ of itself.
 // In all that is (1.01 δ + 31u) e + (3.04 δ + 52u)(r + ρ) < 5.5e-6 e + 1.41e-5 (r + ρ). The part of r is less than what
 // kShrunk takes off r. As ρ <= e, the rest is below 1.97e-5 e, which is less than the room's other half.
-constexpr double kPosingError = 0x1p-18, kShrunk = 1 - 2e-5;
+// Where a pose errs by more than rounding (float_pose_error.hpp), a ball's centre errs as a point does, and so does the
+// middle of the box, once more within its room. Directions of the box err by t = `turn`, so that w errs by t |w| more.
+// The room's other half has at least 11 t e for the part of e and ρ, 2e-5 being 11 times kShadow; kShrunk has room for
+// the part of r, 2 t r, as t <= 2^-14.
+constexpr double kPosingError = 0x1p-18, kShrunk = 1 - 1.4e-4;
 // Squares of shorter lengths lose bits to underflow.
 constexpr float kShortest = 1e-16F;
 
@@ -80,6 +84,12 @@ BlockOverlaps::Box BlockOverlaps::box_of(const Polytope& body) {
   return out;
 }
 
+// For the rounding of posing and the error of the pose. No centre is further from its link's origin than the room, over
+// kPosingError.
+float BlockOverlaps::room_of(const Balls& balls, const FloatLinkPoses& links) {
+  return balls.room + links.error(at(balls.link)).of_point(balls.room * static_cast<float>(1 / kPosingError));
+}
+
 template <class Number>
 BlockOverlaps::PosedBall BlockOverlaps::posed(const FloatPose& link, Number x, Number y, Number z, Number radius,
                                               float room) {
@@ -92,11 +102,12 @@ BlockOverlaps::PosedBall BlockOverlaps::posed(const FloatPose& link, Number x, N
   return p;
 }
 
-void BlockOverlaps::pose(RoundedLinks& links, const Balls& balls, PosedBalls& out) {
+void BlockOverlaps::pose(FloatLinkPoses& links, const Balls& balls, PosedBalls& out) {
   const FloatPose& link = links.of(at(balls.link));
+  const float room = room_of(balls, links);
   for (std::size_t k = 0; k < balls.count; ++k) {
     const auto [x, y, z] = balls.ball[k].centre;
-    out[k] = posed(link, x, y, z, balls.ball[k].radius, balls.room);
+    out[k] = posed(link, x, y, z, balls.ball[k].radius, room);
   }
 }
 
@@ -113,20 +124,20 @@ unsigned BlockOverlaps::meet(const PosedBall& ball, const Box& box, const BlockB
   return bits_above(limit * limit, square) & bits_above(limit, StateFloats{} + kShortest);
 }
 
-bool BlockOverlaps::overlap_in_state(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes,
+bool BlockOverlaps::overlap_in_state(FloatLinkPoses& links, std::size_t pair, const BlockBoxes& boxes,
                                      BlockBoxes::Workspace& posed_boxes, Workspace& w) const {
   const Roles roles = roles_[pair];
   if (roles.balls < 0) return false;
   const Balls& own = balls_[at(roles.balls)];
   const PosedBalls& balls = w.of(at(roles.balls), false, [&](PosedBalls& out) {
     const auto& [x, y, z, radius] = own.side_by_side;
-    out[0] = posed(links.of(at(own.link)), x, y, z, radius, own.room);
+    out[0] = posed(links.of(at(own.link)), x, y, z, radius, room_of(own, links));
   });
   const BlockBoxes::Posed& frame = boxes.posed(links, at(roles.box), posed_boxes);
   return meet(balls[0], boxes_[at(roles.box)], frame) != 0;
 }
 
-unsigned BlockOverlaps::overlap(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes,
+unsigned BlockOverlaps::overlap(FloatLinkPoses& links, std::size_t pair, const BlockBoxes& boxes,
                                 BlockBoxes::Workspace& posed_boxes, Workspace& w) const {
   const Roles roles = roles_[pair];
   if (roles.balls < 0) return 0;

@@ -31,11 +31,11 @@ class BlockOverlaps {
   Workspace new_workspace() const { return Workspace(balls_.size()); }
 
   // Whether the pair surely shares a point in the state that all lanes of `links` hold.
-  bool overlap_in_state(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes,
+  bool overlap_in_state(FloatLinkPoses& links, std::size_t pair, const BlockBoxes& boxes,
                         BlockBoxes::Workspace& posed_boxes, Workspace& workspace) const;
 
   // Bit k: in state k the pair surely shares a point. `links`: all poses; those of moving bodies are read.
-  unsigned overlap(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes, BlockBoxes::Workspace& posed_boxes,
+  unsigned overlap(FloatLinkPoses& links, std::size_t pair, const BlockBoxes& boxes, BlockBoxes::Workspace& posed_boxes,
                    Workspace& workspace) const;
 
  private:
@@ -71,8 +71,9 @@ class BlockOverlaps {
 
   static Balls balls_of(const GeometryObject& object);
   static Box box_of(const Polytope& body);
+  static float room_of(const Balls& balls, const FloatLinkPoses& links);
   static unsigned meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame);
-  [[gnu::noinline]] static void pose(RoundedLinks& links, const Balls& balls, PosedBalls& out);
+  [[gnu::noinline]] static void pose(FloatLinkPoses& links, const Balls& balls, PosedBalls& out);
   template <class Number>
   static PosedBall posed(const FloatPose& link, Number x, Number y, Number z, Number radius, float room);
 };

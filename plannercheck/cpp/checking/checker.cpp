@@ -55,6 +55,10 @@ double largest_reach(const std::vector<GeometryObject>& bodies, std::size_t link
   return reach;
 }
 
+BroadPhase::Filters filters_of(const CheckerOptions& options, Query query) {
+  return {options.overlaps && query == Query::kAnyCollision, options.boxes, options.learning};
+}
+
 class HullsOfPair final : public HullTest {
  public:
   HullsOfPair(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane& plane,
@@ -226,6 +230,7 @@ void CheckerCore::begin_posing(const Kinematics& kinematics, Workspace& w) const
   w.configurations.columns = w.columns.data();
   w.poser.begin(kinematics, needed_.data());
   w.state_poser.begin(kinematics, needed_.data());
+  w.float_poser.begin(kinematics, needed_.data());
   w.posed_by = kinematics.id();
 }
 
@@ -248,20 +253,24 @@ void CheckerCore::load_links(const double* links, std::size_t n, Workspace& w) c
   }
 }
 
-void CheckerCore::find_near(int count, Query query, Workspace& w) const {
+void CheckerCore::begin_block(int count, Workspace& w) {
   ++w.block;
   w.block_groups = (at(count) + kLanes - 1) / kLanes;
-  if (options_.bounds) {
-    const BroadPhase::Filters filters{options_.overlaps && query == Query::kAnyCollision, options_.boxes,
-                                      options_.learning};
-    if (w.state_links != nullptr) {
-      broad_phase_->find(w.state_links, w.state, filters, w.broad_phase);
-    } else {
-      broad_phase_->find(w.links.data(), w.configurations, count, filters, w.broad_phase);
-    }
-  } else {
+}
+
+void CheckerCore::find_near(int count, Query query, Workspace& w) const {
+  begin_block(count, w);
+  if (!options_.bounds) {
     broad_phase_->take_all(count, w.broad_phase);
+  } else if (w.state_links != nullptr) {
+    broad_phase_->find(w.state_links, w.state, filters_of(options_, query), w.broad_phase);
+  } else {
+    broad_phase_->find(w.links.data(), w.configurations, count, filters_of(options_, query), w.broad_phase);
   }
+  count_near(count, w);
+}
+
+void CheckerCore::count_near(int count, Workspace& w) const {
   const auto& found = w.broad_phase;
   const long overlapping = __builtin_popcount(found.overlapping);
   long near = 0;
@@ -275,6 +284,24 @@ void CheckerCore::find_near(int count, Query query, Workspace& w) const {
   w.counters.bounds += pairs - near - overlapping - found.boxes_apart - found.skipped;
 }
 
+// Calls judge(row_of, count) for every block, once its configurations are loaded; row_of(state): the row of a state.
+template <class Judge>
+void CheckerCore::each_block(const double* q, std::size_t n, std::size_t width, Workspace& w, Judge judge) const {
+  for (std::size_t first = 0; first < n; first += StateOrder::kMostRows) {
+    const double* const part = q + first * width;
+    const std::size_t rows = std::min(StateOrder::kMostRows, n - first);
+    if (options_.sorted_states) w.order.find(part, rows, width);
+    for (std::size_t i = 0; i < rows; i += kBlockStates) {
+      if (first + i > 0) poll_interruption();
+      const std::size_t count = std::min<std::size_t>(kBlockStates, rows - i);
+      const auto row_of = [&](std::size_t state) { return first + w.order.row(i + state); };
+      load_rows<kBlockStates>([&](std::size_t state) { return q + row_of(state) * width; }, count, width,
+                              w.columns.data());
+      judge(row_of, count);
+    }
+  }
+}
+
 template <class Judge>
 void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std::size_t n, Query query, Workspace& w,
                              Judge judge) const {
@@ -285,21 +312,11 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
     find_near(1, query, w);
     return judge(0, 0);
   }
-  for (std::size_t first = 0; first < n; first += StateOrder::kMostRows) {
-    const double* const part = q + first * width;
-    const std::size_t rows = std::min(StateOrder::kMostRows, n - first);
-    if (options_.sorted_states) w.order.find(part, rows, width);
-    for (std::size_t i = 0; i < rows; i += kBlockStates) {
-      if (first + i > 0) poll_interruption();
-      const std::size_t count = std::min<std::size_t>(kBlockStates, rows - i);
-      const auto row = [&](std::size_t state) { return w.order.row(i + state); };
-      load_rows<kBlockStates>([&](std::size_t state) { return part + row(state) * width; }, count, width,
-                              w.columns.data());
-      pose_links(width, static_cast<int>(count), w);
-      find_near(static_cast<int>(count), query, w);
-      for (std::size_t state = 0; state < count; ++state) judge(first + row(state), state);
-    }
-  }
+  each_block(q, n, width, w, [&](auto row_of, std::size_t count) {
+    pose_links(width, static_cast<int>(count), w);
+    find_near(static_cast<int>(count), query, w);
+    for (std::size_t state = 0; state < count; ++state) judge(row_of(state), state);
+  });
 }
 
 template <class Judge>
@@ -316,8 +333,50 @@ void CheckerCore::each_state(const double* links, std::size_t n, Workspace& w, J
 
 void CheckerCore::check_states(const Kinematics& kinematics, const double* q, std::size_t n, std::uint8_t* valid,
                                Workspace& w) const {
+  begin_posing(kinematics, w);
+  if (n > 1 && options_.bounds && options_.float_poses && w.float_poser.is_possible())
+    return check_in_floats(q, n, at(kinematics.width()), valid, w);
   each_state(kinematics, q, n, Query::kAnyCollision, w,
              [&](std::size_t row, std::size_t state) { valid[row] = is_free(state, w); });
+}
+
+// Most states are decided by filters, for which poses in floats are good enough.
+void CheckerCore::check_in_floats(const double* q, std::size_t n, std::size_t width, std::uint8_t* valid,
+                                  Workspace& w) const {
+  w.open.clear();
+  each_block(q, n, width, w, [&](auto row_of, std::size_t count) {
+    if (!w.open.floats_pay() || !w.float_poser.pose(w.columns.data())) {
+      pose_links(width, static_cast<int>(count), w);
+      find_near(static_cast<int>(count), Query::kAnyCollision, w);
+      for (std::size_t state = 0; state < count; ++state) valid[row_of(state)] = is_free(state, w);
+      return;
+    }
+    begin_block(static_cast<int>(count), w);
+    broad_phase_->find(w.float_poser.poses(), w.float_poser.errors(), w.configurations, static_cast<int>(count),
+                       filters_of(options_, Query::kAnyCollision), w.broad_phase);
+    count_near(static_cast<int>(count), w);
+    std::size_t open = 0;
+    for (std::size_t state = 0; state < count; ++state) {
+      auto& near = w.broad_phase.near[state];
+      valid[row_of(state)] = (w.broad_phase.overlapping >> state & 1U) == 0;
+      if (near.empty()) continue;
+      w.open.add(row_of(state), near);
+      ++open;
+    }
+    w.open.learn(count, open);
+    if (w.open.size() >= kBlockStates) judge_open(q, width, valid, w);
+  });
+  while (w.open.size() > 0) judge_open(q, width, valid, w);
+}
+
+void CheckerCore::judge_open(const double* q, std::size_t width, std::uint8_t* valid, Workspace& w) const {
+  std::array<std::size_t, kBlockStates> rows;
+  const std::size_t count = w.open.take(rows, w.broad_phase.near);
+  load_rows<kBlockStates>([&](std::size_t state) { return q + rows[state] * width; }, count, width, w.columns.data());
+  pose_links(width, static_cast<int>(count), w);
+  begin_block(static_cast<int>(count), w);
+  w.broad_phase.overlapping = 0;
+  for (std::size_t state = 0; state < count; ++state) valid[rows[state]] = is_free(state, w);
 }
 
 void CheckerCore::seek_collisions(const Kinematics& kinematics, const double* q, std::size_t n, std::uint8_t* not_found,

@@ -42,6 +42,7 @@ struct CheckerOptions {
   bool learning = true;       // tests the pair that collided most often first, where any collision decides
   bool part_trees = true;     // of sets of parts; boxes around several bodies; looks at heights under them
   bool sorted_states = true;  // like states of a set are judged together
+  bool float_poses = true;    // for the filters of sets; those in doubles where a pair is left
 };
 
 // What a state's verdict depends on: whether any pair shares a point, or which ones.
@@ -107,12 +108,19 @@ class CheckerCore {
   void each_state(const Kinematics& kinematics, const double* q, std::size_t n, Query query, Workspace& workspace,
                   Judge judge) const;
   template <class Judge>
+  void each_block(const double* q, std::size_t n, std::size_t width, Workspace& workspace, Judge judge) const;
+  void check_in_floats(const double* q, std::size_t n, std::size_t width, std::uint8_t* valid,
+                       Workspace& workspace) const;
+  void judge_open(const double* q, std::size_t width, std::uint8_t* valid, Workspace& workspace) const;
+  template <class Judge>
   void each_state(const double* links, std::size_t n, Workspace& workspace, Judge judge) const;
 
   void begin_posing(const Kinematics& kinematics, Workspace& workspace) const;
   void pose_links(std::size_t width, int count, Workspace& workspace) const;
   void load_links(const double* links, std::size_t n, Workspace& workspace) const;
   void find_near(int count, Query query, Workspace& workspace) const;
+  static void begin_block(int count, Workspace& workspace);
+  void count_near(int count, Workspace& workspace) const;
   std::array<double, 12> link_pose(std::size_t link, std::size_t state, const Workspace& workspace) const;
   Pose posed(std::size_t body, std::size_t state, const Workspace& workspace) const;
   bool collides(std::size_t pair, std::size_t state, Workspace& workspace) const;

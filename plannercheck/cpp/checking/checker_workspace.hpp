@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "broad_phase/broad_phase.hpp"
+#include "broad_phase/float_link_poser.hpp"
 #include "checking/checker.hpp"
+#include "checking/open_states.hpp"
 #include "checking/state_blocks.hpp"
 #include "checking/state_order.hpp"
 #include "narrow_phase/solid_pair.hpp"
@@ -36,6 +38,8 @@ struct CheckerCore::Workspace {
   BlockConfigurations configurations;        // of a block, if they are known
   LinkPoser poser;
   StatePoser state_poser;
+  FloatLinkPoser float_poser;
+  OpenStates open;             // of the set, left open by poses in floats
   std::uint64_t posed_by = 0;  // the kinematics for which the posers are prepared
   BroadPhase::Workspace broad_phase;
   std::vector<CachedPlane> planes;         // per pair

@@ -26,7 +26,7 @@ MotionCollisions::MotionCollisions(const MotionModel& model)
 void MotionCollisions::begin(const MotionGrid& grid, Workspace& w) const {
   w.used = grid.intervals() / kBlockStates + 1;
   while (w.blocks.size() < w.used) {
-    w.blocks.push_back({RoundedLinks(links_), boxes_.new_workspace(), overlaps_.new_workspace()});
+    w.blocks.push_back({FloatLinkPoses(links_), boxes_.new_workspace(), overlaps_.new_workspace()});
   }
   for (std::size_t k = 0; k < w.used; ++k) {
     Block& block = w.blocks[k];

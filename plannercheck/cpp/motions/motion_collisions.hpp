@@ -22,7 +22,7 @@ class MotionCollisions {
 
   // Of a block of the grid's states.
   struct Block {
-    RoundedLinks links;
+    FloatLinkPoses links;
     BlockBoxes::Workspace boxes;
     BlockOverlaps::Workspace overlaps;
   };

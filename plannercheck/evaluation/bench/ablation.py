@@ -24,6 +24,7 @@ SWITCHES = (
     "reach",
     "static_poses",
     "sorted_states",
+    "float_poses",
     "apart_cells",
     "bounds",
     "overlaps",

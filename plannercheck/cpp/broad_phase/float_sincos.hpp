@@ -1,0 +1,60 @@
+// Sine and cosine of the angles of a block, in floats: within 2^-23 of those of the given doubles.
+//
+// Idea: as in math/sincos.hpp, with less precision. The nearest multiple of pi/2 is subtracted in doubles, where one
+// product is exact enough below kLargestAngle; the rest is rounded to floats, of which polynomials are evaluated. Only
+// elementwise additions and multiplications, none fused.
+#pragma once
+
+#include "broad_phase/state_block.hpp"
+#include "math/simd.hpp"
+#include "math/sincos.hpp"
+
+namespace plannercheck {
+
+struct FloatSinCos {
+  StateFloats sin, cos;
+};
+
+namespace float_sincos_detail {
+
+// The product of pi/2 with a multiple of up to 2^20 errs by less than 2^-32, and pi/2 itself by 6.2e-17 times as much.
+inline constexpr double kLargestAngle = 1e6;
+inline constexpr double kHalfPi = 0x1.921fb54442d18p+0;
+
+// sin r = r + r z S(z), cos r = 1 - z/2 + z² C(z), z = r² in [0, (pi/4)²], at Chebyshev nodes. With all rounding, and
+// that of r, both err by less than 1.2e-7 = 2^-23 (tests/checking/test_float_poses.py tries all floats).
+inline constexpr float kSin[3] = {-0x1.555552p-3F, 0x1.110c28p-7F, -0x1.9ac9b0p-13F};
+inline constexpr float kCos[3] = {0x1.555554p-5F, -0x1.6c12d2p-10F, 0x1.9bd89cp-16F};
+
+inline StateFloats polynomial(const float (&c)[3], StateFloats z) { return c[0] + z * (c[1] + z * c[2]); }
+
+inline StateFloats chosen(StateMask mask, StateFloats yes, StateFloats no) {
+  return (StateFloats)((mask & (StateMask)yes) | (~mask & (StateMask)no));
+}
+
+}  // namespace float_sincos_detail
+
+// Whether all angles of a group are small enough; no number is not.
+inline LaneMask are_reducible(Lanes angle) { return absolute(angle) <= broadcast(float_sincos_detail::kLargestAngle); }
+
+// `angle`: of the groups of a block.
+inline FloatSinCos float_sincos(const Lanes (&angle)[kBlockGroups]) {
+  using namespace float_sincos_detail;
+  using sincos_detail::kRoundToInteger, sincos_detail::kTwoOverPi;
+  Lanes multiples[kBlockGroups], rests[kBlockGroups];
+  for (std::size_t group = 0; group < kBlockGroups; ++group) {
+    multiples[group] = (angle[group] * kTwoOverPi + kRoundToInteger) - kRoundToInteger;
+    rests[group] = angle[group] - multiples[group] * kHalfPi;
+  }
+  const StateMask quarter = __builtin_convertvector(joined_floats<kBlockStates>(multiples, 1), StateMask);
+  const StateFloats r = joined_floats<kBlockStates>(rests, 1);
+  const StateFloats z = r * r;
+  const StateFloats sin_r = r + r * (z * polynomial(kSin, z));
+  const StateFloats cos_r = (1.0F - 0.5F * z) + (z * z) * polynomial(kCos, z);
+  const StateMask swap = -(quarter & 1);
+  const StateMask sin_sign = (quarter & 2) << 30, cos_sign = ((quarter + 1) & 2) << 30;
+  return {(StateFloats)((StateMask)chosen(swap, cos_r, sin_r) ^ sin_sign),
+          (StateFloats)((StateMask)chosen(swap, sin_r, cos_r) ^ cos_sign)};
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,21 @@
+// The poses in floats that filters of sets look at (broad_phase/float_link_poser.hpp), row by row: to test their bounds.
+// This header is free of lanes.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "robots/kinematics.hpp"
+
+namespace plannercheck {
+
+// Of n rows and all links: 3x4 matrices, row-major, and by what a unit vector and the origin may be off. NaN for links
+// that are not needed and for rows that are posed in doubles.
+struct PosedInFloats {
+  std::vector<float> poses, errors;
+};
+
+PosedInFloats posed_in_floats(const Kinematics& kinematics, const double* q, std::size_t n,
+                              const unsigned char* needed);
+
+}  // namespace plannercheck
