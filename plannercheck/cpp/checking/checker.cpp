@@ -118,6 +118,7 @@ std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
   auto w = std::make_shared<Workspace>();
   w->links.resize(kBlockGroups * at(links_) * 12);
   w->broad_phase = broad_phase_->new_workspace();
+  w->open = OpenStates(pairs_.size());
   w->planes.resize(pairs_.size());
   if (has_solids_) {
     w->histories.resize(pairs_.size(), {{}, true, options_.pair.cached_plane});
@@ -178,11 +179,15 @@ bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) co
   return shared;
 }
 
-bool CheckerCore::is_free(std::size_t state, Workspace& w) const {
-  ++w.judged;
+// Most states are decided, so that this is inlined where they are judged, and no more than this.
+inline bool CheckerCore::is_free(std::size_t state, Workspace& w) const {
   if ((w.broad_phase.overlapping >> state & 1U) != 0) return false;
+  return w.broad_phase.near[state].empty() || no_pair_collides(state, w);
+}
+
+bool CheckerCore::no_pair_collides(std::size_t state, Workspace& w) const {
+  ++w.judged;
   auto& near = w.broad_phase.near[state];
-  if (near.empty()) return true;
   if (options_.learning) {
     const auto likeliest = std::max_element(
         near.begin(), near.end(), [&](std::int32_t a, std::int32_t b) { return w.hits[at(a)] < w.hits[at(b)]; });
@@ -258,19 +263,18 @@ void CheckerCore::begin_block(int count, Workspace& w) {
   w.block_groups = (at(count) + kLanes - 1) / kLanes;
 }
 
-void CheckerCore::find_near(int count, Query query, Workspace& w) const {
+void CheckerCore::find_near(int count, Query query, Workspace& w, bool in_floats) const {
   begin_block(count, w);
   if (!options_.bounds) {
     broad_phase_->take_all(count, w.broad_phase);
   } else if (w.state_links != nullptr) {
     broad_phase_->find(w.state_links, w.state, filters_of(options_, query), w.broad_phase);
+  } else if (in_floats) {
+    broad_phase_->find(w.float_poser.poses(), w.float_poser.errors(), w.configurations, count,
+                       filters_of(options_, query), w.broad_phase);
   } else {
     broad_phase_->find(w.links.data(), w.configurations, count, filters_of(options_, query), w.broad_phase);
   }
-  count_near(count, w);
-}
-
-void CheckerCore::count_near(int count, Workspace& w) const {
   const auto& found = w.broad_phase;
   const long overlapping = __builtin_popcount(found.overlapping);
   long near = 0;
@@ -312,11 +316,37 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
     find_near(1, query, w);
     return judge(0, 0);
   }
+  w.open.clear();
+  const bool can_use_floats = options_.bounds && options_.float_poses && w.float_poser.is_possible();
   each_block(q, n, width, w, [&](auto row_of, std::size_t count) {
-    pose_links(width, static_cast<int>(count), w);
-    find_near(static_cast<int>(count), query, w);
-    for (std::size_t state = 0; state < count; ++state) judge(row_of(state), state);
+    const bool in_floats = can_use_floats && w.open.floats_pay() && w.float_poser.pose(w.columns.data());
+    if (!in_floats) pose_links(width, static_cast<int>(count), w);
+    find_near(static_cast<int>(count), query, w, in_floats);
+    const std::size_t open_before = w.open.size();
+    for (std::size_t state = 0; state < count; ++state) {
+      auto& near = w.broad_phase.near[state];
+      if (in_floats && !near.empty()) {
+        w.open.add(row_of(state), near);
+      } else {
+        judge(row_of(state), state);
+      }
+    }
+    if (in_floats) w.open.learn(count, w.open.size() - open_before);
+    if (w.open.size() >= kBlockStates) judge_open(q, width, w, judge);
   });
+  while (w.open.size() > 0) judge_open(q, width, w, judge);
+}
+
+// Poses the states that are tested pair by pair.
+template <class Judge>
+void CheckerCore::judge_open(const double* q, std::size_t width, Workspace& w, Judge judge) const {
+  std::array<std::size_t, kBlockStates> rows;
+  const std::size_t count = w.open.take(rows, w.broad_phase.near);
+  load_rows<kBlockStates>([&](std::size_t state) { return q + rows[state] * width; }, count, width, w.columns.data());
+  pose_links(width, static_cast<int>(count), w);
+  begin_block(static_cast<int>(count), w);
+  w.broad_phase.overlapping = 0;
+  for (std::size_t state = 0; state < count; ++state) judge(rows[state], state);
 }
 
 template <class Judge>
@@ -333,50 +363,8 @@ void CheckerCore::each_state(const double* links, std::size_t n, Workspace& w, J
 
 void CheckerCore::check_states(const Kinematics& kinematics, const double* q, std::size_t n, std::uint8_t* valid,
                                Workspace& w) const {
-  begin_posing(kinematics, w);
-  if (n > 1 && options_.bounds && options_.float_poses && w.float_poser.is_possible())
-    return check_in_floats(q, n, at(kinematics.width()), valid, w);
   each_state(kinematics, q, n, Query::kAnyCollision, w,
              [&](std::size_t row, std::size_t state) { valid[row] = is_free(state, w); });
-}
-
-// Most states are decided by filters, for which poses in floats are good enough.
-void CheckerCore::check_in_floats(const double* q, std::size_t n, std::size_t width, std::uint8_t* valid,
-                                  Workspace& w) const {
-  w.open.clear();
-  each_block(q, n, width, w, [&](auto row_of, std::size_t count) {
-    if (!w.open.floats_pay() || !w.float_poser.pose(w.columns.data())) {
-      pose_links(width, static_cast<int>(count), w);
-      find_near(static_cast<int>(count), Query::kAnyCollision, w);
-      for (std::size_t state = 0; state < count; ++state) valid[row_of(state)] = is_free(state, w);
-      return;
-    }
-    begin_block(static_cast<int>(count), w);
-    broad_phase_->find(w.float_poser.poses(), w.float_poser.errors(), w.configurations, static_cast<int>(count),
-                       filters_of(options_, Query::kAnyCollision), w.broad_phase);
-    count_near(static_cast<int>(count), w);
-    std::size_t open = 0;
-    for (std::size_t state = 0; state < count; ++state) {
-      auto& near = w.broad_phase.near[state];
-      valid[row_of(state)] = (w.broad_phase.overlapping >> state & 1U) == 0;
-      if (near.empty()) continue;
-      w.open.add(row_of(state), near);
-      ++open;
-    }
-    w.open.learn(count, open);
-    if (w.open.size() >= kBlockStates) judge_open(q, width, valid, w);
-  });
-  while (w.open.size() > 0) judge_open(q, width, valid, w);
-}
-
-void CheckerCore::judge_open(const double* q, std::size_t width, std::uint8_t* valid, Workspace& w) const {
-  std::array<std::size_t, kBlockStates> rows;
-  const std::size_t count = w.open.take(rows, w.broad_phase.near);
-  load_rows<kBlockStates>([&](std::size_t state) { return q + rows[state] * width; }, count, width, w.columns.data());
-  pose_links(width, static_cast<int>(count), w);
-  begin_block(static_cast<int>(count), w);
-  w.broad_phase.overlapping = 0;
-  for (std::size_t state = 0; state < count; ++state) valid[rows[state]] = is_free(state, w);
 }
 
 void CheckerCore::seek_collisions(const Kinematics& kinematics, const double* q, std::size_t n, std::uint8_t* not_found,

@@ -109,18 +109,16 @@ class CheckerCore {
                   Judge judge) const;
   template <class Judge>
   void each_block(const double* q, std::size_t n, std::size_t width, Workspace& workspace, Judge judge) const;
-  void check_in_floats(const double* q, std::size_t n, std::size_t width, std::uint8_t* valid,
-                       Workspace& workspace) const;
-  void judge_open(const double* q, std::size_t width, std::uint8_t* valid, Workspace& workspace) const;
+  template <class Judge>
+  void judge_open(const double* q, std::size_t width, Workspace& workspace, Judge judge) const;
   template <class Judge>
   void each_state(const double* links, std::size_t n, Workspace& workspace, Judge judge) const;
 
   void begin_posing(const Kinematics& kinematics, Workspace& workspace) const;
   void pose_links(std::size_t width, int count, Workspace& workspace) const;
   void load_links(const double* links, std::size_t n, Workspace& workspace) const;
-  void find_near(int count, Query query, Workspace& workspace) const;
+  void find_near(int count, Query query, Workspace& workspace, bool in_floats = false) const;
   static void begin_block(int count, Workspace& workspace);
-  void count_near(int count, Workspace& workspace) const;
   std::array<double, 12> link_pose(std::size_t link, std::size_t state, const Workspace& workspace) const;
   Pose posed(std::size_t body, std::size_t state, const Workspace& workspace) const;
   bool collides(std::size_t pair, std::size_t state, Workspace& workspace) const;
@@ -132,6 +130,7 @@ class CheckerCore {
   bool parts_share(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool half_space_shared(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool is_free(std::size_t state, Workspace& workspace) const;
+  [[gnu::noinline]] bool no_pair_collides(std::size_t state, Workspace& workspace) const;
   bool is_found_colliding(std::size_t state, Workspace& workspace) const;
   std::int32_t first_collision(std::size_t state, Workspace& workspace) const;
 };

@@ -5,7 +5,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "broad_phase/state_block.hpp"
@@ -14,13 +13,29 @@ namespace plannercheck {
 
 class OpenStates {
  public:
-  std::size_t size() const { return size_; }
-  void clear() { size_ = 0; }
+  // `pairs`: of all bodies; few of them are near in a state, for which there is memory from the start.
+  explicit OpenStates(std::size_t pairs = 0) { pairs_.reserve(kMost * (pairs < kFew ? pairs : kFew)); }
 
-  // Of the row of a set. Swaps memory with `near`, whose values get lost.
-  void add(std::size_t row, std::vector<std::int32_t>& near) {
-    rows_[size_] = row;
-    std::swap(near_[size_++], near);
+  std::size_t size() const { return size_; }
+  void clear() { size_ = 0, pairs_.clear(); }
+
+  // Of the row of a set, with the pairs that are near.
+  void add(std::size_t row, const std::vector<std::int32_t>& near) {
+    states_[size_++] = {row, pairs_.size()};
+    pairs_.insert(pairs_.end(), near.begin(), near.end());
+  }
+
+  // Takes up to a block of those added last: their rows, and their pairs into the block's first states.
+  std::size_t take(std::array<std::size_t, kBlockStates>& rows,
+                   std::array<std::vector<std::int32_t>, kBlockStates>& near) {
+    const std::size_t count = size_ < kBlockStates ? size_ : kBlockStates;
+    for (std::size_t k = 0; k < count; ++k) {
+      const State& last = states_[--size_];
+      rows[k] = last.row;
+      near[k].assign(pairs_.begin() + static_cast<std::ptrdiff_t>(last.first), pairs_.end());
+      pairs_.resize(last.first);
+    }
+    return count;
   }
 
   // Whether few enough states are left open lately for floats to save time; now and then, to see whether that still
@@ -31,30 +46,23 @@ class OpenStates {
     if (judged_ > kLately) judged_ /= 2, open_ /= 2;
   }
 
-  // Takes up to a block of those added last: their rows, and their pairs into the block's first states.
-  template <class Near>
-  std::size_t take(std::array<std::size_t, kBlockStates>& rows, Near& near) {
-    const std::size_t count = size_ < kBlockStates ? size_ : kBlockStates;
-    for (std::size_t k = 0; k < count; ++k) {
-      rows[k] = rows_[--size_];
-      std::swap(near[k], near_[size_]);
-    }
-    return count;
-  }
-
  private:
-  static constexpr std::size_t kMost = 2 * kBlockStates;  // less than a block, and a block more
-
   // Poses in floats take about a third of the time of those in doubles, which states left open take besides. Of the
   // states posed in floats, those of about kLately ago count half (all measured).
   static constexpr double kMostOpen = 0.65, kLately = 1024;
   static constexpr std::size_t kTriedAgain = 128;
+  static constexpr std::size_t kFew = 16;
+  static constexpr std::size_t kMost = 2 * kBlockStates;  // less than a block, and a block more
 
+  struct State {
+    std::size_t row, first;  // of its pairs, which end where the next state's begin
+  };
+
+  std::size_t size_ = 0;
+  std::array<State, kMost> states_{};
+  std::vector<std::int32_t> pairs_;
   double judged_ = 0, open_ = 0;
   std::size_t passed_over_ = 0;  // counts the blocks for which floats did not pay
-  std::size_t size_ = 0;
-  std::array<std::size_t, kMost> rows_{};
-  std::array<std::vector<std::int32_t>, kMost> near_;
 };
 
 }  // namespace plannercheck
