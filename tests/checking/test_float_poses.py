@@ -110,6 +110,23 @@ def test_random_chains_stay_within_the_bounds(seed):
     assert shifted <= 1
 
 
+def test_directions_that_err_move_what_is_far_along_them():
+    """Many turns by one angle about one axis, each rounded the same way, and a link that is a metre away."""
+    joints = 44
+    every = np.ones((joints, 7))
+    eye = np.repeat(np.eye(4)[None, :3], joints, axis=0)
+    columns = np.full((joints, 7), -1, dtype=np.int32)
+    columns[:, 0] = 0
+    link = np.eye(4)[None, :3].copy()
+    link[0, 0, 3] = 1.0
+    parents, kinds = np.arange(-1, joints - 1, dtype=np.int32), np.full(joints, 2, dtype=np.int32)
+    last = np.array([joints - 1], dtype=np.int32)
+    table = JointTable(1, parents, kinds, np.zeros((joints, 3)), eye, columns, every, 0 * every, last, link)
+    turned, shifted = parts_of_bounds(core.Kinematics(*table), np.linspace(-3, 3, 50_000)[:, None])
+    assert 0.03 < turned <= 1
+    assert 0.03 < shifted <= 1
+
+
 def test_one_slide_that_goes_far_is_bounded_by_its_distance():
     """Its errors grow with how far it goes, of which the joints' placements say nothing."""
     rng = np.random.default_rng(2)

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# The oldest compilers that the documentation names, GCC 11 and Clang 14, as far as they are installed.
+# Each source on its own, so that none leans on what another one includes; and the oldest compilers that the
+# documentation names, GCC 11 and Clang 14, as far as they are installed.
 #
-#   tests/package/compilers.sh           every source through each compiler, without code: some seconds each, in .ci/run
+#   tests/package/compilers.sh           every source through each compiler, without code: in .ci/run
 #   tests/package/compilers.sh --build   builds with each for level v3 and compares the hashes of verdicts
 #                                        (level_digest.py) with those of the build that is imported: minutes
 #
@@ -13,9 +14,9 @@ python=${PYTHON:-$(command -v python)}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-configure() {  # compiler, level, folder
+configure() {  # compiler, level, folder, other options
   cmake -S plannercheck/cpp -B "$3" -DCMAKE_CXX_COMPILER="$1" -DPLANNERCHECK_LEVELS="$2" -DPLANNERCHECK_WERROR=ON \
-    -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DPython_EXECUTABLE="$python" > /dev/null
+    -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DPython_EXECUTABLE="$python" "${@:4}" > /dev/null
 }
 
 # The build's own commands, with the output replaced.
@@ -44,6 +45,11 @@ build_and_compare() {  # compiler, folder
   [ "$(digest "$2/package")" = "$(digest "${REFERENCE:-$PWD}")" ] || { echo "$1: other verdicts" >&2; exit 1; }
 }
 
+if [ "${1:-}" != --build ]; then
+  configure c++ v3 "$work/alone" -DCMAKE_UNITY_BUILD=OFF
+  check_sources "$work/alone"
+  echo "c++: takes each source on its own"
+fi
 for compiler in g++-11 clang++-14; do
   command -v "$compiler" > /dev/null || { echo "$compiler is not installed"; continue; }
   if [ "${1:-}" = --build ]; then

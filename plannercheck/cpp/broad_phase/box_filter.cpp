@@ -67,7 +67,8 @@ void BlockBoxes::pose_on(const FloatPose& link, PoseError error, const BodyBox& 
       posed.axes[3 * j + i] = box.upright ? link.m[4 * i + j] : link.turned(i, axis[0], axis[1], axis[2]);
     }
   }
-  static_assert(kShadow == kCentre);  // so that the room, over it, is at least the half edges' sum and |c|
+  // The room, over kCentre, is at least 11.4 times the half edges' sum, and |c|.
+  static_assert(kSkew + kShadow >= 11.4 * kCentre);
   const float room = box.room + error.of_point(box.room * static_cast<float>(1 / kCentre));
   posed.room = (size * static_cast<float>(kCentre) + room) * static_cast<float>(1 + kCentre);
 }

@@ -29,7 +29,8 @@ class FloatLinkPoser {
   // angle or a distance is too large or no number.
   bool pose(const Lanes* q);
 
-  // By link, of those that are needed.
+  // By link, of those that are needed. Poses are infinite or no numbers where placements or held slides are beyond
+  // floats: such bodies may be anywhere for a filter.
   const FloatPose* poses() const { return poses_.data(); }
   const PoseError* errors() const { return errors_.data(); }
 

@@ -20,8 +20,8 @@ namespace {
 // kShrunk takes off r. As ρ <= e, the rest is below 1.97e-5 e, which is less than the room's other half.
 // Where a pose errs by more than rounding (float_pose_error.hpp), a ball's centre errs as a point does, and so does the
 // middle of the box, once more within its room. Directions of the box err by t = `turn`, so that w errs by t |w| more.
-// The room's other half has at least 11 t e for the part of e and ρ, 2e-5 being 11 times kShadow; kShrunk has room for
-// the part of r, 2 t r, as t <= 2^-14.
+// The room's other half has 11.4 t e for the part of e and ρ, of which 3 t e is needed (box_filter.cpp); kShrunk has
+// room for the part of r, 2 t r, as t <= 2^-14.
 constexpr double kPosingError = 0x1p-18, kShrunk = 1 - 1.4e-4;
 // Squares of shorter lengths lose bits to underflow.
 constexpr float kShortest = 1e-16F;

@@ -316,7 +316,6 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
     find_near(1, query, w);
     return judge(0, 0);
   }
-  w.open.clear();
   const bool can_use_floats = options_.bounds && options_.float_poses && w.float_poser.is_possible();
   each_block(q, n, width, w, [&](auto row_of, std::size_t count) {
     const bool in_floats = can_use_floats && w.open.floats_pay() && w.float_poser.pose(w.columns.data());
@@ -346,6 +345,7 @@ void CheckerCore::judge_open(const double* q, std::size_t width, Workspace& w, J
   pose_links(width, static_cast<int>(count), w);
   begin_block(static_cast<int>(count), w);
   w.broad_phase.overlapping = 0;
+  w.broad_phase.boxed = options_.boxes;  // but those of a last block of one or two states
   for (std::size_t state = 0; state < count; ++state) judge(rows[state], state);
 }
 

@@ -17,7 +17,6 @@ class OpenStates {
   explicit OpenStates(std::size_t pairs = 0) { pairs_.reserve(kMost * (pairs < kFew ? pairs : kFew)); }
 
   std::size_t size() const { return size_; }
-  void clear() { size_ = 0, pairs_.clear(); }
 
   // Of the row of a set, with the pairs that are near.
   void add(std::size_t row, const std::vector<std::int32_t>& near) {
@@ -40,8 +39,9 @@ class OpenStates {
 
   // Whether few enough states are left open lately for floats to save time; now and then, to see whether that still
   // holds.
-  bool floats_pay() { return kMostOpen * judged_ >= open_ || ++passed_over_ % kTriedAgain == 0; }
+  bool floats_pay() { return few_are_open() || ++passed_over_ % kTriedAgain == 0; }
   void learn(std::size_t judged, std::size_t open) {
+    if (!few_are_open()) judged_ /= 2, open_ /= 2;  // a block that is tried counts as much as all before it
     judged_ += static_cast<double>(judged), open_ += static_cast<double>(open);
     if (judged_ > kLately) judged_ /= 2, open_ /= 2;
   }
@@ -57,6 +57,8 @@ class OpenStates {
   struct State {
     std::size_t row, first;  // of its pairs, which end where the next state's begin
   };
+
+  bool few_are_open() const { return kMostOpen * judged_ >= open_; }
 
   std::size_t size_ = 0;
   std::array<State, kMost> states_{};
