@@ -73,8 +73,8 @@ class FloatPoseError {
   static constexpr double kU = 0x1p-24;                   // half a unit in the last place of floats in [1, 2)
   static constexpr double kRoot3 = 0x1.bb67ae8584cabp+0;  // three rows that err make a vector
   static constexpr double kRoom = 1.01;                   // for products of errors, and for errors of doubles
-  static constexpr double kUnderflow =
-      1e-34;  // some thousand numbers that lose what is below 2^-126; for directions, kRoom has it
+  // Some thousand numbers that lose what is below 2^-126. Of directions, that is far below u, and has room in kRoom.
+  static constexpr double kUnderflow = 1e-34;
 
   double row_ = 0;                          // bounds the norm of the exact rotation's rows,
   double turn_ = 0;                         // and of their errors
