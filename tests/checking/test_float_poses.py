@@ -261,6 +261,28 @@ def test_contacts_that_floats_miss_by_far(tmp_path, shape):
                 assert (checker.check_states(np.repeat(row[None], 17, axis=0)) == (gap > 0)).all()
 
 
+def test_sets_are_posed_in_floats_first(tmp_path):
+    """In a gap that filters see in poses in doubles, and not in floats, whose bound is wider: a pair is left."""
+    robot = long_chain(tmp_path, f'<sphere radius="{HALF}"/>')
+    hand = robot.link_poses(np.zeros((1, JOINTS)))[0, -1]
+    robot = long_chain(tmp_path, f'<sphere radius="{HALF}"/>', tuple((-hand[:2, 3]).tolist()))
+    needed = np.ones(robot.kinematics.link_count, dtype=np.uint8)
+    bound = robot.kinematics.float_link_poses(np.zeros((1, JOINTS)), needed)[1][0, -1, 1]
+    place, scene = np.eye(4), pc.Scene("beside")
+    place[0, 3] = 2 * HALF + bound / 2
+    scene.add_box("box", [2 * HALF] * 3, place)
+    tested = {}
+    for in_floats in (True, False):
+        checker = pc.Checker(robot, scene, reach=False, boxes=False, float_poses=in_floats)
+        assert checker.check_states(np.zeros((17, JOINTS))).all()
+        tested[in_floats] = 17 - checker.statistics()["bounds"]
+    assert tested[False] == 0
+    assert tested[True] in (
+        8,
+        BLOCK,
+    )  # the first block; since all of it was left, the other states are posed in doubles
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_random_robots_have_the_same_verdicts(tmp_path, seed):
     """Slides, turns about any axis, mimics; sets in which some angles are too large for floats, or most states open."""
