@@ -78,7 +78,11 @@ void BroadPhase::filter(int count, Filters filters, Workspace& w) const {
     if ((w.overlapping >> state & 1U) != 0) continue;
     if (!permanent_pairs_.empty()) w.near[state].assign(permanent_pairs_.begin(), permanent_pairs_.end());
   }
+  w.undecided = permanent_pairs_.empty() ? 0 : ((1U << count) - 1) & ~w.overlapping;
+  w.near_pairs = static_cast<long>(permanent_pairs_.size()) * __builtin_popcount(w.undecided);
   const auto take = [&](const Candidate& candidate, unsigned states) {
+    w.undecided |= states;
+    w.near_pairs += __builtin_popcount(states);
     for (; states != 0; states &= states - 1) {
       w.near[static_cast<std::size_t>(__builtin_ctz(states))].push_back(candidate.pair);
     }
@@ -95,6 +99,7 @@ void BroadPhase::take_overlapping(int count, Workspace& w) const {
   w.overlapping = (1U << count) - 1;
   w.skipped = count * (static_cast<long>(pairs_.size()) - 1);
   for (auto& near : w.near) near.clear();
+  w.undecided = 0, w.near_pairs = 0;
 }
 
 void BroadPhase::take_all(int count, Workspace& w) const {
@@ -103,6 +108,8 @@ void BroadPhase::take_all(int count, Workspace& w) const {
     w.near[state].resize(pairs_.size());
     for (std::size_t k = 0; k < pairs_.size(); ++k) w.near[state][k] = static_cast<std::int32_t>(k);
   }
+  w.near_pairs = count * static_cast<long>(pairs_.size());
+  w.undecided = pairs_.empty() ? 0 : (1U << count) - 1;
 }
 
 void BroadPhase::find_for_block(BlockConfigurations q, int count, Workspace& w) const {
@@ -232,25 +239,56 @@ BroadPhase::BoxInStates BroadPhase::around(const MoverGroup& group, const std::v
   return out;
 }
 
+unsigned BroadPhase::BoxInStates::met(const FloatBox& box) const {
+  BitsOfAny<StateFloats> apart;
+  for (std::size_t i = 0; i < 3; ++i) {
+    apart.add_above(low[i], filled<StateFloats>(box.high[i]));
+    apart.add_above(filled<StateFloats>(box.low[i]), high[i]);
+  }
+  return ~apart.bits();
+}
+
+BroadPhase::BoxInFloats BroadPhase::BoxInStates::around_all() const {
+  BoxInFloats out;
+  for (std::size_t i = 0; i < 3; ++i)
+    out.low[i] = smallest_everywhere(low[i]), out.high[i] = -smallest_everywhere(-high[i]);
+  return out;
+}
+
+unsigned BroadPhase::BoxInFloats::met(const EightBoxes& boxes) const {
+  BitsOfAny<Floats> apart;
+  for (std::size_t i = 0; i < 3; ++i) {
+    apart.add_above(low[i], boxes.high[i]);
+    apart.add_above(boxes.low[i], high[i]);
+  }
+  return ~apart.bits() & boxes.present;
+}
+
+// Along motions most obstacles are far from a group in all states of a block.
 void BroadPhase::find_listed(const MoverGroup& group, int count, Workspace& w) const {
-  const unsigned states = (1U << count) - 1;
   const BoxInStates own = around(group, w.balls);
-  for (const std::int32_t obstacle : group.obstacles) {
-    const FloatBox& box = float_boxes_[at(obstacle)];
-    const auto apart = [&](std::size_t i) {
-      return bits_above(own.low[i], filled<StateFloats>(box.high[i])) |
-             bits_above(filled<StateFloats>(box.low[i]), own.high[i]);
-    };
-    if ((~(apart(0) | apart(1) | apart(2)) & states) == 0) continue;
-    for (std::size_t m = group.first; m < group.last; ++m) {
-      const std::int32_t pair = pair_with(m, obstacle);
-      if (pair < 0) continue;
-      const Balls& ball = w.balls[m];
-      const StateFloats x = beyond(ball.x, box.low[0], box.high[0]), y = beyond(ball.y, box.low[1], box.high[1]);
-      const StateFloats z = beyond(ball.z, box.low[2], box.high[2]);
-      const unsigned near = ~bits_above((x * x + y * y) + z * z, far_beyond(ball.radius)) & states;
-      if (near != 0) w.candidates.push_back({pair, near});
+  const BoxInFloats in_all = own.around_all();
+  for (std::size_t k = 0; k < group.boxes.size(); ++k) {
+    for (unsigned met = in_all.met(group.boxes[k]); met != 0; met &= met - 1) {
+      const std::size_t place = k * kFloats + static_cast<std::size_t>(__builtin_ctz(met));
+      find_near_obstacle(group, own, group.obstacles[place], count, w);
     }
+  }
+}
+
+inline void BroadPhase::find_near_obstacle(const MoverGroup& group, const BoxInStates& around, std::int32_t obstacle,
+                                           int count, Workspace& w) const {
+  const FloatBox& box = float_boxes_[at(obstacle)];
+  const unsigned states = (1U << count) - 1;
+  if ((around.met(box) & states) == 0) return;
+  for (std::size_t m = group.first; m < group.last; ++m) {
+    const std::int32_t pair = pair_with(m, obstacle);
+    if (pair < 0) continue;
+    const Balls& ball = w.balls[m];
+    const StateFloats x = beyond(ball.x, box.low[0], box.high[0]), y = beyond(ball.y, box.low[1], box.high[1]);
+    const StateFloats z = beyond(ball.z, box.low[2], box.high[2]);
+    const unsigned near = ~bits_above((x * x + y * y) + z * z, far_beyond(ball.radius)) & states;
+    if (near != 0) w.candidates.push_back({pair, near});
   }
 }
 

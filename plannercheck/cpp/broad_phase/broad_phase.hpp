@@ -18,6 +18,7 @@
 #include "broad_phase/body_slices.hpp"
 #include "broad_phase/bounding_sphere.hpp"
 #include "broad_phase/box_filter.hpp"
+#include "broad_phase/float_boxes.hpp"
 #include "broad_phase/float_link_poses.hpp"
 #include "broad_phase/geometry_object.hpp"
 #include "broad_phase/height_filter.hpp"
@@ -63,6 +64,8 @@ class BroadPhase {
     std::vector<std::int32_t> found, reached;  // obstacles near the ball: in one state, in any state
     std::vector<unsigned> states;              // per obstacle, those in which it is near; 0 between searches
     std::array<std::vector<std::int32_t>, kBlockStates> near;  // pairs, by state
+    unsigned undecided = 0;                                    // states in which a pair is near, a bit each
+    long near_pairs = 0;                                       // of all states
     bool boxed = false;                                        // whether boxes have been tested
     long boxes_apart = 0;                                      // pairs that the boxes separate
     unsigned overlapping = 0;                                  // states in which some pair surely shares a point
@@ -93,20 +96,25 @@ class BroadPhase {
   // Scenes of up to this many obstacles are tested one by one faster than by the tree (measured).
   static constexpr std::size_t kFewObstacles = 64;
 
-  // A box around an obstacle.
-  struct FloatBox {
-    std::array<float, 3> low, high;
-  };
-
   // Some pairs of movers, by the bits of their cells.
   struct MovingPairsInCells {
     std::shared_ptr<const ApartCells> cells;
     std::array<MovingPair, ApartCells::kMostPairs> pairs;
   };
 
+  // A box in every lane.
+  struct BoxInFloats {
+    std::array<Floats, 3> low, high;
+
+    unsigned met(const EightBoxes& boxes) const;  // the boxes that it meets, a bit each
+  };
+
   // A box in each state, around some movers.
   struct BoxInStates {
     std::array<StateFloats, 3> low, high;
+
+    unsigned met(const FloatBox& box) const;  // the states in which it meets the box, a bit each
+    BoxInFloats around_all() const;
   };
 
   std::size_t links_;
@@ -132,7 +140,6 @@ class BroadPhase {
   BlockBoxes boxes_;
   BlockOverlaps overlaps_;
 
-  static FloatBox rounded(const WorldBox& box);
   std::int32_t pair_with(std::size_t mover, std::int32_t obstacle) const {
     return pair_of_[mover * obstacles_ + at(obstacle)];
   }
@@ -150,6 +157,8 @@ class BroadPhase {
   void take_near(const MovingPair& pair, unsigned states, Workspace& workspace) const;
   void find_among_movers(BlockConfigurations q, int count, Workspace& workspace) const;
   void find_listed(const MoverGroup& group, int count, Workspace& workspace) const;
+  void find_near_obstacle(const MoverGroup& group, const BoxInStates& around, std::int32_t obstacle, int count,
+                          Workspace& workspace) const;
   void find_in_tree(std::int32_t mover, int count, Workspace& workspace) const;
   unsigned drop_apart(Candidate& candidate, unsigned states, Workspace& workspace) const;
   void find_overlaps(Workspace& workspace) const;

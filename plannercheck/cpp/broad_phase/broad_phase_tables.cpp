@@ -100,7 +100,7 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   std::vector<SingleStateFilter::Partner> with_movers, with_boxes;
   for (const MovingPair& pair : moving_pairs_) with_movers.push_back({at(pair.a), at(pair.b), pair.pair});
   if (obstacles_ <= kFewObstacles) {
-    for (const WorldBox& box : boxes) float_boxes_.push_back(rounded(box));
+    for (const WorldBox& box : boxes) float_boxes_.push_back(rounded_outwards(box));
     world_boxes_ = boxes;
     for (const std::int32_t mover : movers_with_obstacles_) {
       for (std::size_t o = 0; o < obstacles_; ++o) {
@@ -123,15 +123,6 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   for (const GeometryObject& object : bodies) body_boxes.push_back(body_box(object));
   boxes_ = BlockBoxes(std::move(body_boxes));
   overlaps_ = BlockOverlaps(bodies, pairs);
-}
-
-BroadPhase::FloatBox BroadPhase::rounded(const WorldBox& box) {
-  FloatBox out;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto axis = static_cast<int>(i);
-    out.low[i] = rounded_down(box.low[axis]), out.high[i] = rounded_up(box.high[axis]);
-  }
-  return out;
 }
 
 BroadPhase::Workspace BroadPhase::new_workspace() const {

@@ -5,6 +5,7 @@
 
 #include "math/vec.hpp"
 #include "robots/joint_motions.hpp"
+#include "robots/pose_rows.hpp"
 #include "robots/posing_order.hpp"
 
 namespace plannercheck {
@@ -23,68 +24,6 @@ constexpr float kMostTurn = 0x1p-14F;
 constexpr double kMostOffUnit = 1e-12;
 
 StateFloats in_all(float value) { return filled<StateFloats>(value); }
-
-// ----- placements and motions: those of robots/lane_pose.hpp, in floats
-
-StateFloats placed_origin(const StateFloats* row, const float* p) {
-  return row[0] * p[3] + row[1] * p[7] + row[2] * p[11] + row[3];
-}
-
-void place_anyhow(FloatPose& pose, const float* p) {
-#pragma GCC unroll 3
-  for (std::size_t k = 0; k < 3; ++k) {
-    StateFloats* const row = &pose.m[4 * k];
-    const StateFloats origin = placed_origin(row, p), a = row[0], b = row[1], c = row[2];
-#pragma GCC unroll 3
-    for (std::size_t col = 0; col < 3; ++col) row[col] = a * p[col] + b * p[4 + col] + c * p[8 + col];
-    row[3] = origin;
-  }
-}
-
-void place_shifted(FloatPose& pose, const float* p) {
-#pragma GCC unroll 3
-  for (std::size_t k = 0; k < 3; ++k) pose.m[4 * k + 3] = placed_origin(&pose.m[4 * k], p);
-}
-
-template <std::size_t axis>
-void place_turned(FloatPose& pose, const float* p) {
-  constexpr std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
-#pragma GCC unroll 3
-  for (std::size_t k = 0; k < 3; ++k) {
-    StateFloats* const row = &pose.m[4 * k];
-    const StateFloats origin = placed_origin(row, p), a = row[i], b = row[j];
-    row[i] = a * p[4 * i + i] + b * p[4 * j + i];
-    row[j] = a * p[4 * i + j] + b * p[4 * j + j];
-    row[3] = origin;
-  }
-}
-
-[[gnu::always_inline]] inline void place(FloatPose& pose, PlacementForm form, const float* p) {
-  switch (form) {
-    case PlacementForm::kIdentity:
-      return;
-    case PlacementForm::kShift:
-      return place_shifted(pose, p);
-    case PlacementForm::kTurnX:
-      return place_turned<0>(pose, p);
-    case PlacementForm::kTurnY:
-      return place_turned<1>(pose, p);
-    case PlacementForm::kTurnZ:
-      return place_turned<2>(pose, p);
-    case PlacementForm::kGeneral:
-      return place_anyhow(pose, p);
-  }
-}
-
-template <std::size_t from, std::size_t to>
-void turn_columns(FloatPose& pose, StateFloats cos, StateFloats sin) {
-#pragma GCC unroll 3
-  for (std::size_t row = 0; row < 3; ++row) {
-    const StateFloats a = pose.m[4 * row + from], b = pose.m[4 * row + to];
-    pose.m[4 * row + from] = cos * a + sin * b;
-    pose.m[4 * row + to] = cos * b - sin * a;
-  }
-}
 
 void slide(FloatPose& pose, const std::array<float, 3>& axis, StateFloats distance) {
 #pragma GCC unroll 3
@@ -255,19 +194,19 @@ bool FloatLinkPoser::pose(const Lanes* q) {
       for (std::size_t i = 0; i < 12; ++i) pose.m[i] = in_all(step.placement[i]);
     } else {
       if (step.parent != kInHand && step.parent != posed) pose = poses_[at(step.parent)];
-      place(pose, step.form, step.placement.data());
+      place(pose.m.data(), step.form, step.placement.data());
     }
     switch (step.motion) {
       case Motion::kNone:
         break;
       case Motion::kTurnX:
-        turn_columns<1, 2>(pose, turns_[k].cos, turns_[k].sin);
+        turn_columns<1, 2>(pose.m.data(), turns_[k].cos, turns_[k].sin);
         break;
       case Motion::kTurnY:
-        turn_columns<2, 0>(pose, turns_[k].cos, turns_[k].sin);
+        turn_columns<2, 0>(pose.m.data(), turns_[k].cos, turns_[k].sin);
         break;
       case Motion::kTurnZ:
-        turn_columns<0, 1>(pose, turns_[k].cos, turns_[k].sin);
+        turn_columns<0, 1>(pose.m.data(), turns_[k].cos, turns_[k].sin);
         break;
       case Motion::kSlide:
         slide(pose, step.axis, slides_[k]);

@@ -79,8 +79,12 @@ std::vector<MoverGroup> mover_groups(const std::vector<BoundingBall>& movers, co
   }
   std::vector<MoverGroup> out;
   for (std::size_t last = n; last > 0; last = begin[last]) {
-    MoverGroup group{begin[last], last, obstacles_of(begin[last], last, boxes.size(), pair_of)};
-    if (!group.obstacles.empty()) out.push_back(std::move(group));
+    MoverGroup group{begin[last], last, obstacles_of(begin[last], last, boxes.size(), pair_of), {}};
+    if (group.obstacles.empty()) continue;
+    std::vector<WorldBox> of_obstacles;
+    for (const std::int32_t o : group.obstacles) of_obstacles.push_back(boxes[at(o)]);
+    group.boxes = side_by_side(of_obstacles);
+    out.push_back(std::move(group));
   }
   std::reverse(out.begin(), out.end());
   return out;

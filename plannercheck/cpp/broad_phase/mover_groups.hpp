@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "broad_phase/bounding_sphere.hpp"
+#include "broad_phase/float_boxes.hpp"
 #include "broad_phase/obstacle_tree.hpp"
 #include "broad_phase/sampled_poses.hpp"
 
@@ -18,6 +19,7 @@ namespace plannercheck {
 struct MoverGroup {
   std::size_t first, last;
   std::vector<std::int32_t> obstacles;
+  std::vector<EightBoxes> boxes;  // of these
 };
 
 // pair_of[mover * boxes.size() + obstacle]: −1 where there is no pair.

@@ -30,27 +30,20 @@ SingleStateFilter::SingleStateFilter(std::vector<BoundingBall> balls,
                                      const std::vector<std::vector<BoundingBall>>& slices,
                                      const std::vector<WorldBox>& boxes, const std::vector<Partner>& balls_with_balls,
                                      const std::vector<Partner>& balls_with_boxes)
-    : balls_(std::move(balls)), boxes_(eights_of(boxes.size())) {
+    : balls_(std::move(balls)), boxes_(side_by_side(boxes)) {
   const std::size_t count = balls_.size();
   std::vector<Partner> partners = balls_with_balls;
   for (Partner& partner : partners) {
     if (slices[partner.ball].empty() && !slices[partner.other].empty()) std::swap(partner.ball, partner.other);
   }
   ball_tests_ = tests<Posed>(partners, count, count);
-  box_tests_ = tests<Boxes>(balls_with_boxes, count, boxes.size());
+  box_tests_ = tests<EightBoxes>(balls_with_boxes, count, boxes.size());
   slice(slices);
   while (balls_.size() % kFloats != 0) balls_.push_back(balls_.back());  // whole eights; nobody has a pair with these
   sizes_.resize(eights_of(balls_.size()));
   for (std::size_t b = 0; b < balls_.size(); ++b) {
     sizes_[b / kFloats].radius[b % kFloats] = balls_[b].radius;
     sizes_[b / kFloats].room[b % kFloats] = balls_[b].room;
-  }
-  for (std::size_t b = 0; b < boxes.size(); ++b) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto axis = static_cast<int>(i);
-      boxes_[b / kFloats].low[i][b % kFloats] = rounded_down(boxes[b].low[axis]);
-      boxes_[b / kFloats].high[i][b % kFloats] = rounded_up(boxes[b].high[axis]);
-    }
   }
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "broad_phase/bounding_sphere.hpp"
+#include "broad_phase/float_boxes.hpp"
 #include "broad_phase/obstacle_tree.hpp"
 #include "broad_phase/state_block.hpp"
 #include "math/simd.hpp"
@@ -94,9 +95,6 @@ class SingleStateFilter {
   struct Sizes {
     Floats radius, room;
   };
-  struct Boxes {
-    std::array<Floats, 3> low, high;
-  };
 
   // Tests of one kind.
   struct Tests {
@@ -115,7 +113,7 @@ class SingleStateFilter {
 
   std::vector<BoundingBall> balls_;
   std::vector<Sizes> sizes_;  // of eight balls
-  std::vector<Boxes> boxes_;  // of eight obstacles
+  std::vector<EightBoxes> boxes_;
   Tests ball_tests_, box_tests_;
   std::vector<SliceTest> slice_tests_;
 };
@@ -130,7 +128,7 @@ inline std::uint8_t SingleStateFilter::near_balls(const Test& test, const float*
 
 inline std::uint8_t SingleStateFilter::near_boxes(const Test& test, const float* posed, const float* boxes) {
   const Ball own = ball_at(posed, test.own);
-  const Boxes& eight = eight_at<Boxes>(boxes, test.eight);
+  const EightBoxes& eight = eight_at<EightBoxes>(boxes, test.eight);
   const Floats x = beyond(everywhere(own.x), eight.low[0], eight.high[0]);
   const Floats y = beyond(everywhere(own.y), eight.low[1], eight.high[1]);
   const Floats z = beyond(everywhere(own.z), eight.low[2], eight.high[2]);

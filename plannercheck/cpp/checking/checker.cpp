@@ -182,7 +182,7 @@ bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) co
 // Most states are decided, so that this is inlined where they are judged, and no more than this.
 inline bool CheckerCore::is_free(std::size_t state, Workspace& w) const {
   if ((w.broad_phase.overlapping >> state & 1U) != 0) return false;
-  return w.broad_phase.near[state].empty() || no_pair_collides(state, w);
+  return (w.broad_phase.undecided >> state & 1U) == 0 || no_pair_collides(state, w);
 }
 
 bool CheckerCore::no_pair_collides(std::size_t state, Workspace& w) const {
@@ -277,15 +277,13 @@ void CheckerCore::find_near(int count, Query query, Workspace& w, bool in_floats
   }
   const auto& found = w.broad_phase;
   const long overlapping = __builtin_popcount(found.overlapping);
-  long near = 0;
-  for (std::size_t state = 0; state < at(count); ++state) near += static_cast<long>(found.near[state].size());
   const long pairs = count * static_cast<long>(pairs_.size());
   w.counters.states += count;
   w.counters.pairs += pairs;
   w.counters.overlaps += overlapping;
   w.counters.boxes += found.boxes_apart;
   w.counters.skipped += found.skipped;
-  w.counters.bounds += pairs - near - overlapping - found.boxes_apart - found.skipped;
+  w.counters.bounds += pairs - found.near_pairs - overlapping - found.boxes_apart - found.skipped;
 }
 
 // Calls judge(row_of, count) for every block, once its configurations are loaded; row_of(state): the row of a state.
@@ -321,16 +319,15 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
     const bool in_floats = can_use_floats && w.open.floats_pay() && w.float_poser.pose(w.columns.data());
     if (!in_floats) pose_links(width, static_cast<int>(count), w);
     find_near(static_cast<int>(count), query, w, in_floats);
-    const std::size_t open_before = w.open.size();
+    const unsigned open = in_floats ? w.broad_phase.undecided : 0;
     for (std::size_t state = 0; state < count; ++state) {
-      auto& near = w.broad_phase.near[state];
-      if (in_floats && !near.empty()) {
-        w.open.add(row_of(state), near);
+      if ((open >> state & 1U) != 0) {
+        w.open.add(row_of(state), w.broad_phase.near[state]);
       } else {
         judge(row_of(state), state);
       }
     }
-    if (in_floats) w.open.learn(count, w.open.size() - open_before);
+    if (in_floats) w.open.learn(count, static_cast<std::size_t>(__builtin_popcount(open)));
     if (w.open.size() >= kBlockStates) judge_open(q, width, w, judge);
   });
   while (w.open.size() > 0) judge_open(q, width, w, judge);
@@ -344,7 +341,7 @@ void CheckerCore::judge_open(const double* q, std::size_t width, Workspace& w, J
   load_rows<kBlockStates>([&](std::size_t state) { return q + rows[state] * width; }, count, width, w.columns.data());
   pose_links(width, static_cast<int>(count), w);
   begin_block(static_cast<int>(count), w);
-  w.broad_phase.overlapping = 0;
+  w.broad_phase.overlapping = 0, w.broad_phase.undecided = (1U << count) - 1;
   w.broad_phase.boxed = options_.boxes;  // but those of a last block of one or two states
   for (std::size_t state = 0; state < count; ++state) judge(rows[state], state);
 }

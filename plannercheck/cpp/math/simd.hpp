@@ -112,6 +112,19 @@ inline Vector smaller(Vector a, Vector b) {
   return a < b ? a : b;
 }
 
+// The smallest lane, in eight lanes.
+template <FloatVector Vector>
+inline Floats smallest_everywhere(Vector a) {
+  if constexpr (sizeof(Vector) == sizeof(Floats)) {
+    a = smaller(a, shuffled<4, 5, 6, 7, 0, 1, 2, 3>(a, a));
+    a = smaller(a, shuffled<2, 3, 0, 1, 6, 7, 4, 5>(a, a));
+    return smaller(a, shuffled<1, 0, 3, 2, 5, 4, 7, 6>(a, a));
+  } else {
+    return smallest_everywhere(
+        smaller(shuffled<0, 1, 2, 3, 4, 5, 6, 7>(a, a), shuffled<8, 9, 10, 11, 12, 13, 14, 15>(a, a)));
+  }
+}
+
 typedef int LaneIndices __attribute__((vector_size(kLanes * 4)));
 
 // Bytes at indices; up to so many bytes after each are read as well.
@@ -201,7 +214,36 @@ inline unsigned bits_above(Vector a, Vector b) {
 #endif
 }
 
-// The same of a <= b.
+// The same of several comparisons: whether any of them holds in lane k.
+template <FloatVector Vector>
+class BitsOfAny {
+ public:
+  void add_above(Vector a, Vector b) {
+#if defined(__AVX512VL__) && defined(__AVX512DQ__)
+    bits_ |= bits_above(a, b);
+#else
+    mask_ |= a > b;
+#endif
+  }
+
+  unsigned bits() const {
+#if defined(__AVX512VL__) && defined(__AVX512DQ__)
+    return bits_;
+#else
+    if constexpr (std::is_same_v<Vector, Floats>) return float_bits(mask_);
+    return bits_of_lanes(mask_);
+#endif
+  }
+
+ private:
+#if defined(__AVX512VL__) && defined(__AVX512DQ__)
+  unsigned bits_ = 0;
+#else
+  decltype(Vector{} > Vector{}) mask_{};
+#endif
+};
+
+// Bit k of the result: whether a <= b in lane k.
 template <class Vector>
 inline unsigned bits_at_most(Vector a, Vector b) {
 #if defined(__AVX512VL__) && defined(__AVX512DQ__)

@@ -1,7 +1,4 @@
-// Poses of kLanes configurations at once, and what places and moves them: elementwise on Lanes.
-//
-// Idea: a chain's pose stays in registers from joint to joint. So all of this changes a pose in place, row by row, and
-// is inlined into the loop over joints.
+// Poses of kLanes configurations at once, in doubles, and what moves them (pose_rows.hpp places them).
 #pragma once
 
 #include <array>
@@ -11,6 +8,7 @@
 #include "math/sincos.hpp"
 #include "robots/joint_motions.hpp"
 #include "robots/kinematics.hpp"
+#include "robots/pose_rows.hpp"
 
 namespace plannercheck {
 
@@ -40,74 +38,7 @@ inline void store_pose(Lanes* to, const LanePose& pose) {
   for (std::size_t k = 0; k < kPoseNumbers; ++k) to[k] = pose.m[k];
 }
 
-// ----- placements
-
-// The translation of a row's pose times a placement.
-inline Lanes placed_origin(const Lanes* row, const double* p) {
-  return row[0] * p[3] + row[1] * p[7] + row[2] * p[11] + row[3];
-}
-
-inline void place_anyhow(LanePose& pose, const double* p) {
-#pragma GCC unroll 3
-  for (std::size_t k = 0; k < 3; ++k) {
-    Lanes* const row = pose.m + 4 * k;
-    const Lanes origin = placed_origin(row, p), a = row[0], b = row[1], c = row[2];
-#pragma GCC unroll 3
-    for (std::size_t col = 0; col < 3; ++col) row[col] = a * p[col] + b * p[4 + col] + c * p[8 + col];
-    row[3] = origin;
-  }
-}
-
-// By a placement whose rotation is the identity.
-inline void place_shifted(LanePose& pose, const double* p) {
-#pragma GCC unroll 3
-  for (std::size_t k = 0; k < 3; ++k) pose.m[4 * k + 3] = placed_origin(pose.m + 4 * k, p);
-}
-
-// By a placement whose rotation keeps one axis.
-template <std::size_t axis>
-inline void place_turned(LanePose& pose, const double* p) {
-  constexpr std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
-#pragma GCC unroll 3
-  for (std::size_t k = 0; k < 3; ++k) {
-    Lanes* const row = pose.m + 4 * k;
-    const Lanes origin = placed_origin(row, p), a = row[i], b = row[j];
-    row[i] = a * p[4 * i + i] + b * p[4 * j + i];
-    row[j] = a * p[4 * i + j] + b * p[4 * j + j];
-    row[3] = origin;
-  }
-}
-
-// A pose times a placement.
-[[gnu::always_inline]] inline void place(LanePose& pose, const Rigid& placement, PlacementForm form) {
-  switch (form) {
-    case PlacementForm::kIdentity:
-      return;
-    case PlacementForm::kShift:
-      return place_shifted(pose, placement.m);
-    case PlacementForm::kTurnX:
-      return place_turned<0>(pose, placement.m);
-    case PlacementForm::kTurnY:
-      return place_turned<1>(pose, placement.m);
-    case PlacementForm::kTurnZ:
-      return place_turned<2>(pose, placement.m);
-    case PlacementForm::kGeneral:
-      return place_anyhow(pose, placement.m);
-  }
-}
-
 // ----- motions of joints
-
-// A pose times the rotation by the angle of (cos, sin) that takes column `from` towards column `to`.
-template <std::size_t from, std::size_t to>
-inline void turn_columns(LanePose& pose, Lanes cos, Lanes sin) {
-#pragma GCC unroll 3
-  for (std::size_t row = 0; row < 3; ++row) {
-    const Lanes a = pose.m[4 * row + from], b = pose.m[4 * row + to];
-    pose.m[4 * row + from] = cos * a + sin * b;
-    pose.m[4 * row + to] = cos * b - sin * a;
-  }
-}
 
 // A pose times a rotation, 3x3 and row-major.
 inline void rotate(LanePose& pose, const std::array<Lanes, 9>& r) {
@@ -132,13 +63,13 @@ inline void slide(LanePose& pose, Lanes x, Lanes y, Lanes z) {
   switch (kind) {
     case JointKind::kTurnX:
     case JointKind::kUnitTurnX:
-      return turn_columns<1, 2>(pose, v[0], v[1]);
+      return turn_columns<1, 2>(pose.m, v[0], v[1]);
     case JointKind::kTurnY:
     case JointKind::kUnitTurnY:
-      return turn_columns<2, 0>(pose, v[0], v[1]);
+      return turn_columns<2, 0>(pose.m, v[0], v[1]);
     case JointKind::kTurnZ:
     case JointKind::kUnitTurnZ:
-      return turn_columns<0, 1>(pose, v[0], v[1]);
+      return turn_columns<0, 1>(pose.m, v[0], v[1]);
     case JointKind::kTurnAxis:
     case JointKind::kUnitTurnAxis:
       return rotate(pose, turn_about_axis(axis, v[0], v[1]));
@@ -146,7 +77,7 @@ inline void slide(LanePose& pose, Lanes x, Lanes y, Lanes z) {
       return slide(pose, v[0] * axis[0], v[0] * axis[1], v[0] * axis[2]);
     case JointKind::kPlanar:
       slide(pose, v[0], v[1], Lanes{});
-      return turn_columns<0, 1>(pose, v[2], v[3]);
+      return turn_columns<0, 1>(pose.m, v[2], v[3]);
     case JointKind::kBall:
       return rotate(pose, turn_of_quaternion(v));
     case JointKind::kFree:

@@ -46,7 +46,7 @@ void LinkPoser::pose(const Lanes* q, Lanes* out) {
       pose = lane_pose(*step.placement);
     } else {
       if (step.parent != posed) pose = load_pose(pose_at(step.parent, out));
-      place(pose, *step.placement, step.form);
+      place(pose.m, step.form, step.placement->m);
     }
     if (step.joint != nullptr) move(pose, step.joint->kind, step.joint->axis, &values_[step.values]);
     store_pose(pose_at(step.to, out), pose);
