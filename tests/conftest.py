@@ -2,8 +2,16 @@
 
 from __future__ import annotations
 
+import gc
+
 import pytest
 from sample_robots import SRDF, URDF
+
+
+def pytest_collection_finish():
+    """What has been collected lives until the end: garbage collection, which much asks for, need not go through it."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture

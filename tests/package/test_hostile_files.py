@@ -124,11 +124,13 @@ def test_srdf_groups_that_double(tmp_path: Path) -> None:
     assert pc.Robot.from_urdf(urdf, srdf, group="g59").joint_names == ("j",)
 
 
-def test_an_archive_that_unpacks_to_gigabytes(tmp_path: Path) -> None:
+def test_an_archive_that_unpacks_to_too_much(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert input_limits.INPUT_LIMITS.archive_bytes <= 1 << 30
+    monkeypatch.setattr(input_limits.INPUT_LIMITS, "archive_bytes", 1 << 26)  # gigabytes would take half a minute
     file = tmp_path / "bomb.tar.bz2"
     with tarfile.open(file, "w:bz2") as archive:
         member = tarfile.TarInfo("set/scene0001.yaml")
-        member.size = 3 << 30
+        member.size = 3 << 26
         archive.addfile(member, _Zeros(member.size))  # type: ignore[arg-type]  # it is read from
     assert file.stat().st_size < 100_000
     from plannercheck.scenes.motion_bench_maker import load_problems
