@@ -47,9 +47,9 @@ class Pooled {
   }
 
   // An array of a value for each of n rows, without the GIL: work(first row, how many, their values, workspace).
-  // Several threads take shares of the rows that are left, half of what each has to do, which get smaller: sets are
-  // judged faster where they are larger, and a thread that starts late, or whose core has other work, leaves the others
-  // more.
+  // Several threads take shares of the rows that are left, two thirds of what each has to do, which get smaller: sets
+  // are judged faster where they are larger, and a thread that starts late, or whose core has other work, leaves the
+  // others more. Of two, one half as fast as the other still ends with it.
   template <class Value, class Work>
   auto of_rows(std::size_t n, int threads, Work work) {
     std::vector<Value> values(n);
@@ -63,7 +63,7 @@ class Pooled {
         const auto take = [&] {
           first = taken.load();
           do {
-            count = std::min(std::max(least, (n - first) / (2 * takers) / kBlock * kBlock), n - first);
+            count = std::min(std::max(least, 2 * (n - first) / (3 * takers) / kBlock * kBlock), n - first);
           } while (!taken.compare_exchange_weak(first, first + count));
           return count > 0;
         };
