@@ -9,7 +9,7 @@ from sample_robots import SRDF, URDF
 
 
 def pytest_collection_finish():
-    """What has been collected lives until the end: garbage collection, which much asks for, need not go through it."""
+    """Tests live until the end. Garbage collection, which benchmarks ask for often, need not go through all of them."""
     gc.collect()
     gc.freeze()
 
