@@ -83,8 +83,7 @@ class Ball:
 @lru_cache(maxsize=4)
 def unit_ball(divisions: int) -> Ball:
     """An octahedron divided in equal steps of angle, blown up around the unit ball."""
-    lattice, inverse = np.unique(_octahedron_corners(divisions).reshape(-1, 3), axis=0, return_inverse=True)
-    triangles = inverse.reshape(-1, 3).astype(np.int64)
+    lattice, triangles = _unique_corners(_octahedron_corners(divisions), divisions)
     directions = np.sin(lattice * (math.pi / 2 / divisions))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     points = directions * ((1 + ROUNDING_MARGIN) / _inner_radius(directions, triangles))
@@ -102,6 +101,18 @@ def _octahedron_corners(divisions: int) -> NDArray[np.int64]:
     octant = np.concatenate([cells, divisions - cells.sum(axis=2, keepdims=True)], axis=2)
     signs = [np.array([x, y, z]) for x in (1, -1) for y in (1, -1) for z in (1, -1)]
     return np.concatenate([(octant if s.prod() > 0 else octant[:, ::-1]) * s for s in signs])
+
+
+def _unique_corners(corners: NDArray[np.int64], divisions: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Different corners (n, 3), in lexicographic order, and which of them each triangle (m, 3) has.
+
+    Each is compared as one number, a tenth of the time of rows.
+    """
+    span = 2 * divisions + 1
+    digits = corners.reshape(-1, 3) + divisions
+    numbers, inverse = np.unique((digits[:, 0] * span + digits[:, 1]) * span + digits[:, 2], return_inverse=True)
+    lattice = np.column_stack([numbers // span**2, numbers // span % span, numbers % span]) - divisions
+    return lattice, inverse.reshape(-1, 3).astype(np.int64)
 
 
 def _inner_radius(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> float:

@@ -94,7 +94,7 @@ def test_verdicts_are_those_of_each_prism_by_itself(kind: str, padding: float, i
     rng = np.random.default_rng(7)
     shape, pose = FIELDS[kind](rng), turned(rng) if is_turned else np.eye(4)
     robot, scene = walker(str(tmp_path)), scene_of(shape, pose)
-    q = around(shape, pose, 400, rng)
+    q = around(shape, pose, 200, rng)
     plain = pc.Checker(robot, scene, padding=padding, bounds=False, boxes=False, part_trees=False)
     expected = plain.check_states(q)
     assert 0 < expected.mean() < 1

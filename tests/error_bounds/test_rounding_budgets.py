@@ -186,7 +186,7 @@ class ExactBound:
         return max(turn * F(radius) + shift for (turn, shift, _, _), radius in bodies)
 
 
-@pytest.mark.parametrize(("kind", "count"), [(3, 7), (3, 300), (8, 30)])
+@pytest.mark.parametrize(("kind", "count"), [(3, 7), (3, 150), (8, 30)])
 def test_the_bound_of_kinematics_holds_all_terms_of_second_order(kind, count):
     rounding = KinematicRounding(
         chain(count, kind), [GeometryObject("b", "link", np.eye(4), Box((0.2, 0.1, 0.3)))], [0]

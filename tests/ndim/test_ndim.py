@@ -172,7 +172,7 @@ def test_the_walk_alone_is_right(d, n, sizes, monkeypatch):
     rng = np.random.default_rng(d)
     P, R = (ndim.Polytope(rng.normal(size=(n if d < 5 else d + 6, d)), memory=8 << 20) for _ in range(2))
     longest, shares = 0, set()
-    for distance in np.linspace(0.2, 6, 40 if d < 5 else 16):
+    for distance in np.linspace(0.2, 6, 24 if d < 5 else 12):
         query = pair_module._Pair(P, R, random_pose(rng, d, distance), None, "tree")
         assert query.walked is not None
         assert query.walked.shares == ndim.intersects(P, R, (query.pose_p.matrix, query.pose_p.shift), method="oracle")

@@ -97,7 +97,7 @@ SIZES = [(1.0, 0.0), (1.0, 10.0), (1e-3, 10.0), (1e-3, 0.5), (0.3, 2.0)]  # of b
 def test_motions_with_a_contact_are_refused(make, size, offset):
     """Trees of all kinds; also after another motion, the other way round, and with proofs."""
     generator, judged, bent = np.random.default_rng(11), 0, 0
-    for _ in range(150):
+    for _ in range(80):
         case = make(generator, size, offset, 10.0 ** generator.uniform(-1.5, 0.2))
         if case is None:
             continue
@@ -114,8 +114,8 @@ def test_motions_with_a_contact_are_refused(make, size, offset):
         assert not checker.check_motion(*ends)
         assert not checker.check_motion(*reversed(ends))
         assert not checker.explain_motion(*ends, proofs=True).free
-    assert judged > 60
-    assert bent > 30
+    assert judged > 30
+    assert bent > 15
 
 
 def test_verdicts_do_not_depend_on_what_was_asked_before():
