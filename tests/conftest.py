@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 
 import pytest
 from sample_robots import SRDF, URDF
@@ -12,6 +13,15 @@ def pytest_collection_finish():
     """Tests live until the end. Garbage collection, which benchmarks ask for often, need not go through all of them."""
     gc.collect()
     gc.freeze()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def environment_is_left_as_it_was():
+    """A run that turned the cache off for its whole process made all tests after it slower, and none failed."""
+    before = dict(os.environ)
+    yield
+    changed = {name for name in before.keys() | os.environ if before.get(name) != os.environ.get(name)}
+    assert changed <= {"PYTEST_CURRENT_TEST"}
 
 
 @pytest.fixture

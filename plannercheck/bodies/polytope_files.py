@@ -11,7 +11,7 @@ import hashlib
 import os
 import stat
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -25,6 +25,9 @@ from plannercheck.common.errors import PlannercheckError
 
 # Polygons of indices of points, as callers give them.
 GivenFaces: TypeAlias = Sequence[ArrayLike] | NDArray[np.integer[Any]]
+
+# Names the cache's folder, or 0 for none.
+_SETTING = "PLANNERCHECK_CACHE"
 
 _MAGIC = b"plannercheck body"
 _HASH_BYTES = 32
@@ -117,10 +120,24 @@ def write_to_cache(path: Path, data: bytes) -> None:
 
 def cache_folder() -> Path | None:
     """The cache's folder; None if `PLANNERCHECK_CACHE` is 0."""
-    setting = os.environ.get("PLANNERCHECK_CACHE", "")
+    setting = os.environ.get(_SETTING, "")
     if setting == "0":
         return None
     return Path(setting) if setting else Path(platformdirs.user_cache_dir("plannercheck"))
+
+
+@contextlib.contextmanager
+def uncached() -> Iterator[None]:
+    """Turns the cache off for this process and those that it starts, until the end."""
+    before = os.environ.get(_SETTING)
+    os.environ[_SETTING] = "0"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[_SETTING]
+        else:
+            os.environ[_SETTING] = before
 
 
 def cache_file(points: NDArray[np.float64], faces: GivenFaces | None, inflation_radius: float) -> Path | None:

@@ -273,6 +273,18 @@ def test_the_cache_can_be_turned_off(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("setting", [None, "0", "somewhere"])
+def test_the_cache_is_off_for_a_while_alone(setting, monkeypatch):
+    if setting is None:
+        monkeypatch.delenv("PLANNERCHECK_CACHE", raising=False)
+    else:
+        monkeypatch.setenv("PLANNERCHECK_CACHE", setting)
+    with pytest.raises(ValueError, match="amid"), body_files.uncached():
+        assert body_files.cache_folder() is None
+        raise ValueError("amid")
+    assert os.environ.get("PLANNERCHECK_CACHE") == setting
+
+
 def test_the_cache_is_in_the_platforms_folder_by_default(monkeypatch):
     monkeypatch.delenv("PLANNERCHECK_CACHE", raising=False)
     folder = body_files.cache_folder()

@@ -12,14 +12,15 @@ import ctypes
 import gc
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, TypeVar
 
+from plannercheck.bodies.polytope_files import uncached
+
 T = TypeVar("T")
 
-_CACHE = "PLANNERCHECK_CACHE"
 _STATM = Path("/proc/self/statm")  # Linux: sizes in pages, the second is the resident set
 
 
@@ -49,20 +50,6 @@ def built(build: Callable[[], T]) -> Built[T]:
         seconds, busy = time.perf_counter() - start, time.process_time() - busy
         after = resident_bytes()
     return Built(value, seconds, busy, None if before is None or after is None else max(after - before, 0))
-
-
-@contextlib.contextmanager
-def uncached() -> Iterator[None]:
-    """Turns the disk cache of prepared bodies off."""
-    before = os.environ.get(_CACHE)
-    os.environ[_CACHE] = "0"
-    try:
-        yield
-    finally:
-        if before is None:
-            del os.environ[_CACHE]
-        else:
-            os.environ[_CACHE] = before
 
 
 def resident_bytes() -> int | None:

@@ -6,8 +6,8 @@ of its own, so the results do not depend on the number of processes.
 
 from __future__ import annotations
 
+import contextlib
 import itertools
-import os
 import time
 import warnings
 from collections import Counter, defaultdict
@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from plannercheck.bodies.polytope_files import uncached
 from plannercheck.evaluation.stress_motions.cases import MotionCase, case_of
 from plannercheck.evaluation.stress_motions.draws import (
     FAMILIES,
@@ -169,9 +170,9 @@ def run(
     """
     tally = MotionTally()
     each = 0 if verified == 0 else -(-verified * MOTIONS // motions)
-    if not set(families) <= set(SOLID_NAMES):
-        os.environ["PLANNERCHECK_CACHE"] = "0"  # millions of bodies that no one will meet again
-    with workers(processes) as some:
+    # No one will meet the millions of bodies of these again.
+    are_of_one_use = not set(families) <= set(SOLID_NAMES)
+    with uncached() if are_of_one_use else contextlib.nullcontext(), workers(processes) as some:
         for outcome in some.results(outcome_of, tasks(motions, seed, each, families, pieces)):
             tally.add(outcome)
             if progress is not None:

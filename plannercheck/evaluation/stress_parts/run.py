@@ -8,7 +8,6 @@ depend on the number of processes.
 from __future__ import annotations
 
 import itertools
-import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -17,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from plannercheck.bodies.polytope_files import uncached
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress.failure_tables import WRONG, Key
 from plannercheck.evaluation.stress.posed_pairs import ANY_OFFSET, UNFIT, Outcome
@@ -89,8 +89,7 @@ def run(
     Returns:
         The tally.
     """
-    os.environ["PLANNERCHECK_CACHE"] = "0"  # bodies that no one will meet again
-    with workers(processes) as some:
+    with uncached(), workers(processes) as some:  # no one will meet these bodies again
         return gathered(PartTally(), some.results(judge_draws, _tasks(seed)), pairs, progress)
 
 

@@ -8,13 +8,13 @@ so the results do not depend on the number of processes.
 from __future__ import annotations
 
 import itertools
-import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from plannercheck.bodies.polytope_files import uncached
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress.failure_tables import WRONG, Key
 from plannercheck.evaluation.stress.other_libraries import Peer
@@ -89,8 +89,7 @@ def run(
     Returns:
         The tally.
     """
-    os.environ["PLANNERCHECK_CACHE"] = "0"  # bodies that no one will meet again
-    with workers(processes) as some:
+    with uncached(), workers(processes) as some:  # no one will meet these bodies again
         return gathered(SolidTally(), some.results(judge_draws, _tasks(seed, tuple(peers), of_links)), pairs, progress)
 
 
