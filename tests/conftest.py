@@ -5,6 +5,10 @@ from __future__ import annotations
 import gc
 import os
 
+# Workers of pytest-xdist are on all cores already. OpenBLAS would start as many threads again in each of them and in
+# each process that a test starts, which wait for work in loops: half of the time that importing numpy takes.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 from sample_robots import SRDF, URDF
 
