@@ -8,6 +8,8 @@ import os
 # Workers of pytest-xdist are on all cores already. OpenBLAS would start as many threads again in each of them and in
 # each process that a test starts, which wait for work in loops: half of the time that importing numpy takes.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# Else argparse looks for translations of each of its words in the file system, again for each command that is called.
+os.environ.setdefault("LANGUAGE", "C")
 
 import pytest
 from sample_robots import SRDF, URDF

@@ -55,6 +55,8 @@ def test_verdicts_close_to_a_surface_are_those_of_its_balls(kind: str, one_radiu
     rng = np.random.default_rng([BODIES.index(kind), one_radius])
     points, radii = surface(rng, one_radius)
     cloud = pc.Polytope(pc.PointCloud(points, radii))
+    each = np.resize(radii, len(points))
+    alone = [pc.Polytope(points[k : k + 1], inflation_radius=each[k]) for k in range(len(points))]
     verdicts = []
     for _ in range(3):
         body, at, set_at = body_of(kind, rng), turned(rng), turned(rng)
@@ -67,8 +69,7 @@ def test_verdicts_close_to_a_surface_are_those_of_its_balls(kind: str, one_radiu
             apart = pc.distance(body, cloud, at, set_at).distance
         middle = at[:3, 3].copy()
         around = np.linalg.norm((points @ set_at[:3, :3].T + set_at[:3, 3]) - middle, axis=1) < 0.8
-        each = np.resize(radii, len(points))
-        balls = [pc.Polytope(points[k : k + 1], inflation_radius=each[k]) for k in np.flatnonzero(around)]
+        balls = [alone[k] for k in np.flatnonzero(around)]
         for step in (1e-4, 1e-6, 1e-9, 1e-13, 1e-16, 0.0, -1e-16, -1e-13, -1e-9, -1e-6, -1e-4, -1e-2):
             at[:3, 3] = middle + step * up
             expected = meets_a_ball(body, at, balls, set_at)

@@ -1,9 +1,10 @@
 """The compiled oracle's verdicts on meshes, held against brute force written otherwise: pairs of triangles by Gilbert,
-Johnson and Keerthi in Python's integers, winding numbers by signed tetrahedra in Fractions."""
+Johnson and Keerthi in Python's integers, winding numbers by signed tetrahedra in whole numbers."""
 
 from __future__ import annotations
 
 import itertools
+import math
 import random
 from fractions import Fraction
 
@@ -67,11 +68,15 @@ def sign(x):
 def winding_by_tetrahedra(vertices, triangles, point):
     """Signed tetrahedra between the triangles and an apex; another apex if the point is on the border of one."""
     numbers = random.Random(1)
+    given = [[Fraction(x) for x in row] for row in (*vertices.tolist(), point)]
+    # In whole numbers, of which all coordinates are multiples: sums of Fractions would be reduced each time.
+    unit = math.lcm(*(x.denominator for row in given for x in row))
+    *whole_vertices, point = [[97 * x.numerator * (unit // x.denominator) for x in row] for row in given]
     for _ in range(100):
-        apex = [Fraction(numbers.randrange(-999, 999), 97) for _ in range(3)]
+        apex = [numbers.randrange(-999, 999) * unit for _ in range(3)]
         total, on_border = 0, False
         for triangle in triangles.tolist():
-            corners = [*([Fraction(x) for x in vertices[k].tolist()] for k in triangle), apex]
+            corners = [*(whole_vertices[k] for k in triangle), apex]
             whole = sign(volume(corners))
             signs = [sign(volume([*corners[:k], point, *corners[k + 1 :]])) for k in range(4)]
             if whole == 0 or any(s == -whole for s in signs):
@@ -223,7 +228,7 @@ def test_verdicts_on_meshes_are_those_of_brute_force(seed):
 
 
 def has_vertex_inside(part, whole, pose_part, pose_whole, is_closed):
-    """Whether any vertex of a part's triangles has another winding number than 0, in Fractions."""
+    """Whether any vertex of a part's triangles has another winding number than 0, exactly."""
     around = np.array(posed(whole[0], pose_whole), dtype=object)
     used = sorted(set(part[1].ravel().tolist()))
     points = posed(part[0][used], pose_part)
