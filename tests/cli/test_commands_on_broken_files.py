@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
+from pathlib import Path
+
 import pytest
 from broken_files import BROKEN, FITTING, commands, write_all
 
 from plannercheck.cli.main import main
+from plannercheck.robots import urdf_file
 
 ABSENT = ("folder", "missing.urdf", "missing.srdf", "missing.yaml", "missing.npy", "missing.json")
 
@@ -15,6 +19,23 @@ def folder(tmp_path_factory):
     made = tmp_path_factory.mktemp("broken")
     write_all(made)
     return made
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _messages_of_a_file_are_asked_for_once():
+    """Of those who read URDFs, in a process of its own: else by each of the commands again."""
+    ask = urdf_file.native_messages
+
+    @cache
+    def asked(content, path, floating, folders):
+        return ask(path, floating, folders)
+
+    def remembered(path: Path, floating, folders):
+        return asked(path.read_bytes(), path, floating, tuple(folders))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(urdf_file, "native_messages", remembered)
+        yield
 
 
 @pytest.mark.parametrize("name", [*BROKEN, *ABSENT])
