@@ -6,7 +6,7 @@ import gc
 import os
 
 # Workers of pytest-xdist are on all cores already. OpenBLAS would start as many threads again in each of them and in
-# each process that a test starts, which wait for work in loops: half of the time that importing numpy takes.
+# each process that a test starts, which wait for work in loops: a third of the time that importing numpy takes.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # Else argparse looks for translations of each of its words in the file system, again for each command that is called.
 os.environ.setdefault("LANGUAGE", "C")
