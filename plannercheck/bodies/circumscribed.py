@@ -106,7 +106,7 @@ def _octahedron_corners(divisions: int) -> NDArray[np.int64]:
 def _unique_corners(corners: NDArray[np.int64], divisions: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Different corners (n, 3), in lexicographic order, and which of them each triangle (m, 3) has.
 
-    Each is compared as one number, a tenth of the time of rows.
+    Each is compared as one number: a million rows take six times as long.
     """
     span = 2 * divisions + 1
     digits = corners.reshape(-1, 3) + divisions
