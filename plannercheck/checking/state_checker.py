@@ -70,8 +70,10 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
     _preparation: Preparation
     _proofs: MeetingProofs
 
+    __slots__ = ("_judge_row",)  # the twin of `is_valid`
+
     # Attributes with compiled objects or a lock, which can't be pickled; they are made again.
-    _COMPILED: ClassVar[frozenset[str]] = frozenset({"_tables", "_judge_row", "_judge_set", "_proofs"})
+    _COMPILED: ClassVar[frozenset[str]] = frozenset({"_tables", "_judge_set", "_proofs"})
 
     def __init__(  # noqa: D417 (`CheckerSwitches` documents the switches)
         self,
@@ -204,8 +206,6 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         in_cells = self._proofs.in_cells(self.pairs[~self.unreachable]) if is_wanted else ()
         self._tables = CompiledTables(self._pair_source(), self.pairs, self.unreachable, in_cells)
         self._judge_row, self._judge_set = self._tables.judges(self._kernel)
-        # A dictionary of its own: attributes in one whose keys all checkers share take Python 3.11 four times as long.
-        self.__dict__ = dict(self.__dict__)
 
     def _pair_source(self) -> PairSource:
         switches = self._settings.switches
@@ -227,6 +227,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
     def __copy__(self: Same) -> Same:
         other = type(self).__new__(type(self))
         other.__dict__.update(self.__dict__)  # copies within a process share what is compiled
+        other._judge_row = self._judge_row
         return other
 
     def with_scene(self: Same, scene: Scene | None) -> Same:

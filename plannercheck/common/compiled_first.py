@@ -1,6 +1,6 @@
 """Methods whose compiled twin is asked first.
 
-In: a method; the attribute in which each object keeps a compiled function of the same arguments. Out: the method, of
+In: a method; the slot in which each object keeps a compiled function of the same arguments. Out: the method, of
 which a call with positional arguments makes no frame of Python's where that function answers anything but None.
 """
 
@@ -14,12 +14,12 @@ from plannercheck.common.core import core
 Method = TypeVar("Method", bound=Callable[..., Any])
 
 
-def compiled_first(attribute: str, arguments: int, *values: object) -> Callable[[Method], Method]:
+def compiled_first(slot: str, arguments: int, *values: object) -> Callable[[Method], Method]:
     """Decorates a method.
 
     Args:
-        attribute: Name under which an object's own dictionary has the compiled function, or None; without it, the
-            method is called.
+        slot: One of the `__slots__` of the method's class, in which an object has the compiled function, or None;
+            without it, the method is called.
         arguments: Number of arguments of a call, besides the object, for which that function is asked, unless one of
             them is None.
         values: More arguments for it, after those of the call.
@@ -29,6 +29,6 @@ def compiled_first(attribute: str, arguments: int, *values: object) -> Callable[
     """
 
     def decorated(method: Method) -> Method:
-        return cast(Method, core.CompiledFirst(method, attribute, arguments, values))
+        return cast(Method, core.CompiledFirst(method, slot, arguments, values))
 
     return decorated

@@ -6,7 +6,7 @@ In: a `Robot`, a `Scene`. Out: an immutable `Checker`. A motion is proved free f
 from __future__ import annotations
 
 from functools import cached_property, partial
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,21 +30,29 @@ from plannercheck.motions.rounding_bounds import NEAR_TURNS
 from plannercheck.motions.sampling import MotionSampler
 from plannercheck.proofs.proof import Proof
 
+Same = TypeVar("Same", bound="Checker")
+
 
 @set_module("plannercheck")
 class Checker(StateChecker):
     """Exact collision verdicts for one robot in one scene. Immutable, so threads may share it."""
 
+    __slots__ = ("_judge_motion",)  # the twin of `check_motion`
+
     _COMPILED: ClassVar[frozenset[str]] = StateChecker._COMPILED | {
         "motion_certifier",
         "_slerp_certifier",
         "_prover",
-        "_judge_motion",
     }
 
     def _compile(self) -> None:
         self._judge_motion: JudgeMotion | None = None  # made when first needed
         super()._compile()
+
+    def __copy__(self: Same) -> Same:
+        other = super().__copy__()
+        other._judge_motion = self._judge_motion
+        return other
 
     def _scene_taken(self, earlier: StateChecker | None) -> None:
         kept = ("motion_certifier", "_slerp_certifier", "_prover", "motion_sampler")

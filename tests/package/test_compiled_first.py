@@ -21,6 +21,8 @@ from plannercheck.common.core import core
 class Doubling:
     """Its twin answers to whole numbers."""
 
+    __slots__ = ("__dict__", "__weakref__", "twin")
+
     def __init__(self, twin: object = None) -> None:
         self.twin = twin
         self.asked: list[object] = []
@@ -69,26 +71,51 @@ def test_without_a_twin_the_function_is_called() -> None:
     assert doubling.doubled(3) == ("twin", 3)
 
 
-def test_a_class_may_not_keep_the_twin_for_all() -> None:
+def test_the_twin_of_a_subclass_is_the_one_in_the_slot() -> None:
     class Other(Doubling):
-        twin = staticmethod(answers_to_whole_numbers)
+        twin = staticmethod(answers_to_whole_numbers)  # hides the slot from all but the method
 
         def __init__(self) -> None:
             self.asked = []
 
     assert Other().doubled(3) == 6
+    other = Other()
+    Doubling.twin.__set__(other, answers_to_whole_numbers)
+    assert other.doubled(3) == ("twin", 3)
 
 
-def test_objects_without_attributes_of_their_own_call_the_function() -> None:
-    class Bare:
-        __slots__ = ()
+def test_the_twin_must_be_in_a_slot() -> None:
+    def declared(**attributes: object) -> type:
+        return type("Loose", (), {"doubled": compiled_first("twin", 1)(lambda self, number: 2 * number), **attributes})
 
-        @compiled_first("twin", 1)
-        def doubled(self, number: int) -> int:
-            return 2 * number
+    # Before Python 3.12, the error is the cause of a RuntimeError.
+    for attributes in ({}, {"__slots__": ("other",)}, {"twin": None}, {"twin": property(id)}):
+        with pytest.raises((TypeError, RuntimeError)) as raised:
+            declared(**attributes)
+        error = raised.value if isinstance(raised.value, TypeError) else raised.value.__cause__
+        assert str(error).startswith("doubled of class Loose has its compiled twin in 'twin', which must be one of its")
+    assert declared(__slots__=("twin",))().doubled(3) == 6
 
-    assert Bare().doubled(3) == 6
-    assert Bare.doubled("anything", 3) == 6
+
+def test_what_is_no_object_of_the_class_has_no_twin() -> None:
+    class Stranger:
+        __slots__ = ("asked", "other", "twin")  # the same name at another place
+        doubled = Doubling.doubled
+
+        def __init__(self) -> None:
+            self.asked = []
+            self.twin = self.other = answers_to_whole_numbers
+
+    assert Stranger().doubled(3) == 6
+    assert Doubling.doubled(Stranger(), 3) == 6
+    with pytest.raises(AttributeError, match="'str' object has no attribute 'asked'"):
+        Doubling.doubled("anything", 3)
+    assert Doubling(answers_to_whole_numbers).doubled(3) == ("twin", 3)  # its class is still the first one
+
+
+def test_a_method_of_no_class_is_the_function() -> None:
+    alone = compiled_first("twin", 1)(lambda self, number: 2 * number)
+    assert alone(Doubling(answers_to_whole_numbers), 3) == 6
 
 
 def test_errors_of_the_twin_are_raised() -> None:
@@ -178,6 +205,8 @@ def test_objects_are_let_go_without_a_search_for_cycles() -> None:
 
 def test_a_class_with_such_a_method_can_be_collected() -> None:
     class Local:
+        __slots__ = ("__weakref__", "twin")
+
         @compiled_first("twin", 1)
         def doubled(self, number: int) -> int:
             return 2 * number if isinstance(self, __class__) else 0  # the function refers to its class
@@ -219,3 +248,15 @@ def test_attached_and_changed_scenes_have_twins_of_their_own(checker: pc.Checker
     assert [empty.is_valid(row) for row in q] == empty.check_states(q).tolist() != before
     assert [checker.is_valid(row) for row in q] == before
     assert [copy.copy(empty).is_valid(row) for row in q] == empty.check_states(q).tolist()
+
+
+def test_copies_and_pickles_have_twins(checker: pc.Checker) -> None:
+    q = checker.robot.random_configurations(2, seed=5)
+    checker.check_motion(*q)
+    twin = copy.copy(checker)
+    assert twin._judge_row is checker._judge_row
+    assert twin._judge_motion is checker._judge_motion is not None
+    read = pickle.loads(pickle.dumps(checker))
+    assert read._judge_row(q[0]) is checker.is_valid(q[0])
+    assert read._judge_motion is None  # made when first needed
+    assert read.check_motion(*q) is checker.check_motion(*q)

@@ -1,14 +1,16 @@
 // Methods whose compiled twin is asked first: where it answers, Python makes no frame, which costs a sixth of a single
 // state.
 //
-// In: a function of Python's; the name of the attribute in which each object keeps its twin; how many arguments the
+// In: a function of Python's; the slot (of `__slots__`) in which each object keeps its twin; how many arguments the
 // twin takes from the call, and values for those after them. Out: a descriptor, to be kept in the class in the
 // function's place. A call with so many positional arguments, none of them None, asks the twin; where there is none, or
 // it answers None, and for any other call, the function is called. All else (name, documentation, signature, pickles of
 // bound methods) is the function's.
 //
 // The twin is the object's and not the descriptor's, so there are no cycles, and copies and pickles of an object say
-// themselves what they keep. nanobind's own classes have no vector calls of this kind: hence Python's interface.
+// themselves what they keep. It is in a slot, whose place in the object the class knows: looking it up in the object's
+// dictionary took a twentieth of a single state. nanobind's own classes have no vector calls of this kind: hence
+// Python's interface.
 #include <nanobind/nanobind.h>
 #include <structmember.h>
 
@@ -28,30 +30,25 @@ constexpr Py_ssize_t kMostArguments = 4;
 
 struct CompiledFirst {
   PyObject_HEAD vectorcallfunc call;
-  PyObject *function, *attribute, *values;
+  PyObject *function, *slot, *values;
   Py_ssize_t arguments;
+  PyTypeObject* owner;  // the class whose slot it is; null as long as there is none
+  Py_ssize_t place;     // of the slot within its objects
   PyObject* weak_references;
 };
 
 CompiledFirst* of(PyObject* self) { return reinterpret_cast<CompiledFirst*>(self); }
 
-// A new reference; null without an error where the object keeps no twin.
-PyObject* twin_of(PyObject* object, PyObject* attribute) {
-  PyObject* const attributes = PyObject_GenericGetDict(object, nullptr);
-  if (attributes == nullptr) return PyErr_Clear(), nullptr;
-  PyObject* const twin = PyDict_GetItemWithError(attributes, attribute);
-  Py_XINCREF(twin);
-  Py_DECREF(attributes);
-  return twin;
+// A new reference; null where the object keeps none.
+PyObject* twin_of(PyObject* object, const CompiledFirst& method) {
+  if (method.owner == nullptr || !PyObject_TypeCheck(object, method.owner)) return nullptr;
+  return Py_XNewRef(*reinterpret_cast<PyObject**>(reinterpret_cast<char*>(object) + method.place));
 }
 
 // What the twin of args[0] answers to the arguments after it; None where that is the function's to say.
 PyObject* answer_of_twin(const CompiledFirst& method, PyObject* const* args) {
-  PyObject* const twin = twin_of(args[0], method.attribute);
-  if (twin == nullptr) {
-    if (PyErr_Occurred()) return nullptr;
-    Py_RETURN_NONE;
-  }
+  PyObject* const twin = twin_of(args[0], method);
+  if (twin == nullptr) Py_RETURN_NONE;
   if (twin == Py_None) return twin;
   std::array<PyObject*, kMostArguments> given;
   std::copy_n(args + 1, method.arguments, given.begin());
@@ -77,10 +74,10 @@ PyObject* call(PyObject* self, PyObject* const* args, std::size_t count, PyObjec
 }
 
 PyObject* make(PyTypeObject* type, PyObject* args, PyObject* names) {
-  static const char* const kNames[] = {"function", "attribute", "arguments", "values", nullptr};
-  PyObject *function, *attribute, *values;
+  static const char* const kNames[] = {"function", "slot", "arguments", "values", nullptr};
+  PyObject *function, *slot, *values;
   Py_ssize_t arguments;
-  if (!PyArg_ParseTupleAndKeywords(args, names, "OUnO!", const_cast<char**>(kNames), &function, &attribute, &arguments,
+  if (!PyArg_ParseTupleAndKeywords(args, names, "OUnO!", const_cast<char**>(kNames), &function, &slot, &arguments,
                                    &PyTuple_Type, &values)) {
     return nullptr;
   }
@@ -90,26 +87,50 @@ PyObject* make(PyTypeObject* type, PyObject* args, PyObject* names) {
   }
   PyObject* const self = type->tp_alloc(type, 0);
   if (self == nullptr) return nullptr;
-  Py_INCREF(attribute);
-  PyUnicode_InternInPlace(&attribute);  // found by its address
   CompiledFirst& method = *of(self);
   method.call = &call;
-  method.function = Py_NewRef(function), method.attribute = attribute, method.values = Py_NewRef(values);
+  method.function = Py_NewRef(function), method.slot = Py_NewRef(slot), method.values = Py_NewRef(values);
   method.arguments = arguments;
   return self;
+}
+
+// Python calls this with the class and the name that the method has there. In another class that takes it over, it is
+// the function alone, unless that class inherits from the first.
+PyObject* set_name(PyObject* self, PyObject* args) {
+  PyTypeObject* owner;
+  PyObject* name;
+  if (!PyArg_ParseTuple(args, "O!U", &PyType_Type, &owner, &name)) return nullptr;
+  CompiledFirst& method = *of(self);
+  if (method.owner != nullptr) Py_RETURN_NONE;
+  PyObject* const slot = PyObject_GetAttr(reinterpret_cast<PyObject*>(owner), method.slot);
+  if (slot == nullptr) PyErr_Clear();
+  const bool is_slot = slot != nullptr && Py_TYPE(slot) == &PyMemberDescr_Type &&
+                       reinterpret_cast<PyMemberDescrObject*>(slot)->d_member->type == T_OBJECT_EX;
+  if (is_slot) method.place = reinterpret_cast<PyMemberDescrObject*>(slot)->d_member->offset;
+  Py_XDECREF(slot);
+  if (!is_slot) {
+    PyErr_Format(PyExc_TypeError, "%U of class %s has its compiled twin in %R, which must be one of its __slots__",
+                 name, owner->tp_name, method.slot);
+    return nullptr;
+  }
+  Py_INCREF(owner);
+  method.owner = owner;
+  Py_RETURN_NONE;
 }
 
 int traverse(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(of(self)->function);
   Py_VISIT(of(self)->values);
+  Py_VISIT(of(self)->owner);
   Py_VISIT(Py_TYPE(self));
   return 0;
 }
 
 int clear(PyObject* self) {
   Py_CLEAR(of(self)->function);
-  Py_CLEAR(of(self)->attribute);
+  Py_CLEAR(of(self)->slot);
   Py_CLEAR(of(self)->values);
+  Py_CLEAR(of(self)->owner);
   return 0;
 }
 
@@ -144,7 +165,9 @@ PyObject* reduced(PyObject* self, PyObject*) { return PyObject_GetAttrString(of(
 PyGetSetDef properties[] = {{"__doc__", &documentation, nullptr, nullptr, nullptr},
                             {nullptr, nullptr, nullptr, nullptr, nullptr}};
 
-PyMethodDef methods[] = {{"__reduce__", &reduced, METH_NOARGS, nullptr}, {nullptr, nullptr, 0, nullptr}};
+PyMethodDef methods[] = {{"__reduce__", &reduced, METH_NOARGS, nullptr},
+                         {"__set_name__", &set_name, METH_VARARGS, nullptr},
+                         {nullptr, nullptr, 0, nullptr}};
 
 PyMemberDef members[] = {
     {"__vectorcalloffset__", T_PYSSIZET, offsetof(CompiledFirst, call), READONLY, nullptr},

@@ -13,10 +13,9 @@
 #include <mutex>
 #include <optional>
 #include <thread>
-#include <utility>
-#include <vector>
 
 #include "bindings/gil.hpp"
+#include "bindings/kept_threads.hpp"
 #include "math/interruption.hpp"
 
 namespace plannercheck {
@@ -34,17 +33,18 @@ class CallThreads {
   CallThreads(const CallThreads&) = delete;
   CallThreads& operator=(const CallThreads&) = delete;
 
-  // Joined also where the system has no more of them and throws.
+  // Those that have started end first, also where the system has no more of them and throws.
   ~CallThreads() {
     given_up_ = true;
-    for (std::thread& thread : others_) thread.join();
+    std::unique_lock lock(mutex_);
+    one_ended_.wait(lock, [this] { return all_ended(); });
   }
 
   // part(k) for k = 0 … count − 1, one a thread; the first exception of any is thrown when all have ended.
   template <class Part>
-  void run(std::size_t count, Part part) {
-    for (std::size_t k = 1; k < count; ++k) {
-      others_.emplace_back([this, part, k] {
+  void run(std::size_t count, const Part& part) {
+    for (std::size_t k = 1; k < count; ++k, ++started_) {
+      run_in_a_thread([this, &part, k] {
         guarded(nullptr, [&] { part(k); });
         const std::lock_guard lock(mutex_);
         ++ended_;
@@ -52,18 +52,23 @@ class CallThreads {
       });
     }
     guarded(&ask_python, [&] { part(0); });
-    if (count > 1) guarded(&ask_python, [this] { wait_for_others(); });
-    for (std::thread& thread : std::exchange(others_, {})) thread.join();
+    guarded(&ask_python, [this] { wait_for_others(); });
+    const std::unique_lock lock(mutex_);  // which the last one may still hold
     if (failure_) std::rethrow_exception(failure_);
   }
 
  private:
-  std::vector<std::thread> others_;
+  // Threads end at nearly the same time, and being woken up would take longer than that.
+  static constexpr int kYields = 50;
+
   std::atomic<bool> given_up_{false};
   std::mutex mutex_;
   std::condition_variable one_ended_;
-  std::size_t ended_ = 0;
+  std::size_t started_ = 0;
+  std::atomic<std::size_t> ended_{0};
   std::exception_ptr failure_;  // an exception that leaves a thread would end the process
+
+  bool all_ended() const { return ended_ == started_; }
 
   template <class Work>
   void guarded(Interruptible::Ask ask, Work work) {
@@ -79,10 +84,11 @@ class CallThreads {
   }
 
   void wait_for_others() {
-    for (;;) {
+    for (int k = 0; k < kYields && !all_ended(); ++k) std::this_thread::yield();
+    while (!all_ended()) {
       {
         std::unique_lock lock(mutex_);
-        if (one_ended_.wait_for(lock, kAskingInterval, [this] { return ended_ == others_.size(); })) return;
+        if (one_ended_.wait_for(lock, kAskingInterval, [this] { return all_ended(); })) return;
       }
       if (!given_up_) ask_python();
     }
@@ -91,7 +97,7 @@ class CallThreads {
 
 // part(k) for k = 0 … count − 1, one a thread, without the GIL.
 template <class Part>
-void without_gil(std::size_t count, Part part) {
+void without_gil(std::size_t count, const Part& part) {
   const GilReleased released;
   CallThreads().run(count, part);
 }

@@ -27,6 +27,7 @@ from plannercheck.evaluation.bench.compiled_coal_loop import library
 from plannercheck.evaluation.bench.hausdorff import furthest, furthest_of_balls
 from plannercheck.evaluation.bench.pair_peers import COAL_AT_BEST
 from plannercheck.evaluation.bench.solid_checkers import as_hull, has_solids, substituted, with_hulls
+from plannercheck.evaluation.bench.timing import one_by_one
 from plannercheck.evaluation.bench.truncated_hierarchies import inner_levels, outer_levels
 from plannercheck.evaluation.bench.vamp_model import VampModel
 from plannercheck.motions.checker import Checker
@@ -113,7 +114,7 @@ def _exact(checker: Checker) -> Iterator[Method]:
         batch,
         name="plannercheck, one by one",
         note="is_valid, called from Python",
-        judge=lambda built, rows: np.array([built.is_valid(row) for row in rows], dtype=bool),
+        judge=lambda built, rows: one_by_one(built.is_valid, rows),
         prepare=lambda built, q: list(q),
         states=_ONE_BY_ONE_STATES,
     )
@@ -121,7 +122,7 @@ def _exact(checker: Checker) -> Iterator[Method]:
         batch,
         name="plannercheck, lists",
         note="is_valid of lists of numbers, called from Python",
-        judge=lambda built, rows: np.array([built.is_valid(row) for row in rows], dtype=bool),
+        judge=lambda built, rows: one_by_one(built.is_valid, rows),
         prepare=lambda built, q: q.tolist(),
         states=_ONE_BY_ONE_STATES,
     )
@@ -131,7 +132,7 @@ def _exact(checker: Checker) -> Iterator[Method]:
             name="plannercheck, OMPL callback",
             note="state_validity() on OMPL states, called from Python",
             build=lambda: build().state_validity(space.numbers.states),
-            judge=lambda built, rows: np.array([built(state) for state in rows], dtype=bool),
+            judge=one_by_one,
             prepare=lambda built, q: _ompl_states(space, q),
             states=_ONE_BY_ONE_STATES,
         )

@@ -19,6 +19,7 @@ from plannercheck.evaluation.bench import other_libraries
 from plannercheck.evaluation.bench.coal_loop import VARIANTS, CoalLoop, CoalStates, Variant
 from plannercheck.evaluation.bench.motion_sets import MotionCase
 from plannercheck.evaluation.bench.pair_peers import COAL_AT_BEST
+from plannercheck.evaluation.bench.timing import one_by_one
 from plannercheck.evaluation.bench.vamp_model import VampModel
 from plannercheck.motions.sampling import coarse_to_fine
 from plannercheck.ompl import setup as ompl_setup
@@ -68,24 +69,16 @@ def _by_batch(cases: Sequence[MotionCase]) -> Ready:
 
 
 def _one_by_one(cases: Sequence[MotionCase]) -> Ready:
-    def judged(case: MotionCase, rows: list[tuple[Floats, Floats]]) -> Bools:
-        return np.array([case.checker.check_motion(a, b) for a, b in rows], dtype=bool)
-
-    works = [partial(judged, case, list(zip(case.starts, case.ends, strict=True))) for case in cases]
+    works = [partial(one_by_one, case.checker.check_motion, list(case.starts), list(case.ends)) for case in cases]
     return Ready(works, note="check_motion, called from Python")
 
 
 def _by_ompl(cases: Sequence[MotionCase]) -> Ready:
-    def judged(information: Any, states: list[tuple[Any, Any]]) -> Bools:
-        check = information.checkMotion
-        return np.array([check(a, b) for a, b in states], dtype=bool)
-
     works = []
     for case in cases:
         space, information = JointSpace(case.checker.robot), ompl_setup(case.checker).getSpaceInformation()
-        rows = zip(case.starts, case.ends, strict=True)
-        states = [(space.state(information, a), space.state(information, b)) for a, b in rows]
-        works.append(partial(judged, information, states))
+        starts, ends = ([space.state(information, row) for row in rows] for rows in (case.starts, case.ends))
+        works.append(partial(one_by_one, information.checkMotion, starts, ends))
     return Ready(works, note="SpaceInformation.checkMotion of pc.ompl.setup, called from Python")
 
 

@@ -24,6 +24,7 @@ from plannercheck.bodies.shapes import Box, Capsule, Cylinder, GeometryObject, S
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.bounding_volumes import box_around
+from plannercheck.evaluation.bench.timing import one_by_one
 from plannercheck.motions.checker import Checker
 
 # Points of clouds, of which calls are timed, at most.
@@ -94,8 +95,7 @@ class VampModel:
 
     def states_free(self, rows: Sequence[State]) -> Bools:
         """Which states VAMP finds free, one call each from Python."""
-        judge, environment = self._robot.validate, self.environment
-        return np.array([judge(row, environment) for row in rows], dtype=bool)
+        return one_by_one(self._robot.validate, rows, itertools.repeat(self.environment))
 
     def search(self, start: Floats, goal: Floats, seed: int) -> Callable[[], VampPlan]:
         """A search by VAMP's RRT-Connect with the settings that VAMP has for the robot.

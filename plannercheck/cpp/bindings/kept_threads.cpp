@@ -1,0 +1,104 @@
+#include "bindings/kept_threads.hpp"
+
+#include <pthread.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <csignal>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace plannercheck {
+namespace {
+
+struct KeptThread {
+  std::mutex mutex;
+  std::condition_variable called;
+  std::function<void()> task;
+};
+
+// Threads without a task.
+class IdleThreads {
+ public:
+  // Of this process: a process that another one forked has none of that one's threads. Never destroyed, as threads wait
+  // on while the process ends.
+  static IdleThreads& of_this_process() {
+    static std::atomic<IdleThreads*> known{nullptr};
+    IdleThreads* idle = known.load();
+    if (idle != nullptr && idle->process_ == getpid()) return *idle;
+    auto own = std::make_unique<IdleThreads>();
+    return known.compare_exchange_strong(idle, own.get()) ? *own.release() : *idle;
+  }
+
+  // None if there is none.
+  std::shared_ptr<KeptThread> take() {
+    const std::lock_guard lock(mutex_);
+    if (threads_.empty()) return nullptr;
+    std::shared_ptr<KeptThread> last = std::move(threads_.back());
+    threads_.pop_back();
+    return last;
+  }
+
+  // Whether the thread is kept: more than the machine has cores would wait for nothing.
+  bool keep(const std::shared_ptr<KeptThread>& thread) {
+    const std::lock_guard lock(mutex_);
+    if (threads_.size() >= std::max(1U, std::thread::hardware_concurrency())) return false;
+    threads_.push_back(thread);
+    return true;
+  }
+
+ private:
+  const pid_t process_ = getpid();
+  std::mutex mutex_;
+  std::vector<std::shared_ptr<KeptThread>> threads_;
+};
+
+void work(const std::shared_ptr<KeptThread>& self) {
+  do {
+    std::unique_lock lock(self->mutex);
+    self->called.wait(lock, [&] { return self->task != nullptr; });
+    std::exchange(self->task, nullptr)();
+  } while (IdleThreads::of_this_process().keep(self));
+}
+
+// As long as it lives, threads are started with all signals blocked that a program may wait for: these are for its own
+// threads. Errors of a thread itself stay its own.
+class SignalsBlocked {
+ public:
+  SignalsBlocked() {
+    sigset_t all;
+    sigfillset(&all);
+    for (const int error : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS}) sigdelset(&all, error);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsBlocked(const SignalsBlocked&) = delete;
+  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+
+ private:
+  sigset_t before_;
+};
+
+}  // namespace
+
+void run_in_a_thread(std::function<void()> task) {
+  std::shared_ptr<KeptThread> thread = IdleThreads::of_this_process().take();
+  if (thread == nullptr) {
+    thread = std::make_shared<KeptThread>();
+    const SignalsBlocked blocked;
+    std::thread(work, thread).detach();
+  }
+  {
+    const std::lock_guard lock(thread->mutex);
+    thread->task = std::move(task);
+  }
+  thread->called.notify_one();
+}
+
+}  // namespace plannercheck
