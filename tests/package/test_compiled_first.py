@@ -89,7 +89,8 @@ def test_the_twin_must_be_in_a_slot() -> None:
         return type("Loose", (), {"doubled": compiled_first("twin", 1)(lambda self, number: 2 * number), **attributes})
 
     # Before Python 3.12, the error is the cause of a RuntimeError.
-    for attributes in ({}, {"__slots__": ("other",)}, {"twin": None}, {"twin": property(id)}):
+    of_another_class = {"twin": Doubling.twin}
+    for attributes in ({}, {"__slots__": ("other",)}, {"twin": None}, {"twin": property(id)}, of_another_class):
         with pytest.raises((TypeError, RuntimeError)) as raised:
             declared(**attributes)
         error = raised.value if isinstance(raised.value, TypeError) else raised.value.__cause__

@@ -105,6 +105,7 @@ PyObject* set_name(PyObject* self, PyObject* args) {
   PyObject* const slot = PyObject_GetAttr(reinterpret_cast<PyObject*>(owner), method.slot);
   if (slot == nullptr) PyErr_Clear();
   const bool is_slot = slot != nullptr && Py_TYPE(slot) == &PyMemberDescr_Type &&
+                       PyType_IsSubtype(owner, PyDescr_TYPE(slot)) != 0 &&
                        reinterpret_cast<PyMemberDescrObject*>(slot)->d_member->type == T_OBJECT_EX;
   if (is_slot) method.place = reinterpret_cast<PyMemberDescrObject*>(slot)->d_member->offset;
   Py_XDECREF(slot);

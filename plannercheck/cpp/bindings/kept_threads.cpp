@@ -1,7 +1,12 @@
 #include "bindings/kept_threads.hpp"
 
 #include <pthread.h>
+#include <sys/resource.h>
 #include <unistd.h>
+
+#if defined(__linux__)
+#include <sched.h>
+#endif
 
 #include <algorithm>
 #include <atomic>
@@ -17,15 +22,46 @@
 namespace plannercheck {
 namespace {
 
+// What Linux lets a thread inherit from the one that starts it: its processors and its nice value.
+struct Inherited {
+#if defined(__linux__)
+  cpu_set_t processors;
+  int nice = getpriority(PRIO_PROCESS, 0);
+  Inherited() {
+    CPU_ZERO(&processors);
+    sched_getaffinity(0, sizeof processors, &processors);
+  }
+  bool operator==(const Inherited& other) const {
+    return nice == other.nice && CPU_EQUAL(&processors, &other.processors) != 0;
+  }
+#else
+  bool operator==(const Inherited&) const { return true; }
+#endif
+};
+
 struct KeptThread {
+  explicit KeptThread(const Inherited& from) : inherited(from) {}
+
+  const Inherited inherited;
   std::mutex mutex;
   std::condition_variable called;
   std::function<void()> task;
+  bool dismissed = false;
 };
+
+void dismiss(KeptThread& thread) {
+  {
+    const std::lock_guard lock(thread.mutex);
+    thread.dismissed = true;
+  }
+  thread.called.notify_one();
+}
 
 // Threads without a task.
 class IdleThreads {
  public:
+  IdleThreads() { threads_.reserve(most_); }  // later there is nobody whom a lack of memory could be told
+
   // Of this process: a process that another one forked has none of that one's threads. Never destroyed, as threads wait
   // on while the process ends.
   static IdleThreads& of_this_process() {
@@ -36,25 +72,29 @@ class IdleThreads {
     return known.compare_exchange_strong(idle, own.get()) ? *own.release() : *idle;
   }
 
-  // None if there is none.
-  std::shared_ptr<KeptThread> take() {
+  // One that inherited the same; none if there is none. Those that inherited something else end.
+  std::shared_ptr<KeptThread> take(const Inherited& wanted) {
     const std::lock_guard lock(mutex_);
-    if (threads_.empty()) return nullptr;
-    std::shared_ptr<KeptThread> last = std::move(threads_.back());
-    threads_.pop_back();
-    return last;
+    while (!threads_.empty()) {
+      std::shared_ptr<KeptThread> last = std::move(threads_.back());
+      threads_.pop_back();
+      if (last->inherited == wanted) return last;
+      dismiss(*last);
+    }
+    return nullptr;
   }
 
-  // Whether the thread is kept: more than the machine has cores would wait for nothing.
+  // Whether the thread is kept: more than the machine has processors would wait for nothing.
   bool keep(const std::shared_ptr<KeptThread>& thread) {
     const std::lock_guard lock(mutex_);
-    if (threads_.size() >= std::max(1U, std::thread::hardware_concurrency())) return false;
+    if (threads_.size() >= most_) return false;
     threads_.push_back(thread);
     return true;
   }
 
  private:
   const pid_t process_ = getpid();
+  const std::size_t most_ = std::max(1U, std::thread::hardware_concurrency());
   std::mutex mutex_;
   std::vector<std::shared_ptr<KeptThread>> threads_;
 };
@@ -62,7 +102,8 @@ class IdleThreads {
 void work(const std::shared_ptr<KeptThread>& self) {
   do {
     std::unique_lock lock(self->mutex);
-    self->called.wait(lock, [&] { return self->task != nullptr; });
+    self->called.wait(lock, [&] { return self->task != nullptr || self->dismissed; });
+    if (self->dismissed) return;
     std::exchange(self->task, nullptr)();
   } while (IdleThreads::of_this_process().keep(self));
 }
@@ -88,9 +129,10 @@ class SignalsBlocked {
 }  // namespace
 
 void run_in_a_thread(std::function<void()> task) {
-  std::shared_ptr<KeptThread> thread = IdleThreads::of_this_process().take();
+  const Inherited inherited;
+  std::shared_ptr<KeptThread> thread = IdleThreads::of_this_process().take(inherited);
   if (thread == nullptr) {
-    thread = std::make_shared<KeptThread>();
+    thread = std::make_shared<KeptThread>(inherited);
     const SignalsBlocked blocked;
     std::thread(work, thread).detach();
   }
