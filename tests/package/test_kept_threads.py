@@ -99,7 +99,9 @@ resource.setrlimit(resource.RLIMIT_AS, (used + (16 << 20), free[1]))  # a thread
 try:
     checker.check_states(q, threads=64)
 except RuntimeError as error:
-    assert "unavailable" in str(error), error
+    said = str(error).split()
+    assert str(error) == f"the system has {said[3]} of the {said[6]} threads asked for: ask for fewer", error
+    assert 1 < int(said[3]) < int(said[6]) <= 64, error
 else:
     raise AssertionError("threads without memory for their stacks")
 resource.setrlimit(resource.RLIMIT_AS, free)

@@ -12,6 +12,9 @@
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
+#include <string>
+#include <system_error>
 #include <thread>
 
 #include "bindings/gil.hpp"
@@ -43,14 +46,7 @@ class CallThreads {
   // part(k) for k = 0 … count − 1, one a thread; the first exception of any is thrown when all have ended.
   template <class Part>
   void run(std::size_t count, const Part& part) {
-    for (std::size_t k = 1; k < count; ++k, ++started_) {
-      run_in_a_thread([this, &part, k] {
-        guarded(nullptr, [&] { part(k); });
-        const std::lock_guard lock(mutex_);
-        ++ended_;
-        one_ended_.notify_one();
-      });
-    }
+    for (std::size_t k = 1; k < count; ++k, ++started_) start(part, k, count);
     guarded(&ask_python, [&] { part(0); });
     guarded(&ask_python, [this] { wait_for_others(); });
     const std::unique_lock lock(mutex_);  // which the last one may still hold
@@ -67,6 +63,21 @@ class CallThreads {
   std::size_t started_ = 0;
   std::atomic<std::size_t> ended_{0};
   std::exception_ptr failure_;  // an exception that leaves a thread would end the process
+
+  template <class Part>
+  void start(const Part& part, std::size_t k, std::size_t count) {
+    try {
+      run_in_a_thread([this, &part, k] {
+        guarded(nullptr, [&] { part(k); });
+        const std::lock_guard lock(mutex_);
+        ++ended_;
+        one_ended_.notify_one();
+      });
+    } catch (const std::system_error&) {
+      throw std::runtime_error("the system has " + std::to_string(k) + " of the " + std::to_string(count) +
+                               " threads asked for: ask for fewer");
+    }
+  }
 
   bool all_ended() const { return ended_ == started_; }
 
