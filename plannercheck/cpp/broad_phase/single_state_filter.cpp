@@ -1,5 +1,6 @@
 #include "broad_phase/single_state_filter.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace plannercheck {
@@ -24,21 +25,43 @@ void set_side_by_side(const Centre (&centres)[kFloats], SingleStateFilter::Posed
   out.z = shuffled<0, 1, 8, 9, 4, 5, 12, 13>(z_ab, z_cd);
 }
 
+using Partner = SingleStateFilter::Partner;
+
+// Eight partners at a time that `kind` says to be alike, and fewer where no more are.
+template <class Kind>
+std::vector<std::vector<Partner>> by_eights(std::vector<Partner>& partners, Kind kind) {
+  std::stable_sort(partners.begin(), partners.end(),
+                   [&](const Partner& a, const Partner& b) { return kind(a) < kind(b); });
+  std::vector<std::vector<Partner>> out;
+  for (const Partner& partner : partners) {
+    if (out.empty() || out.back().size() == kFloats || kind(out.back()[0]) != kind(partner)) out.emplace_back();
+    out.back().push_back(partner);
+  }
+  return out;
+}
+
+std::array<std::int32_t, kFloats> pairs_of(const std::vector<Partner>& partners) {
+  std::array<std::int32_t, kFloats> out{};
+  for (std::size_t k = 0; k < partners.size(); ++k) out[k] = partners[k].pair;
+  return out;
+}
+
+int place_in_eight(std::size_t ball) { return static_cast<int>(ball % kFloats); }
+
 }  // namespace
 
 SingleStateFilter::SingleStateFilter(std::vector<BoundingBall> balls,
                                      const std::vector<std::vector<BoundingBall>>& slices,
                                      const std::vector<WorldBox>& boxes, const std::vector<Partner>& balls_with_balls,
                                      const std::vector<Partner>& balls_with_boxes)
-    : balls_(std::move(balls)), boxes_(side_by_side(boxes)) {
-  const std::size_t count = balls_.size();
-  std::vector<Partner> partners = balls_with_balls;
-  for (Partner& partner : partners) {
-    if (slices[partner.ball].empty() && !slices[partner.other].empty()) std::swap(partner.ball, partner.other);
+    : balls_(std::move(balls)) {
+  std::vector<std::size_t> first_slice;
+  for (const auto& of_body : slices) {
+    first_slice.push_back(balls_.size());
+    balls_.insert(balls_.end(), of_body.begin(), of_body.end());
   }
-  ball_tests_ = tests<Posed>(partners, count, count);
-  box_tests_ = tests<EightBoxes>(balls_with_boxes, count, boxes.size());
-  slice(slices);
+  add_ball_tests(balls_with_balls, slices, first_slice);
+  add_box_tests(balls_with_boxes, boxes);
   while (balls_.size() % kFloats != 0) balls_.push_back(balls_.back());  // whole eights; nobody has a pair with these
   sizes_.resize(eights_of(balls_.size()));
   for (std::size_t b = 0; b < balls_.size(); ++b) {
@@ -47,51 +70,60 @@ SingleStateFilter::SingleStateFilter(std::vector<BoundingBall> balls,
   }
 }
 
-// Ball by ball, and by partner. `Eight`: of partners.
-template <class Eight>
-SingleStateFilter::Tests SingleStateFilter::tests(const std::vector<Partner>& partners, std::size_t balls,
-                                                  std::size_t others) {
-  const std::size_t eights = eights_of(others);
-  std::vector<Tests> of_ball(balls);
-  for (const Partner& partner : partners) {
-    auto& [own, pairs] = of_ball[partner.ball];
-    for (std::size_t k = own.size(); k < eights; ++k) {
-      own.push_back({place_of<Posed>(partner.ball), place_of<Eight>(k * kFloats), 0});
-      pairs.push_back({});
-    }
-    Test& test = own[partner.other / kFloats];
-    test.paired = static_cast<std::uint8_t>(test.paired | 1U << partner.other % kFloats);
-    pairs[partner.other / kFloats][partner.other % kFloats] = partner.pair;
+// Of a body in slices, the first slice in the place of the whole one.
+void SingleStateFilter::add_ball_tests(std::vector<Partner> partners,
+                                       const std::vector<std::vector<BoundingBall>>& slices,
+                                       const std::vector<std::size_t>& first_slice) {
+  const auto first_ball = [&](std::size_t body) { return slices[body].empty() ? body : first_slice[body]; };
+  for (Partner& partner : partners) {
+    if (slices[partner.ball].empty() && !slices[partner.other].empty()) std::swap(partner.ball, partner.other);
   }
-  Tests out;
-  for (const auto& [own, pairs] : of_ball) {
-    for (std::size_t k = 0; k < own.size(); ++k) {
-      if (own[k].paired == 0) continue;
-      out.tests.push_back(own[k]), out.pairs.push_back(pairs[k]);
+  const auto eights = [&](const Partner& partner) {
+    return std::array{first_ball(partner.ball) / kFloats, partner.other / kFloats};
+  };
+  for (const auto& together : by_eights(partners, eights)) {
+    BallTest test{};
+    test.balls.eight = eights(together[0])[0], test.others.eight = eights(together[0])[1];
+    for (std::size_t k = 0; k < together.size(); ++k) {
+      test.balls.places[k] = place_in_eight(first_ball(together[k].ball));
+      test.others.places[k] = place_in_eight(together[k].other);
+      test.pairs = static_cast<std::uint8_t>(test.pairs | 1U << k);
     }
+    add_slice_tests(together, slices, first_slice);
+    ball_tests_.push_back(test);
+    pairs_.push_back(pairs_of(together));
   }
-  return out;
 }
 
-// Puts slices in the place of whole bodies in tests of balls. Boxes are tested against whole bodies: slices would save
-// less there than they take.
-void SingleStateFilter::slice(const std::vector<std::vector<BoundingBall>>& slices) {
-  std::vector<std::size_t> first(slices.size());
-  for (std::size_t body = 0; body < slices.size(); ++body) {
-    first[body] = balls_.size();
-    balls_.insert(balls_.end(), slices[body].begin(), slices[body].end());
-  }
-  for (std::size_t body = 0; body < slices.size(); ++body) {
-    if (slices[body].empty()) continue;
-    for (std::size_t slot = 0; slot < ball_tests_.tests.size(); ++slot) {
-      Test& test = ball_tests_.tests[slot];
-      if (test.own != place_of<Posed>(body)) continue;
-      test.own = place_of<Posed>(first[body]);
-      for (std::size_t k = 1; k < slices[body].size(); ++k) {
-        const Test other{place_of<Posed>(first[body] + k), test.eight, test.paired};
-        slice_tests_.push_back({other, static_cast<std::uint32_t>(slot)});
-      }
+// Of the pairs of the next test of balls. Boxes are tested against whole bodies: slices would save less there than they
+// take.
+void SingleStateFilter::add_slice_tests(const std::vector<Partner>& partners,
+                                        const std::vector<std::vector<BoundingBall>>& slices,
+                                        const std::vector<std::size_t>& first_slice) {
+  std::vector<SliceTest> tests;  // each of slices of one eight
+  const auto test_of = [&](std::size_t k, std::size_t eight) -> BallTest& {
+    for (SliceTest& some : tests)
+      if (some.test.balls.eight == eight && (some.test.pairs >> k & 1U) == 0) return some.test;
+    return tests.emplace_back(SliceTest{{{{}, eight}, {{}, partners[0].other / kFloats}, 0}, ball_tests_.size()}).test;
+  };
+  for (std::size_t k = 0; k < partners.size(); ++k) {
+    const auto [body, other, pair] = partners[k];
+    for (std::size_t slice = 1; slice < slices[body].size(); ++slice) {
+      const std::size_t ball = first_slice[body] + slice;
+      BallTest& test = test_of(k, ball / kFloats);
+      test.balls.places[k] = place_in_eight(ball), test.others.places[k] = place_in_eight(other);
+      test.pairs = static_cast<std::uint8_t>(test.pairs | 1U << k);
     }
+  }
+  slice_tests_.insert(slice_tests_.end(), tests.begin(), tests.end());
+}
+
+void SingleStateFilter::add_box_tests(std::vector<Partner> partners, const std::vector<WorldBox>& boxes) {
+  for (const auto& together : by_eights(partners, [](const Partner& partner) { return partner.ball; })) {
+    std::vector<WorldBox> of_partners;
+    for (const Partner& partner : together) of_partners.push_back(boxes[partner.other]);
+    box_tests_.push_back({place_of(together[0].ball), side_by_side(of_partners)[0]});
+    pairs_.push_back(pairs_of(together));
   }
 }
 

@@ -1,8 +1,11 @@
-// Which bounding balls of one state meet each other and the boxes around obstacles. Its lanes run over bodies, for
+// Which bounding balls of one state meet each other and the boxes around obstacles. Its lanes run over pairs, for
 // single states, which would leave lanes over states empty.
 //
-// In: posed links of one state; balls around bodies on links; boxes. Out: the pairs that may
-// touch, by the same comparisons as in lanes over states. Immutable; the workspace of posed balls is the caller's.
+// In: posed links of one state; balls around bodies on links; boxes. Out: the pairs that may touch, by the same
+// comparisons as in lanes over states. Idea: eight balls are posed side by side. A test of balls takes eight pairs
+// whose balls are of the same eights, whichever they are, since lanes over the few partners of one ball would be half
+// empty; a test of boxes takes one ball and eight of its boxes, as a ball's number in all lanes costs less than eight
+// numbers picked out. Immutable; the workspace of posed balls is the caller's.
 #pragma once
 
 #include <array>
@@ -52,7 +55,9 @@ class SingleStateFilter {
     float x, y, z, radius, limit;
   };
   static Ball ball(std::size_t index, const Workspace& workspace) {
-    return ball_at(floats_of(workspace), place_of<Posed>(index));
+    const Posed& eight = workspace.posed[index / kFloats];
+    const std::size_t lane = index % kFloats;
+    return {eight.x[lane], eight.y[lane], eight.z[lane], eight.radius[lane], eight.limit[lane]};
   }
 
   // Calls found(pair) for all pairs that may touch.
@@ -60,102 +65,93 @@ class SingleStateFilter {
   void find(Workspace& workspace, Found found) const;
 
  private:
-  static Ball ball_at(const float* posed, std::uint32_t place) {
-    const float* const own = posed + place;
-    return {own[0], own[kFloats], own[2 * kFloats], own[3 * kFloats], own[4 * kFloats]};
-  }
-  static const float* floats_of(const Workspace& w) { return reinterpret_cast<const float*>(w.posed.data()); }
-
-  // Where an item begins in an array of eights of items, in floats.
-  template <class Eight>
-  static std::uint32_t place_of(std::size_t item) {
-    return static_cast<std::uint32_t>(item / kFloats * (sizeof(Eight) / sizeof(float)) + item % kFloats);
-  }
-  template <class Eight>
-  static const Eight& eight_at(const float* floats, std::uint32_t place) {
-    return *reinterpret_cast<const Eight*>(floats + place);
-  }
-  static Floats everywhere(float c) { return Floats{c, c, c, c, c, c, c, c}; }
-
-  // One ball against eight partners, with at least one of which its body has a pair. Places are counted in floats, so
-  // that nothing is computed to find them.
-  struct Test {
-    std::uint32_t own, eight;  // where the ball is in the posed ones, where the partners begin
-    std::uint8_t paired;       // a bit for each partner with which it has a pair
+  // Some of eight posed balls, one in each lane.
+  struct Picked {
+    FloatMask places;  // among the eight
+    std::size_t eight;
   };
 
-  // The same of another slice of a body: what it is near is added to what that test of the first slice has found.
+  struct BallTest {
+    Picked balls, others;
+    std::uint8_t pairs;  // a bit for each lane that holds a pair
+  };
+
+  // The same of other slices of the bodies: what they are near is added to what the test in the slot has found.
   struct SliceTest {
-    Test test;
-    std::uint32_t slot;
+    BallTest test;
+    std::size_t slot;
   };
 
-  using Pairs = std::array<std::int32_t, kFloats>;  // by partner
+  struct BoxTest {
+    std::size_t ball;  // where its first number is in the posed eights
+    EightBoxes boxes;
+  };
 
   struct Sizes {
     Floats radius, room;
   };
 
-  // Tests of one kind.
-  struct Tests {
-    std::vector<Test> tests;
-    std::vector<Pairs> pairs;  // of each
-  };
-
+  static Floats everywhere(float c) { return Floats{c, c, c, c, c, c, c, c}; }
+  static std::size_t place_of(std::size_t ball) {
+    return ball / kFloats * (sizeof(Posed) / sizeof(float)) + ball % kFloats;
+  }
   static std::size_t eights_of(std::size_t count) { return (count + kFloats - 1) / kFloats; }
-  template <class Eight>
-  static Tests tests(const std::vector<Partner>& partners, std::size_t balls, std::size_t others);
-  // Tests are looked at by eights.
-  std::size_t tests_room() const { return eights_of(ball_tests_.tests.size() + box_tests_.tests.size()) * kFloats; }
-  void slice(const std::vector<std::vector<BoundingBall>>& slices);
-  static std::uint8_t near_balls(const Test& test, const float* posed);
-  static std::uint8_t near_boxes(const Test& test, const float* posed, const float* boxes);
+  // Results are looked at by eights.
+  std::size_t tests_room() const { return eights_of(pairs_.size()) * kFloats; }
+  void add_ball_tests(std::vector<Partner> partners, const std::vector<std::vector<BoundingBall>>& slices,
+                      const std::vector<std::size_t>& first_slice);
+  void add_slice_tests(const std::vector<Partner>& partners, const std::vector<std::vector<BoundingBall>>& slices,
+                       const std::vector<std::size_t>& first_slice);
+  void add_box_tests(std::vector<Partner> partners, const std::vector<WorldBox>& boxes);
+  static std::uint8_t near_balls(const BallTest& test, const Posed* posed);
+  static std::uint8_t near_boxes(const BoxTest& test, const Posed* posed);
 
   std::vector<BoundingBall> balls_;
   std::vector<Sizes> sizes_;  // of eight balls
-  std::vector<EightBoxes> boxes_;
-  Tests ball_tests_, box_tests_;
+  std::vector<BallTest> ball_tests_;
   std::vector<SliceTest> slice_tests_;
+  std::vector<BoxTest> box_tests_;
+  std::vector<std::array<std::int32_t, kFloats>> pairs_;  // by lane, of the tests of balls, then of those of boxes
 };
 
-inline std::uint8_t SingleStateFilter::near_balls(const Test& test, const float* posed) {
-  const Ball own = ball_at(posed, test.own);
-  const Posed& others = eight_at<Posed>(posed, test.eight);
-  const Floats x = others.x - own.x, y = others.y - own.y, z = others.z - own.z;
-  const unsigned far = bits_above((x * x + y * y) + z * z, far_beyond(others.radius + own.radius));
-  return static_cast<std::uint8_t>(~far & test.paired);
+inline std::uint8_t SingleStateFilter::near_balls(const BallTest& test, const Posed* posed) {
+  const Posed &own = posed[test.balls.eight], &others = posed[test.others.eight];
+  const auto of = [&](Floats Posed::* number) { return picked(own.*number, test.balls.places); };
+  const auto of_other = [&](Floats Posed::* number) { return picked(others.*number, test.others.places); };
+  const Floats x = of_other(&Posed::x) - of(&Posed::x), y = of_other(&Posed::y) - of(&Posed::y);
+  const Floats z = of_other(&Posed::z) - of(&Posed::z);
+  const Floats limit = far_beyond(of_other(&Posed::radius) + of(&Posed::radius));
+  return static_cast<std::uint8_t>(~bits_above((x * x + y * y) + z * z, limit) & test.pairs);
 }
 
-inline std::uint8_t SingleStateFilter::near_boxes(const Test& test, const float* posed, const float* boxes) {
-  const Ball own = ball_at(posed, test.own);
-  const EightBoxes& eight = eight_at<EightBoxes>(boxes, test.eight);
-  const Floats x = beyond(everywhere(own.x), eight.low[0], eight.high[0]);
-  const Floats y = beyond(everywhere(own.y), eight.low[1], eight.high[1]);
-  const Floats z = beyond(everywhere(own.z), eight.low[2], eight.high[2]);
-  const unsigned far = bits_above((x * x + y * y) + z * z, everywhere(own.limit));
-  return static_cast<std::uint8_t>(~far & test.paired);
+inline std::uint8_t SingleStateFilter::near_boxes(const BoxTest& test, const Posed* posed) {
+  const auto& [low, high, present] = test.boxes;
+  const float* const own = reinterpret_cast<const float*>(posed) + test.ball;
+  const Floats x = beyond(everywhere(own[0]), low[0], high[0]);
+  const Floats y = beyond(everywhere(own[kFloats]), low[1], high[1]);
+  const Floats z = beyond(everywhere(own[2 * kFloats]), low[2], high[2]);
+  const unsigned far = bits_above((x * x + y * y) + z * z, everywhere(own[4 * kFloats]));
+  return static_cast<std::uint8_t>(~far & present);
 }
 
 // All tests first, without a branch: which partners are near is hard to predict.
 template <class Found>
 void SingleStateFilter::find(Workspace& w, Found found) const {
-  const float* const posed = floats_of(w);  // bytes are written, which might be these pointers' own
-  const float* const boxes = reinterpret_cast<const float*>(boxes_.data());
+  const Posed* const posed = w.posed.data();  // bytes are written, which might be this pointer's own
   std::uint8_t* const near = w.near.data();
   std::uint8_t* next = near;
-  for (const Test& test : ball_tests_.tests) *next++ = near_balls(test, posed);
-  for (const SliceTest& test : slice_tests_) {
-    near[test.slot] = static_cast<std::uint8_t>(near[test.slot] | near_balls(test.test, posed));
+  for (const BallTest& test : ball_tests_) *next++ = near_balls(test, posed);
+  for (const auto& [test, slot] : slice_tests_) {
+    near[slot] = static_cast<std::uint8_t>(near[slot] | near_balls(test, posed));
   }
-  for (const Test& test : box_tests_.tests) *next++ = near_boxes(test, posed, boxes);
-  const std::size_t of_balls = ball_tests_.tests.size(), room = w.near.size();
+  for (const BoxTest& test : box_tests_) *next++ = near_boxes(test, posed);
+  const std::size_t room = w.near.size();
   for (std::size_t first = 0; first < room; first += kFloats) {
     std::uint64_t eight;
     std::memcpy(&eight, near + first, sizeof eight);
     for (; eight != 0; eight &= eight - 1) {
-      const auto bit = static_cast<std::size_t>(__builtin_ctzll(eight)), k = first + bit / kFloats;
-      const Pairs& pairs = k < of_balls ? ball_tests_.pairs[k] : box_tests_.pairs[k - of_balls];
-      found(pairs[bit % kFloats]);
+      const auto bit = static_cast<std::size_t>(__builtin_ctzll(eight));
+      found(pairs_[first + bit / kFloats][bit % kFloats]);
     }
   }
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstring>
 #include <vector>
 
 namespace plannercheck {
@@ -15,17 +16,28 @@ class JointLimits {
 
   // Of one configuration.
   bool hold(const double* q) const {
-    bool within = true;
-    for (std::size_t i = 0; i < width_; ++i) {
-      within &= lower_[i] <= q[i];
-      within &= q[i] <= upper_[i];
-    }
-    return within;
+    if (width_ < 2) return width_ == 0 || (lower_[0] <= q[0] && q[0] <= upper_[0]);
+    TwoMasks within = within_of_two(q, width_ - 2);
+    for (std::size_t i = 0; i + 2 < width_; i += 2) within &= within_of_two(q, i);
+    return (within[0] & within[1]) != 0;
   }
   // Of n configurations, one after the other.
   bool hold(const double* q, std::size_t n) const;
 
  private:
+  typedef double Two __attribute__((vector_size(16)));  // every processor has these
+  typedef long long TwoMasks __attribute__((vector_size(16)));
+
+  TwoMasks within_of_two(const double* q, std::size_t i) const {
+    const Two numbers = two(q + i);
+    return (two(&lower_[i]) <= numbers) & (numbers <= two(&upper_[i]));
+  }
+  static Two two(const double* from) {
+    Two numbers;
+    std::memcpy(&numbers, from, sizeof numbers);
+    return numbers;
+  }
+
   std::size_t width_;
   std::vector<double> lower_, upper_;  // finite, so that no infinite number is within, and so often that lanes are full
 };

@@ -125,6 +125,18 @@ inline Floats smallest_everywhere(Vector a) {
   }
 }
 
+// The floats at these places, 0 to 7.
+inline Floats picked(Floats from, FloatMask places) {
+#if defined(__AVX2__)
+  return reinterpret_cast<Floats>(
+      _mm256_permutevar8x32_ps(reinterpret_cast<__m256>(from), reinterpret_cast<__m256i>(places)));
+#else
+  Floats out;
+  for (int k = 0; k < kFloats; ++k) out[k] = from[places[k]];
+  return out;
+#endif
+}
+
 typedef int LaneIndices __attribute__((vector_size(kLanes * 4)));
 
 // Bytes at indices; up to so many bytes after each are read as well.

@@ -82,7 +82,7 @@ double number_of(const JointValue& value, const double* q) {
 void StatePoser::begin(const Kinematics& kinematics, const unsigned char* needed) {
   PosingOrder order;
   order.find(kinematics, needed);
-  steps_.clear(), angles_.clear();
+  steps_.clear(), angles_.clear(), turns_ = 0;
   const int links = kinematics.link_count();
   const auto place = [&](int joint) {
     if (joint < 0) return -1;
@@ -98,27 +98,34 @@ void StatePoser::begin(const Kinematics& kinematics, const unsigned char* needed
     add(place(link.joint), i, link.placement, link.form, nullptr);
   }
   poses_.resize(at(links) + kinematics.joints().size());
-  const std::size_t turns = (angles_.size() + kLanes - 1) / kLanes * kLanes;
-  cos_.resize(turns), sin_.resize(turns);
+  cos_.resize(angles_.size() * kLanes), sin_.resize(angles_.size() * kLanes);
 }
 
 void StatePoser::add(int parent, int to, const Rigid& placement, PlacementForm form, const Kinematics::Joint* joint) {
   Step step{parent, to, form, placement, joint, -1};
   if (parent < 0) std::transform(placement.m, placement.m + 12, step.placement.m, spread<double>);
   if (joint != nullptr && !joint->held && is_angle(joint->kind)) {
-    step.turn = static_cast<int>(angles_.size());
-    angles_.push_back(joint->values[0]);
+    step.turn = add_angle(joint->values[0]);
   }
   steps_.push_back(step);
 }
 
+// Returns its place. It has a column, or its joint would be held.
+int StatePoser::add_angle(const JointValue& value) {
+  const std::size_t lane = at(turns_) % kLanes;
+  if (lane == 0) angles_.emplace_back();
+  Angles& angles = angles_.back();
+  angles.column[lane] = value.column, angles.multiplier[lane] = value.multiplier, angles.offset[lane] = value.offset;
+  return turns_++;
+}
+
 void StatePoser::take_turns(const double* q) {
-  for (std::size_t first = 0; first < angles_.size(); first += kLanes) {
-    Lanes angle{};
-    const std::size_t count = std::min<std::size_t>(kLanes, angles_.size() - first);
-    for (std::size_t k = 0; k < count; ++k) angle[k] = number_of(angles_[first + k], q);
-    const SinCos found = sincos(angle);
-    store_lanes(&cos_[first], found.cos), store_lanes(&sin_[first], found.sin);
+  for (std::size_t k = 0; k < angles_.size(); ++k) {
+    const Angles& angles = angles_[k];
+    Lanes numbers;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) numbers[lane] = q[angles.column[lane]];
+    const SinCos found = sincos(angles.multiplier * numbers + angles.offset);
+    store_lanes(&cos_[k * kLanes], found.cos), store_lanes(&sin_[k * kLanes], found.sin);
   }
 }
 

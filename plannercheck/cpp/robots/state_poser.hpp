@@ -6,8 +6,11 @@
 // are those of kinematics_lanes.hpp, in their order: the poses have the same bits.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
+#include "math/simd.hpp"
 #include "robots/kinematics.hpp"
 #include "robots/pose_columns.hpp"
 #include "robots/posing_order.hpp"
@@ -34,10 +37,18 @@ class StatePoser {
   };
 
   std::vector<Step> steps_;
-  std::vector<JointValue> angles_;
+  int turns_ = 0;
+  // Of as many joints as there are lanes: each a number of the configuration times a factor, and an offset.
+  struct Angles {
+    std::array<std::int32_t, kLanes> column{};
+    Lanes multiplier{}, offset{};
+  };
+
+  std::vector<Angles> angles_;
   std::vector<double> cos_, sin_;
   std::vector<PoseColumns> poses_;  // of links, then of joints that are no link's
 
+  int add_angle(const JointValue& value);
   void add(int parent, int to, const Rigid& placement, PlacementForm form, const Kinematics::Joint* joint);
   void take_turns(const double* q);
   [[gnu::always_inline]] void move(const Step& step, const double* q, PoseColumns& pose) const;
