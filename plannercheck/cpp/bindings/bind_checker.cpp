@@ -52,7 +52,7 @@ class BoundChecker : public Pooled<CheckerCore> {
   // Of one configuration that may be judged.
   bool is_valid(const Kinematics& kinematics, const double* q) {
     std::uint8_t valid = 0;
-    with_workspace_of_gil([&](auto& w) { core().check_states(kinematics, q, 1, &valid, w); });
+    with_workspace([&](auto& w) { core().check_states(kinematics, q, 1, &valid, w); });
     return valid != 0;
   }
 

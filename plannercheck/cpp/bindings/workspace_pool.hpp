@@ -35,10 +35,7 @@ class Pooled {
 
   Pooled(const Pooled&) = delete;
   Pooled& operator=(const Pooled&) = delete;
-  ~Pooled() {
-    delete handy_.load();
-    delete of_gil_;
-  }
+  ~Pooled() { delete handy_.load(); }
 
   // work(workspace), with one that no other caller has.
   template <class Work>
@@ -47,20 +44,6 @@ class Pooled {
     if (!held) held = spare_one();
     work(**held);
     put_back(std::move(held));
-  }
-
-  // The same for a caller that holds the GIL all the time: no instruction that locks, of which two take 3 % of a single
-  // state.
-  template <class Work>
-  void with_workspace_of_gil(Work work) {
-    Held held(std::exchange(of_gil_, nullptr));
-    if (!held) held = spare_one();
-    work(**held);
-    if (of_gil_ == nullptr) {
-      of_gil_ = held.release();
-    } else {
-      put_back(std::move(held), false);
-    }
   }
 
   // An array of a value for each of n rows, without the GIL: work(first row, how many, their values, workspace).
@@ -109,7 +92,6 @@ class Pooled {
     Held held(handy_.exchange(nullptr, std::memory_order_acquire));
     if (held) put_back(std::move(held), false);
     const std::lock_guard lock(mutex_);
-    if (of_gil_ != nullptr) total_ += Core::take_counters(**of_gil_);
     for (const Held& workspace : spare_) total_ += Core::take_counters(**workspace);
     return total_;
   }
@@ -131,7 +113,6 @@ class Pooled {
   std::mutex mutex_;
   std::vector<Held> spare_;
   std::atomic<std::shared_ptr<Workspace>*> handy_{nullptr};  // one more, for calls that can't wait for the lock
-  std::shared_ptr<Workspace>* of_gil_ = nullptr;             // and one for those that hold the GIL
   Counters total_;
 
   Held spare_one() {
