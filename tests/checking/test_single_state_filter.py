@@ -98,7 +98,9 @@ def test_slices_of_rods_leave_out_no_pair(tmp_path, seed):
     bodies = [(rng.uniform(-0.4, 0.4, 3), rng.normal(size=3)) for _ in range(12)]
     path.write_text(_rods(*bodies))
     robot = pc.Robot.from_urdf(path)
-    single, together, plain = (pc.Checker(robot, overlaps=False, bounds=on) for on in (True, True, False))
+    # Cells would take most pairs, and none would be left for slices.
+    on, off = {"overlaps": False, "apart_cells": False}, {"overlaps": False, "bounds": False}
+    single, together, plain = (pc.Checker(robot, **switches) for switches in (on, on, off))
     q = robot.random_configurations(400, seed=seed)
     valid = plain.check_states(q).tolist()
     assert 10 < sum(valid) < 390
@@ -123,7 +125,7 @@ def test_every_slice_of_a_rod_is_found(tmp_path, height, x):
     home = np.zeros(robot.nq)
     away = np.where(np.arange(robot.nq) == 2, 2.0, home)  # the body is turned away from the rod
     for padding, free in ((0.0, True), (0.019, True), (0.021, False)):
-        checker = pc.Checker(robot, padding=padding, overlaps=False)
+        checker = pc.Checker(robot, padding=padding, overlaps=False, apart_cells=False)
         assert checker.is_valid(home) == free
         assert checker.check_states(home[None])[0] == free
         assert checker.check_states(np.array([away] * 11 + [home] + [away] * 11))[11] == free

@@ -189,6 +189,22 @@ def test_single_configurations_of_robots_are_posed_with_the_bits_of_a_batch(name
         assert same_bits_alone(robot.kinematics, q, needed)
 
 
+MIMICS = """<robot name="mimics"><link name="base"/><link name="lead"/><link name="tip"/>
+<joint name="lead" type="revolute"><parent link="base"/><child link="lead"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+<joint name="turn" type="revolute"><parent link="lead"/><child link="tip"/><axis xyz="0.6 0.8 0"/>
+<origin xyz="0.3 0.1 0"/><limit lower="-9" upper="9" effort="1" velocity="1"/>
+<mimic joint="lead" multiplier="{multiplier}" offset="{offset}"/></joint></robot>"""
+
+
+@pytest.mark.parametrize(("multiplier", "offset"), [(1, 0.7), (-2.5, 0), (3.1, -0.2)])
+def test_mimics_are_posed_alone_as_in_a_batch(tmp_path, multiplier, offset):
+    path = tmp_path / "mimics.urdf"
+    path.write_text(MIMICS.format(multiplier=multiplier, offset=offset))
+    robot = Robot.from_urdf(path, group=["lead"])
+    assert same_bits_alone(robot.kinematics, robot.random_configurations(20, 1))
+
+
 def test_negative_zeros_of_a_first_joint_are_posed_alone_as_in_a_batch():
     model = pin.Model()
     joint = model.addJoint(0, pin.JointModelRZ(), pin.SE3(np.eye(3), np.array([-0.0, 0.3, -0.0])), "turn")
