@@ -114,18 +114,20 @@ def test_slices_of_rods_leave_out_no_pair(tmp_path, seed):
         assert counted["pairs"] - counted["unreachable"] - counted["bounds"] < whole - 2 * len(q)
 
 
+@pytest.mark.parametrize(
+    ("gap", "padding", "free"), [(0.02, 0.0, True), (0.02, 0.019, True), (0.02, 0.021, False), (-0.001, 0.0, False)]
+)
 @pytest.mark.parametrize("height", np.linspace(-0.3, 0.3, 7).round(2))
 @pytest.mark.parametrize("x", [0, 1])
-def test_every_slice_of_a_rod_is_found(tmp_path, height, x):
-    """One body beside a rod, 2 cm from it, at any height; others are further away, so that slices are worth it."""
+def test_every_slice_of_a_rod_is_found(tmp_path, x, height, gap, padding, free):
+    """One body beside a rod, at any height; others are further away, so that slices are worth it."""
     path = tmp_path / "rods.urdf"
     others = [((k, y, z), (1, 0, 0)) for k in (0, 1) for y in (-0.16, 0.16) for z in (-0.25, 0.25)]
-    path.write_text(_rods(((x, 0.07, height), (1, 0, 0)), *others))
+    path.write_text(_rods(((x, 0.05 + gap, height), (1, 0, 0)), *others))
     robot = pc.Robot.from_urdf(path)
     home = np.zeros(robot.nq)
     away = np.where(np.arange(robot.nq) == 2, 2.0, home)  # the body is turned away from the rod
-    for padding, free in ((0.0, True), (0.019, True), (0.021, False)):
-        checker = pc.Checker(robot, padding=padding, overlaps=False, apart_cells=False)
-        assert checker.is_valid(home) == free
-        assert checker.check_states(home[None])[0] == free
-        assert checker.check_states(np.array([away] * 11 + [home] + [away] * 11))[11] == free
+    checker = pc.Checker(robot, padding=padding, overlaps=False, apart_cells=False)
+    assert checker.is_valid(home) == free
+    assert checker.check_states(home[None])[0] == free
+    assert checker.check_states(np.array([away] * 11 + [home] + [away] * 11))[11] == free
