@@ -295,7 +295,7 @@ def test_blocks_judge_as_single_states_and_as_no_filter(panda, obstacles):
     q = panda.random_configurations(203, 5)
     truth = pc.Checker(panda, scene, bounds=False, boxes=False, reach=False, method="walk").colliding_pairs(q)
     assert 0 < truth.any(axis=1).sum() < len(q)
-    for switches in ({}, {"bounds": False}, {"boxes": False}):
+    for switches in ({}, {"bounds": False}, {"boxes": False}, {"float_poses": False}):
         checker = pc.Checker(panda, scene, **switches)
         np.testing.assert_array_equal(checker.colliding_pairs(q), truth)
         for size in (1, 2, 3, 8, 203):
