@@ -1,4 +1,4 @@
-"""Single states try the pairs that overlapped most lately first: with the same verdicts, and less work."""
+"""Pairs that overlapped lately are tried first, in single states and in blocks: same verdicts, less work."""
 
 import numpy as np
 import pytest
@@ -29,6 +29,37 @@ def test_verdicts_do_not_depend_on_what_was_asked_before(panda, walks, scene):
     assert [learning.is_valid(row) for row in walks] == expected.tolist()
     order = np.random.default_rng(5).permutation(len(walks))
     assert [learning.is_valid(row) for row in walks[order]] == expected[order].tolist()
+    for threads in (1, 2):
+        np.testing.assert_array_equal(learning.check_states(walks, threads=threads), expected)
+        np.testing.assert_array_equal(learning.check_states(walks[order], threads=threads), expected[order])
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 8, 9, 60])
+def test_free_states_behind_blocks_that_collide_alike(panda, count):
+    """In their own block, or in one with states that collide."""
+    checker = pc.Checker(panda, pc.Scene.load("cage"))
+    q = panda.random_configurations(300, seed=8)
+    valid = pc.Checker(panda, pc.Scene.load("cage"), bounds=False).check_states(q)
+    for colliding, free in zip(q[~valid][:20], q[valid][:20], strict=True):
+        rows = np.concatenate([np.tile(colliding, (32 + count, 1)), [free], np.tile(colliding, (16, 1)), [free] * 8])
+        assert checker.check_states(rows).tolist() == [False] * (32 + count) + [True] + [False] * 16 + [True] * 8
+
+
+def test_blocks_that_collide_alike_bound_no_other_pair(panda):
+    """But for those that need a pair test."""
+    checker = pc.Checker(panda, pc.Scene.load("bookshelf"))
+    q = panda.random_configurations(300, seed=9)
+    spent = []
+    for colliding in q[~checker.check_states(q)][:20]:
+        rows = np.tile(colliding, (64, 1))
+        checker.check_states(rows)
+        before = checker.statistics()
+        assert not checker.check_states(rows).any()
+        after = checker.statistics()
+        spent.append(after["bounds"] - before["bounds"])
+        settled = set(after) - {"states", "pairs", "queries"}
+        assert sum(after[name] - before[name] for name in settled) == after["pairs"] - before["pairs"]
+    assert np.mean(np.equal(spent, 0)) > 0.5
 
 
 def test_a_collision_is_not_looked_for_among_all_pairs_again(panda):

@@ -44,8 +44,15 @@ void BroadPhase::find(const FloatPose* links, const PoseError* errors, BlockConf
   begin(w);
   if (filters.overlaps && !permanent_pairs_.empty()) return take_overlapping(count, w);
   w.links.begin(links, errors);
+  const unsigned states = (1U << count) - 1;
+  const bool learns = filters.overlaps && filters.learning;
+  // An overlap is a proof, as for one state.
+  if (learns && w.overlap_in_all != LikelyOverlaps::kNone && (~overlap(w.overlap_in_all, w) & states) == 0) {
+    return take_overlapping(count, w);
+  }
   find_for_block(q, count, w);
   filter(count, filters, w);
+  if (learns) w.overlap_in_all = w.overlapping == states ? w.overlap : LikelyOverlaps::kNone;
 }
 
 void BroadPhase::find(const PoseColumns* links, const double* q, Filters filters, Workspace& w) const {

@@ -72,7 +72,9 @@ class BroadPhase {
     unsigned overlapping = 0;                     // states in which some pair surely shares a point
     std::size_t overlap = LikelyOverlaps::kNone;  // the pair that was found to do so last
     LikelyOverlaps likely;                        // of single states
-    long skipped = 0;                             // other pairs of these states
+    // The pair found last in a block all of whose states overlapped: motions mostly collide alike for some blocks.
+    std::size_t overlap_in_all = LikelyOverlaps::kNone;
+    long skipped = 0;  // other pairs of these states
   };
   Workspace new_workspace() const;
 
@@ -80,7 +82,7 @@ class BroadPhase {
   struct Filters {
     bool overlaps;  // finds states that surely collide, whose other pairs are then skipped
     bool boxes;     // used only where there are enough states for it to pay
-    bool learning;  // with overlaps: of single states, the pairs that overlapped most lately are tried first
+    bool learning;  // with overlaps: pairs that overlapped lately are tried first
   };
 
   // Fills `near` for the first `count` states, whose configurations may be unknown.
