@@ -28,7 +28,7 @@ class CheckerSwitches:
         bounds: Bounding balls and a tree of the obstacles settle pairs that are far apart.
         boxes: Planes along the faces of the bodies' boxes settle pairs that are apart.
         overlaps: A ball inside one body that meets a box inside the other settles a pair, where any collision decides.
-        learning: The pair that collided most often is tested first, where any collision decides.
+        learning: Pairs that collided lately are tested first, where any collision decides.
         reach: Pairs that can't meet within the limits are left out there.
         static_poses: Links that no joint of the group moves are posed once, as obstacles are.
         part_trees: Trees of boxes, many parts at once or along one direction, boxes around several bodies, and looks at

@@ -230,9 +230,10 @@ def test_states_within_the_limits_take_the_live_pairs_alone(robots):
     assert sum(polytope is not None for polytope in checker.polytopes) >= prepared
 
 
-def test_one_step_of_a_double_beyond_a_limit_is_beyond(machine):
+@pytest.mark.parametrize("group", [None, ("turn",), ("turn", "bend")])  # limits are compared two at a time
+def test_one_step_of_a_double_beyond_a_limit_is_beyond(machine, group):
     """Counted by the pairs that are left out: none is beyond the limits, in a batch of any size or alone."""
-    robot = machine()
+    robot = machine() if group is None else machine(group=group)
     checker = pc.Checker(robot, crate(1.5, 0.0, 0.0))
     left_out = int(checker.unreachable.sum())
     assert left_out
