@@ -22,6 +22,16 @@ constexpr float kLargestRoom = 0x1p106F;
 // of its half edges, loses as much. In all: below 2 δ of the half edges' sums.
 constexpr double kSkew = 2e-5;
 
+// Edges. Let η bound how far the posed axes a_i of the first box are from an orthonormal frame: 0.51 δ, 8.7u of rounding
+// and `turn`, and so for the second's axes b_j. The direction is L = a_i x b_j, no longer than 1 + 3 η.
+// - On L, half edge k of the first body projects to |a_k L| of itself, and to 8.7u + `turn` more. a_k (a_i x b_j) is 0
+//   for k = i, else ± a_m b_j for the third axis m but for 3.1 η. The same goes for the second body. With 7u for the
+//   rounding of products and sums, that is below 1.2e-5 + 4.1 `turn` of the half edges' sums, δ for their inflation
+//   radii included: what `room` has for faces is 2.1e-5 and 11.4 `turn`.
+// - Both centres err as on faces' axes. For d, their difference, d L is (a_l d) (a_k b_j) − (a_k d) (a_l b_j), where k
+//   and l follow i, but for 5.1 η |d| and 16u |d|_1: kTilt, as `turn` is at most 2^-14 (float_link_poser.cpp).
+constexpr float kTilt = 3.3e-4F;
+
 float up(double value) { return std::nextafterf(static_cast<float>(value), __builtin_inff()); }
 
 }  // namespace
@@ -104,6 +114,39 @@ unsigned BlockBoxes::apart(FloatLinkPoses& links, std::size_t a, std::size_t b, 
     out |= bits_above(absolute(along), shadow[j]);
   }
   return out & bits_above(StateFloats{} + kLargestRoom, room);
+}
+
+unsigned BlockBoxes::apart_at_edges(FloatLinkPoses& links, std::size_t a, std::size_t b, Workspace& w) const {
+  const Posed &p = posed(links, a, w), &q = posed(links, b, w);
+  const std::array<float, 3>&half_a = boxes_[a].half, &half_b = boxes_[b].half;
+  const StateFloats x = p.centre[0] - q.centre[0], y = p.centre[1] - q.centre[1], z = p.centre[2] - q.centre[2];
+  const StateFloats room = p.room + q.room;
+  const StateFloats tilted = room + ((absolute(x) + absolute(y)) + absolute(z)) * kTilt;
+  std::array<StateFloats, 3> along;
+  std::array<std::array<StateFloats, 3>, 3> product, shadow;
+#pragma GCC unroll 3
+  for (std::size_t i = 0; i < 3; ++i) {
+    const StateFloats ax = p.axes[3 * i], ay = p.axes[3 * i + 1], az = p.axes[3 * i + 2];
+    along[i] = (ax * x + ay * y) + az * z;
+#pragma GCC unroll 3
+    for (std::size_t j = 0; j < 3; ++j) {
+      product[i][j] = (ax * q.axes[3 * j] + ay * q.axes[3 * j + 1]) + az * q.axes[3 * j + 2];
+      shadow[i][j] = absolute(product[i][j]);
+    }
+  }
+  BitsOfAny<StateFloats> out;
+#pragma GCC unroll 3
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t k = (i + 1) % 3, l = (i + 2) % 3;
+#pragma GCC unroll 3
+    for (std::size_t j = 0; j < 3; ++j) {
+      const std::size_t m = (j + 1) % 3, n = (j + 2) % 3;
+      const StateFloats own = shadow[l][j] * half_a[k] + shadow[k][j] * half_a[l];
+      const StateFloats other = shadow[i][n] * half_b[m] + shadow[i][m] * half_b[n];
+      out.add_above(absolute(along[l] * product[k][j] - along[k] * product[l][j]), (own + other) + tilted);
+    }
+  }
+  return out.bits() & bits_above(StateFloats{} + kLargestRoom, room);
 }
 
 }  // namespace plannercheck

@@ -42,8 +42,12 @@ class BlockBoxes {
   typedef BlockCache<Posed> Workspace;
   Workspace new_workspace() const { return Workspace(boxes_.size()); }
 
-  // Bit k: in state k the boxes of bodies a and b are apart. `links`: all poses; those of moving boxes are read.
+  // Bit k: in state k a face plane separates the boxes of bodies a and b. `links`: all poses; those of moving boxes are
+  // read.
   unsigned apart(FloatLinkPoses& links, std::size_t a, std::size_t b, Workspace& workspace) const;
+
+  // The same for planes along an edge of either box. Together, they are all planes that boxes need.
+  unsigned apart_at_edges(FloatLinkPoses& links, std::size_t a, std::size_t b, Workspace& workspace) const;
 
   // A body's box in the block, posed at the first call.
   const Posed& posed(FloatLinkPoses& links, std::size_t body, Workspace& workspace) const {

@@ -80,6 +80,9 @@ void BroadPhase::filter(int count, Filters filters, Workspace& w) const {
   } else if (w.boxed) {
     for (Candidate& candidate : w.candidates) drop_apart(candidate, candidate.states, w);
   }
+  if (w.boxed) {
+    for (Candidate& candidate : w.candidates) drop_apart_at_edges(candidate, w);
+  }
   for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
     w.near[state].clear();
     if ((w.overlapping >> state & 1U) != 0) continue;
@@ -325,6 +328,16 @@ unsigned BroadPhase::drop_apart(Candidate& candidate, unsigned states, Workspace
   w.boxes_apart += __builtin_popcount(apart);
   candidate.states &= ~apart;
   return states & ~apart;
+}
+
+// Drops the states in which a plane along an edge separates the candidate's boxes. Such planes cost more than those of
+// faces and are asked last, for what neither these nor overlaps have decided.
+void BroadPhase::drop_apart_at_edges(Candidate& candidate, Workspace& w) const {
+  if (candidate.states == 0) return;
+  const auto& pair = pairs_[at(candidate.pair)];
+  const unsigned apart = candidate.states & boxes_.apart_at_edges(w.links, at(pair[0]), at(pair[1]), w.boxes);
+  w.boxes_apart += __builtin_popcount(apart);
+  candidate.states &= ~apart;
 }
 
 // Bit k: whether a pair surely shares a point in state k.

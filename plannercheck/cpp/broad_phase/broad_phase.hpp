@@ -164,6 +164,7 @@ class BroadPhase {
                           Workspace& workspace) const;
   void find_in_tree(std::int32_t mover, int count, Workspace& workspace) const;
   unsigned drop_apart(Candidate& candidate, unsigned states, Workspace& workspace) const;
+  void drop_apart_at_edges(Candidate& candidate, Workspace& workspace) const;
   void find_overlaps(Workspace& workspace) const;
   unsigned overlap(std::size_t pair, Workspace& workspace) const;
 };

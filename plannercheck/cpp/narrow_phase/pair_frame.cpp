@@ -36,6 +36,9 @@ constexpr double kPairError = 64 * 0x1p-53;     // (a) without δ, plus the larg
 constexpr double kMixtureError = 40 * 0x1p-53;  // of each game whose mixture is mixed again
 constexpr double kAxisLength = 1 + 4e-6;        // of a column of M_Rᵀ M_P: both bodies are off rigid by at most 3.6e-6
 constexpr double kAxisDefect = 8e-6;            // of the products of two columns: M_P and M_R both count
+// M_Rᵀ M_P is within 1.5 kAxisDefect of a rotation, so that the product of two columns is within 3.1 times as much of the
+// third one.
+constexpr double kEdgeSkew = 5 * kAxisDefect;
 constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six dot products of unit columns
 
 }  // namespace
@@ -108,6 +111,26 @@ bool PairFrame::boxes_apart() const {
         std::fabs(m_[j]) * host_half.x + std::fabs(m_[j + 3]) * host_half.y + std::fabs(m_[j + 6]) * host_half.z;
     const double along = m_[j] * d.x + m_[j + 3] * d.y + m_[j + 6] * d.z;
     if (std::fabs(along) > half + guest_half[static_cast<int>(j)] + skew + room) return true;
+  }
+  return boxes_apart_at_edges(d, guest_half, host_half, room);
+}
+
+// Along e_i x m_j, for host's axes e_i and guest's m_j, guest's half edge k projects to |e_i (m_j x m_k)|: 0 for k = j,
+// else the entry i of the third axis but for kEdgeSkew.
+bool PairFrame::boxes_apart_at_edges(Vec3 d, Vec3 guest_half, Vec3 host_half, double room) const {
+  const std::array<double, 3> g{guest_half.x, guest_half.y, guest_half.z}, h{host_half.x, host_half.y, host_half.z};
+  const std::array<double, 3> between{d.x, d.y, d.z};
+  const double limit = kEdgeSkew * (g[0] + g[1] + g[2]) + room;
+#pragma GCC unroll 3
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t k = (i + 1) % 3, l = (i + 2) % 3;
+#pragma GCC unroll 3
+    for (std::size_t j = 0; j < 3; ++j) {
+      const std::size_t m = (j + 1) % 3, n = (j + 2) % 3;
+      const double half = std::fabs(m_[3 * l + j]) * h[k] + std::fabs(m_[3 * k + j]) * h[l] +
+                          std::fabs(m_[3 * i + n]) * g[m] + std::fabs(m_[3 * i + m]) * g[n];
+      if (std::fabs(between[l] * m_[3 * k + j] - between[k] * m_[3 * l + j]) > half + limit) return true;
+    }
   }
   return false;
 }

@@ -96,7 +96,8 @@ class PairFrame {
   // The direction, in the guest's frame, whose extreme vertex has the least q·x.
   Vec3 guest_direction(Vec3 q) const;
 
-  // Whether a face plane of one body's box separates both boxes, whatever the rounding.
+  // Whether a plane along two edges of the bodies' boxes separates both boxes, whatever the rounding: a face plane of one
+  // box, or one along an edge of each.
   bool boxes_apart() const;
 
   // Whether q proves the bodies apart. `value`: the least q·x over the guest's vertices, by `extreme`. Over R, q·x is
@@ -124,6 +125,8 @@ class PairFrame {
   double error_, mixture_error_;
   bool has_dents_;
   double inflation_radius_;  // of both bodies, rounded up and stretched by how far the pose may be off rigid
+
+  bool boxes_apart_at_edges(Vec3 between, Vec3 guest_half, Vec3 host_half, double room) const;
 
   double error(long mixtures) const { return error_ + static_cast<double>(mixtures) * mixture_error_; }
 
