@@ -44,6 +44,7 @@ class Switches:
         method: "oracle" (small active sets on both sides), "walk" (the paper's coupled walk) or "exact" (exact
             arithmetic alone).
         cached_plane: First try the plane that separated the pair last time, also for an earlier motion.
+        box_face: In checkers, try the face of a box around one body that comes nearest to separating both boxes.
         centre_axis: Try the axis between the centres, and balls around them, before the method.
         turned_axis: Turn that axis to where the bodies would face each other if they were ellipsoids.
         facet_plane: Try the planes of both bodies' facets before the method, where both have eight corners at most.
@@ -59,6 +60,7 @@ class Switches:
 
     method: Method = "oracle"
     cached_plane: bool = True
+    box_face: bool = True
     centre_axis: bool = True
     turned_axis: bool = True
     facet_plane: bool = True
@@ -78,6 +80,7 @@ class Switches:
         return core.PairOptions(
             getattr(core.Solver, self.method),
             self.cached_plane,
+            self.box_face,
             self.centre_axis,
             self.turned_axis,
             self.facet_plane,

@@ -88,6 +88,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         bodies: Sequence[GeometryObject] | None = None,
         method: Method = "oracle",
         cached_plane: bool = True,
+        box_face: bool = True,
         centre_axis: bool = True,
         turned_axis: bool = True,
         facet_plane: bool = True,
@@ -137,6 +138,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         test = Switches(
             method,
             cached_plane,
+            box_face,
             centre_axis,
             turned_axis,
             facet_plane,

@@ -28,8 +28,17 @@ from plannercheck.evaluation.stress import body_families as families
 from plannercheck.evaluation.stress import contact_poses as contacts
 from plannercheck.scenes.scene import shipped_scenes
 
-STAGES = ("cached plane", "centre axis", "facet plane", "solver", "nearest points", "double-double", "exact")
-DOUBLES = 5  # so many stages are in doubles
+STAGES = (
+    "cached plane",
+    "box face",
+    "centre axis",
+    "facet plane",
+    "solver",
+    "nearest points",
+    "double-double",
+    "exact",
+)
+DOUBLES = 6  # so many stages are in doubles
 FAMILIES = ("round", "box", "cone", "needle", "mesh")
 POSES, VERTICES, SEED = 400, 150, 1
 # Relative gaps of poses near touching: any magnitude from 1 % to far below rounding, and none at all.

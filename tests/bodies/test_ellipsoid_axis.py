@@ -15,7 +15,7 @@ from plannercheck.common.core import core
 from plannercheck.evaluation.stress.body_families import family
 from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses
 
-CENTRE_AXIS = 1  # stage
+CENTRE_AXIS = 2  # stage
 LONG = np.array([1.0, 0.1, 0.1])
 FLAT = np.array([1.0, 1.0, 0.1])
 BODIES = {

@@ -12,7 +12,7 @@ from plannercheck.bodies.intersection import pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress import contact_poses as contacts
 
-FACET_PLANE = 2  # the number of the stage in cpp/narrow_phase/pair_frame.hpp
+FACET_PLANE = 3  # the number of the stage in cpp/narrow_phase/pair_frame.hpp
 
 
 @pytest.mark.parametrize(

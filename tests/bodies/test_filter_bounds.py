@@ -28,7 +28,7 @@ CUBE = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
 OCTAHEDRON = np.vstack([np.eye(3), -np.eye(3)])
 
 
-def checker_of(bodies, links, pairs, placements=None, overlaps=False):
+def checker_of(bodies, links, pairs, placements=None, overlaps=False, options=None):
     """A core checker of bodies on links, -1 being the world; all filters but, unless asked for, the inner shapes."""
     placements = identities(len(bodies)) if placements is None else placements
     nothing, links = np.zeros(0), np.array(links, dtype=np.int32)
@@ -36,7 +36,8 @@ def checker_of(bodies, links, pairs, placements=None, overlaps=False):
     switches = True, True, overlaps, True, True, True, True
     cores = [body.core for body in bodies]
     return core.Checker(
-        cores, links, placements, np.array(pairs, dtype=np.int32), len(moving), nothing, nothing, pair_options(),
+        cores, links, placements, np.array(pairs, dtype=np.int32), len(moving), nothing, nothing,
+        pair_options() if options is None else options,
         *switches, core.sampled_poses(moving[None]), [],
     )  # fmt: skip
 

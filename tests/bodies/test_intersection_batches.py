@@ -187,7 +187,7 @@ def test_far_pairs_without_certificates(vertices):
     shared, stages, _ = core.intersect_batch(P.core, poses, R.core, away, pair_options(cached_plane=False))
     certified = core.certify_batch(P.core, poses, R.core, away, pair_options(cached_plane=False))
     assert [verdict["shared"] for verdict in certified] == shared.astype(bool).tolist()
-    assert (stages[-15:] == 1).all()  # the axis between the centres
+    assert (stages[-15:] == 2).all()  # the axis between the centres
     assert {verdict["stage"] for verdict in certified[-15:]} == {"centre axis"}
     plain, _, _ = core.intersect_batch(P.core, poses, R.core, away, pair_options(centre_axis=False))
     assert plain.tolist() == shared.tolist()

@@ -14,7 +14,7 @@ import pytest
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
 
-COUNTED = ("bounds", "overlaps", "boxes", "cached_plane", "centre_axis", "facet_plane")
+COUNTED = ("bounds", "overlaps", "boxes", "cached_plane", "box_face", "centre_axis", "facet_plane")
 SWITCHES = (*COUNTED, "learning", "reach")
 
 

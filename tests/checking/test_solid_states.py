@@ -139,6 +139,7 @@ def test_switches_do_not_change_verdicts(rail):
         "reach",
         "static_poses",
         "cached_plane",
+        "box_face",
         "facet_plane",
         "trees_first",
     ):
@@ -256,7 +257,16 @@ def test_pairs_that_trees_decide_are_counted_once(rail):
         checker = pc.Checker(rail(), trees_first=switch, bounds=False, boxes=False, overlaps=False)
         checker.check_states(ROWS)
         counted = checker.statistics()
-        stages = ("cached_plane", "centre_axis", "facet_plane", "solver", "nearest_points", "double_double", "exact")
+        stages = (
+            "cached_plane",
+            "box_face",
+            "centre_axis",
+            "facet_plane",
+            "solver",
+            "nearest_points",
+            "double_double",
+            "exact",
+        )
         settled = sum(counted[key] for key in (*stages, "trees", "bounds", "unreachable", "skipped"))
         assert settled == counted["pairs"]
         assert (counted["trees"] > 0) == switch

@@ -5,6 +5,7 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -66,8 +67,8 @@ class BoundChecker : public Pooled<CheckerCore> {
     out["boxes"] = total.boxes;
     out["skipped"] = total.skipped;
     out["trees"] = total.trees;
-    const char* names[] = {"cached_plane",   "centre_axis",   "facet_plane", "solver",
-                           "nearest_points", "double_double", "exact"};
+    constexpr std::array<const char*, kStages> names{"cached_plane", "box_face",       "centre_axis",   "facet_plane",
+                                                     "solver",       "nearest_points", "double_double", "exact"};
     for (std::size_t i = 0; i < total.stages.size(); ++i) out[names[i]] = total.stages[i];
     out["queries"] = counters_dict(total.pair);
     return out;

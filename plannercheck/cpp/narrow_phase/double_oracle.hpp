@@ -160,9 +160,10 @@ class DoubleOracle {
   }
 
   void begin_game() {
-    game_.emplace(largest_payoff(frame_));
-    for (int i = 0; i < rows_.count; ++i) game_->put_row(i, {});
-    for (int j = 0; j < columns_.count; ++j) game_->put_column(j, rows_.products(columns_.point(at(j))));
+    IncrementalMatrixGame::Payoffs by_row, by_column;
+    for (std::size_t i = 0; i < at(rows_.count); ++i) by_row[i] = columns_.products(rows_.point(i));
+    for (std::size_t j = 0; j < at(columns_.count); ++j) by_column[j] = rows_.products(columns_.point(j));
+    game_.emplace(largest_payoff(frame_), rows_.count, columns_.count, by_row, by_column);
   }
 
   bool ask_guest(Vec3 q) {

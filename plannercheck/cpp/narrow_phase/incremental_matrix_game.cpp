@@ -26,6 +26,37 @@ IncrementalMatrixGame::IncrementalMatrixGame(double bound) : unit_(0.5 / bound),
   clear<1>();
 }
 
+IncrementalMatrixGame::IncrementalMatrixGame(double bound, int rows, int columns, const Payoffs& by_row,
+                                             const Payoffs& by_column)
+    : rows_(rows),
+      columns_(columns),
+      wide_(rows > kDouble4Lanes || columns > kDouble4Lanes),
+      unit_(0.5 / bound),
+      total_at_one_(1 / (1 + unit_)) {
+  for (int i = 0; i < kMost; ++i) position_[index(i)] = kMost, position_[index(kMost + i)] = 0;
+  for (int i = 0; i < rows; ++i) set_position(i, kMost + i);
+  for (int j = 0; j < columns; ++j) set_position(kMost + j, j);
+  const auto ones = Double4Array<2>::all(1);
+  first_of(ones, columns).store(level_.data()), first_of(ones, 0).store(level_.data() + kMost);
+  first_of(ones, 0).store(gain_.data()), first_of(ones, rows).store(gain_.data() + kMost);
+  wide_ ? begin_with<2>(by_row, by_column) : begin_with<1>(by_row, by_column);
+}
+
+// What `begin` does, by whole lines.
+template <int kVectors>
+void IncrementalMatrixGame::begin_with(const Payoffs& by_row, const Payoffs& by_column) {
+  clear<kVectors>();
+  const auto scaled = [this](const Numbers& payoffs) {
+    return Double4Array<kVectors>::all(1) + unit_ * Double4Array<kVectors>::load(payoffs.data());
+  };
+  for (int i = 0; i < rows_; ++i) {
+    const auto row = scaled(by_row[index(i)]);
+    row.store(payoff_[index(i)].data());
+    first_of(row, columns_).store(tableau_column(i));
+  }
+  for (int j = 0; j < columns_; ++j) (-first_of(scaled(by_column[index(j)]), rows_)).store(tableau_line(j));
+}
+
 void IncrementalMatrixGame::set_position(int variable, int position) {
   position_[index(variable)] = position;
   variable_at_[index(position)] = variable;

@@ -31,6 +31,11 @@ class IncrementalMatrixGame {
   // `bound` > 0: an upper bound of the payoffs' absolute values.
   explicit IncrementalMatrixGame(double bound);
 
+  // A game of some rows and columns, as if these had been put one by one. Payoffs in either order; those of absent rows
+  // and columns are ignored.
+  typedef std::array<Numbers, kMost> Payoffs;
+  IncrementalMatrixGame(double bound, int rows, int columns, const Payoffs& by_row, const Payoffs& by_column);
+
   // The place of the next row or column: a free one or, when kMost are taken, that of one without weight.
   int place_of_row() const { return rows_ < kMost ? rows_ : weightless_row(); }
   int place_of_column() const { return columns_ < kMost ? columns_ : weightless_column(); }
@@ -86,6 +91,8 @@ class IncrementalMatrixGame {
   template <int kVectors>
   void fill_line(int line, const Line& a);
   void begin();
+  template <int kVectors>
+  void begin_with(const Payoffs& by_row, const Payoffs& by_column);
   template <int kVectors>
   void solve_in();
   template <int kVectors>

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "narrow_phase/box_faces.hpp"
 #include "narrow_phase/coupled_walk.hpp"
 #include "narrow_phase/double_oracle.hpp"
 #include "narrow_phase/facet_planes.hpp"
@@ -173,6 +174,10 @@ PairVerdict hulls_verdict(const PairFrame& frame, bool likely, const PairOptions
   const PosedPolytope &guest = frame.posed_guest(), &host = frame.posed_host();
   cache = kept(*host.body, options, cache);
   if (options.solver != Solver::kExact && plane_holds(frame, cache, counters)) return cached(*cache);
+  if (options.solver != Solver::kExact && options.box_face && !likely && host.body->has_polar()) {
+    const Certificate found = box_face(frame, counters);
+    if (found.answer != Answer::kUndecided) return certified(found, cache);
+  }
   CentreAxis axis(guest, host);
   if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
   std::int32_t lowest = 0;

@@ -17,6 +17,7 @@ enum class Solver { kDoubleOracle, kWalk, kExact };
 struct PairOptions {
   Solver solver = Solver::kDoubleOracle;
   bool cached_plane = true;
+  bool box_face = true;  // of pairs whose boxes meet
   bool centre_axis = true;
   bool turned_axis = true;  // whether the axis is turned to where equivalent ellipsoids would face each other
   bool facet_plane = true;

@@ -35,9 +35,8 @@ namespace {
 constexpr double kPairError = 64 * 0x1p-53;     // (a) without δ, plus the larger of (b) and (c): at most 60u
 constexpr double kMixtureError = 40 * 0x1p-53;  // of each game whose mixture is mixed again
 constexpr double kAxisLength = 1 + 4e-6;        // of a column of M_Rᵀ M_P: both bodies are off rigid by at most 3.6e-6
-constexpr double kAxisDefect = 8e-6;            // of the products of two columns: M_P and M_R both count
-// M_Rᵀ M_P is within 1.5 kAxisDefect of a rotation, so that the product of two columns is within 3.1 times as much of the
-// third one.
+// M_Rᵀ M_P is within 1.5 kAxisDefect of a rotation, so that the product of two columns is within 3.1 times as much of
+// the third one.
 constexpr double kEdgeSkew = 5 * kAxisDefect;
 constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six dot products of unit columns
 

@@ -40,8 +40,8 @@ inline double reach_of_dents(const Polytope& a, const Polytope& b) {
 enum class Answer { kSeparated, kShared, kUndecided };
 
 // How the answer was found.
-enum class Stage { kCachedPlane, kCentreAxis, kFacetPlane, kSolver, kNearest, kDoubleDouble, kExact };
-inline constexpr std::size_t kStages = 7;
+enum class Stage { kCachedPlane, kBoxFace, kCentreAxis, kFacetPlane, kSolver, kNearest, kDoubleDouble, kExact };
+inline constexpr std::size_t kStages = 8;
 
 // In the host's frame relative to its centre: a plane q·x = 1 beyond which P lies, or a point x of both bodies.
 struct Certificate {
@@ -62,6 +62,10 @@ inline PairCounters& operator+=(PairCounters& sum, const PairCounters& more) {
   sum.games += more.games, sum.rounds += more.rounds;
   return sum;
 }
+
+// What the products of two columns of M_Rᵀ M_P, or one's with itself, are off by at most: both bodies are off rigid by
+// 3.6e-6.
+inline constexpr double kAxisDefect = 8e-6;
 
 class PairFrame {
  public:
@@ -96,8 +100,8 @@ class PairFrame {
   // The direction, in the guest's frame, whose extreme vertex has the least q·x.
   Vec3 guest_direction(Vec3 q) const;
 
-  // Whether a plane along two edges of the bodies' boxes separates both boxes, whatever the rounding: a face plane of one
-  // box, or one along an edge of each.
+  // Whether a plane along two edges of the bodies' boxes separates both boxes, whatever the rounding: a face plane of
+  // one box, or one along an edge of each.
   bool boxes_apart() const;
 
   // Whether q proves the bodies apart. `value`: the least q·x over the guest's vertices, by `extreme`. Over R, q·x is

@@ -31,6 +31,7 @@ SWITCHES = (
     "boxes",
     "learning",
     "cached_plane",
+    "box_face",
     "centre_axis",
     "turned_axis",
     "facet_plane",
