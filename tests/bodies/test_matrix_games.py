@@ -6,17 +6,18 @@ import pytest
 from plannercheck.common.core import core
 
 
+@pytest.mark.parametrize("at_once", [0, 1, 4, 8])
 @pytest.mark.parametrize("kind", ["random", "ties", "nearly equal"])
 @pytest.mark.parametrize(("rows", "columns"), [(1, 1), (1, 5), (4, 1), (2, 2), (3, 4), (4, 4), (8, 3), (8, 8)])
-def test_both_sides_prove_each_other_right(rows, columns, kind):
-    """By duality: a mixture of rows bounds the value from above, one of columns from below."""
+def test_both_sides_prove_each_other_right(rows, columns, kind, at_once):
+    """By duality: mixtures of rows bound the value from above, of columns from below. Games grow or begin whole."""
     rng = np.random.default_rng(10 * rows + columns)
     payoffs = rng.uniform(-1, 1, (500, rows, columns))
     if kind == "ties":
         payoffs = np.round(2 * payoffs) / 2
     spread = 1e-4 if kind == "nearly equal" else 1.0
     payoffs, bulk = spread * payoffs, 1.0 if kind == "nearly equal" else 0.0
-    of_rows, of_columns = (np.asarray(weights) for weights in core.solve_games(bulk + payoffs, 2.0))
+    of_rows, of_columns = (np.asarray(weights) for weights in core.solve_games(bulk + payoffs, 2.0, at_once))
     for weights, count in ((of_rows, rows), (of_columns, columns)):
         assert (weights >= 0).all()
         assert (weights[:, count:] == 0).all()
@@ -33,10 +34,10 @@ def test_numbers_beyond_reason_do_no_harm(number):
     rng = np.random.default_rng(0)
     payoffs = rng.uniform(-1, 1, (20_000, 8, 8))
     payoffs[rng.random(payoffs.shape) < 0.03] = number
-    of_rows, of_columns = core.solve_games(payoffs, 2.0)
-    for weights in (np.asarray(of_rows), np.asarray(of_columns)):
-        assert (weights >= 0).all()
-        np.testing.assert_allclose(weights.sum(axis=1), 1, rtol=1e-12)
+    for at_once in (0, 3, 8):
+        for weights in map(np.asarray, core.solve_games(payoffs, 2.0, at_once)):
+            assert (weights >= 0).all()
+            np.testing.assert_allclose(weights.sum(axis=1), 1, rtol=1e-12)
 
 
 @pytest.mark.parametrize("shape", [(1, 0, 3), (1, 3, 0), (1, 9, 2), (1, 2, 9)])

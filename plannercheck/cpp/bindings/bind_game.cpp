@@ -33,10 +33,15 @@ struct Game {
     }
   }
 
-  // Adds a row and a column in turn, as a search does, and solves the game each time.
-  IncrementalMatrixGame play(double bound, std::size_t rows, std::size_t columns) const {
+  // Adds a row and a column in turn, as a search does, and solves the game each time. It begins with some of both.
+  IncrementalMatrixGame play(double bound, std::size_t rows, std::size_t columns, std::size_t at_once) const {
     IncrementalMatrixGame game(bound);
-    for (std::size_t k = 0; k < std::max(rows, columns); ++k) {
+    if (at_once > 0) {
+      game = IncrementalMatrixGame(bound, static_cast<int>(std::min(at_once, rows)),
+                                   static_cast<int>(std::min(at_once, columns)), by_row, by_column);
+      game.solve();
+    }
+    for (std::size_t k = at_once; k < std::max(rows, columns); ++k) {
       if (k < rows) {
         game.put_row(game.place_of_row(), by_row[k]);
         if (k > 0) game.solve();
@@ -51,8 +56,8 @@ struct Game {
 };
 
 // Weights of the minimising rows and the maximising columns, kMost each, of games (n, rows, columns); `bound` holds for
-// all.
-nb::tuple solve_games(Payoffs payoffs, double bound) {
+// all. Games begin with `at_once` rows and columns, or with what they have of them.
+nb::tuple solve_games(Payoffs payoffs, double bound, std::size_t at_once) {
   const std::size_t n = payoffs.shape(0), rows = payoffs.shape(1), columns = payoffs.shape(2);
   if (rows == 0 || columns == 0 || rows > kMost || columns > kMost) {
     throw std::invalid_argument("a game has 1 to 8 rows and columns");
@@ -65,7 +70,7 @@ nb::tuple solve_games(Payoffs payoffs, double bound) {
         games[k - i].write(payoffs.data() + k * rows * columns, rows, columns);
       }
     }
-    const IncrementalMatrixGame solved = games[i % kAtOnce].play(bound, rows, columns);
+    const IncrementalMatrixGame solved = games[i % kAtOnce].play(bound, rows, columns, at_once);
     const IncrementalMatrixGame::Numbers r = solved.row_weights(), c = solved.column_weights();
     std::copy(r.begin(), r.end(), of_rows.begin() + static_cast<std::ptrdiff_t>(i * kMost));
     std::copy(c.begin(), c.end(), of_columns.begin() + static_cast<std::ptrdiff_t>(i * kMost));
@@ -76,7 +81,7 @@ nb::tuple solve_games(Payoffs payoffs, double bound) {
 }  // namespace
 
 void bind_game(nb::module_& m) {
-  m.def("solve_games", &solve_games, nb::arg("payoffs"), nb::arg("bound"), plain_floats);
+  m.def("solve_games", &solve_games, nb::arg("payoffs"), nb::arg("bound"), nb::arg("at_once") = 0, plain_floats);
 }
 
 }  // namespace plannercheck

@@ -1,4 +1,4 @@
-// Boxes around two bodies in the states of a block: whether a face plane of one box separates both, in lanes.
+// Boxes around two bodies in the states of a block: whether a plane along two of their edges separates both, in lanes.
 //
 // In: posed links of a block, bodies' boxes in their own frames. Out: the states in which two boxes are apart, whatever
 // the rounding. This is the test of PairFrame::boxes_apart, in floats and with more room for rounding.

@@ -320,13 +320,17 @@ void BroadPhase::find_in_tree(std::int32_t mover, int count, Workspace& w) const
   }
 }
 
-// Drops those of some states in which the candidate's boxes are apart; returns the others.
+void BroadPhase::drop(Candidate& candidate, unsigned apart, Workspace& w) {
+  w.boxes_apart += __builtin_popcount(apart);
+  candidate.states &= ~apart;
+}
+
+// Drops those of some states in which a face of the candidate's boxes separates them; returns the others.
 unsigned BroadPhase::drop_apart(Candidate& candidate, unsigned states, Workspace& w) const {
   if (states == 0) return 0;
   const auto& pair = pairs_[at(candidate.pair)];
   const unsigned apart = states & boxes_.apart(w.links, at(pair[0]), at(pair[1]), w.boxes);
-  w.boxes_apart += __builtin_popcount(apart);
-  candidate.states &= ~apart;
+  drop(candidate, apart, w);
   return states & ~apart;
 }
 
@@ -335,9 +339,7 @@ unsigned BroadPhase::drop_apart(Candidate& candidate, unsigned states, Workspace
 void BroadPhase::drop_apart_at_edges(Candidate& candidate, Workspace& w) const {
   if (candidate.states == 0) return;
   const auto& pair = pairs_[at(candidate.pair)];
-  const unsigned apart = candidate.states & boxes_.apart_at_edges(w.links, at(pair[0]), at(pair[1]), w.boxes);
-  w.boxes_apart += __builtin_popcount(apart);
-  candidate.states &= ~apart;
+  drop(candidate, candidate.states & boxes_.apart_at_edges(w.links, at(pair[0]), at(pair[1]), w.boxes), w);
 }
 
 // Bit k: whether a pair surely shares a point in state k.

@@ -163,6 +163,7 @@ class BroadPhase {
   void find_near_obstacle(const MoverGroup& group, const BoxInStates& around, std::int32_t obstacle, int count,
                           Workspace& workspace) const;
   void find_in_tree(std::int32_t mover, int count, Workspace& workspace) const;
+  static void drop(Candidate& candidate, unsigned apart, Workspace& workspace);
   unsigned drop_apart(Candidate& candidate, unsigned states, Workspace& workspace) const;
   void drop_apart_at_edges(Candidate& candidate, Workspace& workspace) const;
   void find_overlaps(Workspace& workspace) const;
