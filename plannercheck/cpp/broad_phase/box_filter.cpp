@@ -22,8 +22,8 @@ constexpr float kLargestRoom = 0x1p106F;
 // of its half edges, loses as much. In all: below 2 δ of the half edges' sums.
 constexpr double kSkew = 2e-5;
 
-// Edges. Let η bound how far the posed axes a_i of the first box are from an orthonormal frame: 0.51 δ, 8.7u of rounding
-// and `turn`, and so for the second's axes b_j. The direction is L = a_i x b_j, no longer than 1 + 3 η.
+// Edges. Let η bound how far the posed axes a_i of the first box are from an orthonormal frame: 0.51 δ, 8.7u of
+// rounding and `turn`, and so for the second's axes b_j. The direction is L = a_i x b_j, no longer than 1 + 3 η.
 // - On L, half edge k of the first body projects to |a_k L| of itself, and to 8.7u + `turn` more. a_k (a_i x b_j) is 0
 //   for k = i, else ± a_m b_j for the third axis m but for 3.1 η. The same goes for the second body. With 7u for the
 //   rounding of products and sums, that is below 1.2e-5 + 4.1 `turn` of the half edges' sums, δ for their inflation

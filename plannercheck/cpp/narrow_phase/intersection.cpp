@@ -102,6 +102,10 @@ CachedPlane* kept(const Polytope& host, const PairOptions& options, CachedPlane*
   return frame.separates(cache->q, dot(cache->q, frame.guest_vertex(p)), cache->mixtures);
 }
 
+Certificate by_box_face(const PairFrame& frame, const PairOptions& options, PairCounters& counters) {
+  return options.box_face && frame.host().has_polar() ? box_face(frame, counters) : Certificate{};
+}
+
 Certificate by_facets(const PairFrame& frame, const CentreAxis& axis, const PairOptions& options,
                       PairCounters& counters) {
   const bool few = has_few_corners(frame.guest()) && has_few_corners(frame.host());
@@ -172,14 +176,16 @@ PairVerdict close_hulls_verdict(const PosedPolytope& guest, const PosedPolytope&
 PairVerdict hulls_verdict(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane* cache,
                           PairCounters& counters) {
   const PosedPolytope &guest = frame.posed_guest(), &host = frame.posed_host();
+  if (options.solver == Solver::kExact) {
+    return exact_verdict(guest, host, along(CentreAxis(guest, host).direction()));
+  }
   cache = kept(*host.body, options, cache);
-  if (options.solver != Solver::kExact && plane_holds(frame, cache, counters)) return cached(*cache);
-  if (options.solver != Solver::kExact && options.box_face && !likely && host.body->has_polar()) {
-    const Certificate found = box_face(frame, counters);
+  if (plane_holds(frame, cache, counters)) return cached(*cache);
+  if (!likely) {
+    const Certificate found = by_box_face(frame, options, counters);
     if (found.answer != Answer::kUndecided) return certified(found, cache);
   }
   CentreAxis axis(guest, host);
-  if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
   std::int32_t lowest = 0;
   if (likely && !axis.has_inflation_radius()) {
     lowest = axis.nearly_lowest(counters);
