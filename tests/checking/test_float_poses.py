@@ -11,6 +11,7 @@ import pytest
 from multiprecision import link_poses, table_of
 from random_chains import random_chain, random_placement, random_rows
 from random_trees import random_tree
+from scipy.spatial.transform import Rotation
 
 import plannercheck as pc
 from plannercheck.common.core import core
@@ -237,21 +238,26 @@ def long_chain(folder, shape, base=(0.0, 0.0)):
     return pc.Robot.from_urdf(path)
 
 
-@pytest.mark.parametrize("shape", [f'<sphere radius="{HALF}"/>', f'<box size="{2 * HALF} {2 * HALF} {2 * HALF}"/>'])
-def test_contacts_that_floats_miss_by_far(tmp_path, shape):
-    """All joints turn by the angle whose rounding adds up to most, so that the hand is off by a hundredth of its size.
+def missed_by_floats(folder, shape):
+    """Such a chain with its hand at the world's origin, where poses round the least; a configuration, the hand's pose.
 
-    It is at the world's origin, where poses round the least. Obstacles on all sides meet it, or miss it, by 1e-9 m.
+    All joints turn by the angle whose rounding adds up to most, so that the hand is off by a hundredth of its size.
     """
-    robot = long_chain(tmp_path, shape)
+    robot = long_chain(folder, shape)
     q = np.repeat(np.random.default_rng(0).uniform(-0.2, 0.2, (4000, 1)), JOINTS, axis=1)
     needed = np.ones(robot.kinematics.link_count, dtype=np.uint8)
     hands = robot.kinematics.link_poses(q, needed)[:, -1, :2, 3]
     off = robot.kinematics.float_link_poses(q, needed)[0][:, -1, :2, 3] - hands
     worst = np.linalg.norm(off, axis=1).argmax()
     assert np.linalg.norm(off[worst]) > HALF / 100
-    robot = long_chain(tmp_path, shape, tuple((-hands[worst]).tolist()))
-    row, pose = q[worst], robot.link_poses(q[worst][None])[0, -1]
+    robot = long_chain(folder, shape, tuple((-hands[worst]).tolist()))
+    return robot, q[worst], robot.link_poses(q[worst][None])[0, -1]
+
+
+@pytest.mark.parametrize("shape", [f'<sphere radius="{HALF}"/>', f'<box size="{2 * HALF} {2 * HALF} {2 * HALF}"/>'])
+def test_contacts_that_floats_miss_by_far(tmp_path, shape):
+    """Obstacles on all sides meet the hand, or miss it, by 1e-9 m."""
+    robot, row, pose = missed_by_floats(tmp_path, shape)
     for axis in np.vstack([np.eye(3), -np.eye(3)]):
         for gap in (-1e-9, 1e-9):
             place = pose.copy()
@@ -265,26 +271,57 @@ def test_contacts_that_floats_miss_by_far(tmp_path, shape):
                 assert (checker.check_states(np.repeat(row[None], 17, axis=0)) == (gap > 0)).all()
 
 
-def test_sets_are_posed_in_floats_first(tmp_path):
-    """In a gap that filters see in poses in doubles, and not in floats, whose bound is wider: a pair is left."""
-    robot = long_chain(tmp_path, f'<sphere radius="{HALF}"/>')
+def test_crossed_edges_that_floats_miss_by_far(tmp_path):
+    """Bars that cross the hand on all sides, an edge facing an edge of the hand, meet it or miss it by 1e-9 m.
+
+    No face separates them. The hand stands upright on the plane in which floats miss it.
+    """
+    shape = f'<box size="{2 * HALF} {2 * HALF} {6 * HALF}"/>'
+    robot, row, pose = missed_by_floats(tmp_path, shape)
+    for quarter in range(4):
+        side = Rotation.from_euler("z", (quarter + 0.5) * np.pi / 2)  # its x-axis points along a diagonal of the hand
+        for gap in (-1e-9, 1e-9):
+            place = pose.copy()
+            place[:3, 3] += pose[:3, :3] @ side.apply([2 * np.sqrt(2) * HALF + gap, 0, 0])
+            place[:3, :3] = pose[:3, :3] @ (side * Rotation.from_euler("y", np.pi / 4)).as_matrix()
+            scene = pc.Scene("crossed")
+            scene.add_box("bar", [2 * HALF, 6 * HALF, 2 * HALF], place)
+            checker = pc.Checker(robot, scene, reach=False)
+            assert checker.is_valid(row) == (gap > 0)
+            assert (checker.check_states(np.repeat(row[None], 17, axis=0)) == (gap > 0)).all()
+
+
+def beside_by_the_bound(folder, **switches):
+    """A checker at whose zero filters see a gap in poses in doubles, and not in floats, whose bound is wider."""
+    robot = long_chain(folder, f'<sphere radius="{HALF}"/>')
     hand = robot.link_poses(np.zeros((1, JOINTS)))[0, -1]
-    robot = long_chain(tmp_path, f'<sphere radius="{HALF}"/>', tuple((-hand[:2, 3]).tolist()))
+    robot = long_chain(folder, f'<sphere radius="{HALF}"/>', tuple((-hand[:2, 3]).tolist()))
     needed = np.ones(robot.kinematics.link_count, dtype=np.uint8)
     bound = robot.kinematics.float_link_poses(np.zeros((1, JOINTS)), needed)[1][0, -1, 1]
     place, scene = np.eye(4), pc.Scene("beside")
     place[0, 3] = 2 * HALF + bound / 2
     scene.add_box("box", [2 * HALF] * 3, place)
+    return pc.Checker(robot, scene, reach=False, boxes=False, **switches)
+
+
+def test_sets_are_posed_in_floats_first(tmp_path):
+    """So that all pairs are left."""
     tested = {}
     for in_floats in (True, False):
-        checker = pc.Checker(robot, scene, reach=False, boxes=False, float_poses=in_floats)
+        checker = beside_by_the_bound(tmp_path, float_poses=in_floats)
         assert checker.check_states(np.zeros((17, JOINTS))).all()
         tested[in_floats] = 17 - checker.statistics()["bounds"]
     assert tested[False] == 0
-    assert tested[True] in (
-        8,
-        BLOCK,
-    )  # the first block; since all of it was left, the other states are posed in doubles
+    assert tested[True] == 17  # all of them: so few do not tell that doubles would be faster
+
+
+def test_sets_that_floats_leave_open_are_posed_in_doubles(tmp_path):
+    """All states are near by the wider bound of floats: after some hundreds, nearly all blocks are posed in doubles."""
+    checker = beside_by_the_bound(tmp_path)
+    q = np.zeros((8192, JOINTS))
+    assert checker.check_states(q).all()
+    tested = len(q) - checker.statistics()["bounds"]
+    assert 256 < tested < 2048
 
 
 @pytest.mark.parametrize("seed", range(12))

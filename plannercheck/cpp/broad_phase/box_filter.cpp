@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "bodies/box_edges.hpp"
+
 namespace plannercheck {
 namespace {
 
@@ -59,16 +61,19 @@ BodyBox body_box(const GeometryObject& object) {
   return box;
 }
 
-void BlockBoxes::spread(const BodyBox& box, Posed& posed) {
+template <FloatVector Numbers>
+void BlockBoxes::spread(const BodyBox& box, PosedIn<Numbers>& posed) {
   for (std::size_t j = 0; j < 3; ++j) {
-    posed.centre[j] = StateFloats{} + box.centre[j];
-    for (std::size_t i = 0; i < 3; ++i) posed.axes[3 * j + i] = StateFloats{} + box.axes[j][i];
+    posed.centre[j] = Numbers{} + box.centre[j];
+    for (std::size_t i = 0; i < 3; ++i) posed.axes[3 * j + i] = Numbers{} + box.axes[j][i];
   }
-  posed.room = StateFloats{} + box.room;
+  posed.room = Numbers{} + box.room;
 }
 
-void BlockBoxes::pose_on(const FloatPose& link, PoseError error, const BodyBox& box, Posed& posed) {
-  StateFloats size = {};
+template <FloatVector Numbers>
+void BlockBoxes::pose_on(const FloatPoseOf<Numbers>& link, PoseError error, const BodyBox& box,
+                         PosedIn<Numbers>& posed) {
+  Numbers size = {};
   for (std::size_t i = 0; i < 3; ++i) {
     posed.centre[i] = link.turned(i, box.centre[0], box.centre[1], box.centre[2]) + link.m[4 * i + 3];
     size += absolute(posed.centre[i]);
@@ -88,6 +93,11 @@ void BlockBoxes::pose(FloatLinkPoses& links, const BodyBox& box, Posed& posed) {
   pose_on(links.of(at(box.link)), links.error(at(box.link)), box, posed);
 }
 
+void BlockBoxes::pose_in_state(FloatLinkPoses& links, const BodyBox& box, PosedState& posed) {
+  if (box.link < 0) return spread(box, posed);
+  pose_on(links.of_state(at(box.link)), PoseError{}, box, posed);
+}
+
 unsigned BlockBoxes::apart(FloatLinkPoses& links, std::size_t a, std::size_t b, Workspace& w) const {
   const Posed &p = posed(links, a, w), &q = posed(links, b, w);
   const std::array<float, 3>&half_a = boxes_[a].half, &half_b = boxes_[b].half;
@@ -102,15 +112,15 @@ unsigned BlockBoxes::apart(FloatLinkPoses& links, std::size_t a, std::size_t b, 
     StateFloats own = room + half_a[i];
 #pragma GCC unroll 3
     for (std::size_t j = 0; j < 3; ++j) {
-      const StateFloats product = absolute((ax * q.axes[3 * j] + ay * q.axes[3 * j + 1]) + az * q.axes[3 * j + 2]);
-      own += product * half_b[j];
-      shadow[j] += product * half_a[i];
+      const StateFloats product = absolute(dot_of(ax, ay, az, q.axes[3 * j], q.axes[3 * j + 1], q.axes[3 * j + 2]));
+      own = multiply_add(product, filled<StateFloats>(half_b[j]), own);
+      shadow[j] = multiply_add(product, filled<StateFloats>(half_a[i]), shadow[j]);
     }
-    out |= bits_above(absolute((ax * x + ay * y) + az * z), own);
+    out |= bits_above(absolute(dot_of(ax, ay, az, x, y, z)), own);
   }
 #pragma GCC unroll 3
   for (std::size_t j = 0; j < 3; ++j) {
-    const StateFloats along = (q.axes[3 * j] * x + q.axes[3 * j + 1] * y) + q.axes[3 * j + 2] * z;
+    const StateFloats along = dot_of(q.axes[3 * j], q.axes[3 * j + 1], q.axes[3 * j + 2], x, y, z);
     out |= bits_above(absolute(along), shadow[j]);
   }
   return out & bits_above(StateFloats{} + kLargestRoom, room);
@@ -122,30 +132,23 @@ unsigned BlockBoxes::apart_at_edges(FloatLinkPoses& links, std::size_t a, std::s
   const StateFloats x = p.centre[0] - q.centre[0], y = p.centre[1] - q.centre[1], z = p.centre[2] - q.centre[2];
   const StateFloats room = p.room + q.room;
   const StateFloats tilted = room + ((absolute(x) + absolute(y)) + absolute(z)) * kTilt;
-  std::array<StateFloats, 3> along;
-  std::array<std::array<StateFloats, 3>, 3> product, shadow;
+  std::array<StateFloats, 3> along, halves_a, halves_b;
+  std::array<StateFloats, 9> product;
 #pragma GCC unroll 3
   for (std::size_t i = 0; i < 3; ++i) {
     const StateFloats ax = p.axes[3 * i], ay = p.axes[3 * i + 1], az = p.axes[3 * i + 2];
-    along[i] = (ax * x + ay * y) + az * z;
+    along[i] = dot_of(ax, ay, az, x, y, z);
+    halves_a[i] = filled<StateFloats>(half_a[i]), halves_b[i] = filled<StateFloats>(half_b[i]);
 #pragma GCC unroll 3
     for (std::size_t j = 0; j < 3; ++j) {
-      product[i][j] = (ax * q.axes[3 * j] + ay * q.axes[3 * j + 1]) + az * q.axes[3 * j + 2];
-      shadow[i][j] = absolute(product[i][j]);
+      product[3 * i + j] = dot_of(ax, ay, az, q.axes[3 * j], q.axes[3 * j + 1], q.axes[3 * j + 2]);
     }
   }
   BitsOfAny<StateFloats> out;
-#pragma GCC unroll 3
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t k = (i + 1) % 3, l = (i + 2) % 3;
-#pragma GCC unroll 3
-    for (std::size_t j = 0; j < 3; ++j) {
-      const std::size_t m = (j + 1) % 3, n = (j + 2) % 3;
-      const StateFloats own = shadow[l][j] * half_a[k] + shadow[k][j] * half_a[l];
-      const StateFloats other = shadow[i][n] * half_b[m] + shadow[i][m] * half_b[n];
-      out.add_above(absolute(along[l] * product[k][j] - along[k] * product[l][j]), (own + other) + tilted);
-    }
-  }
+  any_edges(product, along, halves_a, halves_b, [&](StateFloats distance, StateFloats reach) {
+    out.add_above(distance, reach + tilted);
+    return false;
+  });
   return out.bits() & bits_above(StateFloats{} + kLargestRoom, room);
 }
 

@@ -33,14 +33,22 @@ class BlockBoxes {
   BlockBoxes() = default;
   explicit BlockBoxes(std::vector<BodyBox> boxes) : boxes_(std::move(boxes)) {}
 
-  struct Posed {
-    std::array<StateFloats, 9> axes;  // of edge j: entries 3 j to 3 j + 2
-    std::array<StateFloats, 3> centre;
-    StateFloats room;
+  template <FloatVector Numbers>
+  struct PosedIn {
+    std::array<Numbers, 9> axes;  // of edge j: entries 3 j to 3 j + 2
+    std::array<Numbers, 3> centre;
+    Numbers room;
   };
+  typedef PosedIn<StateFloats> Posed;  // in the states of a block
+  typedef PosedIn<Floats> PosedState;  // in one state
 
-  typedef BlockCache<Posed> Workspace;
-  Workspace new_workspace() const { return Workspace(boxes_.size()); }
+  struct Workspace {
+    BlockCache<Posed> in_block;
+    BlockCache<PosedState> in_state;
+
+    void begin() { in_block.begin(), in_state.begin(); }
+  };
+  Workspace new_workspace() const { return {BlockCache<Posed>(boxes_.size()), BlockCache<PosedState>(boxes_.size())}; }
 
   // Bit k: in state k a face plane separates the boxes of bodies a and b. `links`: all poses; those of moving boxes are
   // read.
@@ -52,15 +60,23 @@ class BlockBoxes {
   // A body's box in the block, posed at the first call.
   const Posed& posed(FloatLinkPoses& links, std::size_t body, Workspace& workspace) const {
     const BodyBox& box = boxes_[body];
-    return workspace.of(body, box.link < 0, [&](Posed& out) { pose(links, box, out); });
+    return workspace.in_block.of(body, box.link < 0, [&](Posed& out) { pose(links, box, out); });
+  }
+  // The same in one state.
+  const PosedState& posed_in_state(FloatLinkPoses& links, std::size_t body, Workspace& workspace) const {
+    const BodyBox& box = boxes_[body];
+    return workspace.in_state.of(body, box.link < 0, [&](PosedState& out) { pose_in_state(links, box, out); });
   }
 
  private:
   std::vector<BodyBox> boxes_;
 
-  static void spread(const BodyBox& box, Posed& posed);
-  static void pose_on(const FloatPose& link, PoseError error, const BodyBox& box, Posed& posed);
+  template <FloatVector Numbers>
+  static void spread(const BodyBox& box, PosedIn<Numbers>& posed);
+  template <FloatVector Numbers>
+  static void pose_on(const FloatPoseOf<Numbers>& link, PoseError error, const BodyBox& box, PosedIn<Numbers>& posed);
   [[gnu::noinline]] static void pose(FloatLinkPoses& links, const BodyBox& box, Posed& posed);
+  [[gnu::noinline]] static void pose_in_state(FloatLinkPoses& links, const BodyBox& box, PosedState& posed);
 };
 
 }  // namespace plannercheck

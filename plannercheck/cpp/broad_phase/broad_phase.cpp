@@ -195,7 +195,7 @@ void BroadPhase::pose(const std::vector<BoundingBall>& balls, std::vector<Balls>
 
 inline unsigned BroadPhase::near(const Balls& a, const Balls& b) {
   const StateFloats x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
-  return ~bits_above((x * x + y * y) + z * z, far_beyond(a.radius + b.radius));
+  return ~bits_above(dot_of(x, y, z, x, y, z), far_beyond(a.radius + b.radius));
 }
 
 // The states in which a slice of a mover is near another ball; all states of movers that are not sliced.
@@ -265,8 +265,8 @@ BroadPhase::BoxInFloats BroadPhase::BoxInStates::around_all() const {
   return out;
 }
 
-unsigned BroadPhase::BoxInFloats::met(const EightBoxes& boxes) const {
-  BitsOfAny<Floats> apart;
+unsigned BroadPhase::BoxInFloats::met(const BoxLanes<StateFloats>& boxes) const {
+  BitsOfAny<StateFloats> apart;
   for (std::size_t i = 0; i < 3; ++i) {
     apart.add_above(low[i], boxes.high[i]);
     apart.add_above(boxes.low[i], high[i]);
@@ -280,7 +280,7 @@ void BroadPhase::find_listed(const MoverGroup& group, int count, Workspace& w) c
   const BoxInFloats in_all = own.around_all();
   for (std::size_t k = 0; k < group.boxes.size(); ++k) {
     for (unsigned met = in_all.met(group.boxes[k]); met != 0; met &= met - 1) {
-      const std::size_t place = k * kFloats + static_cast<std::size_t>(__builtin_ctz(met));
+      const std::size_t place = k * kBlockStates + static_cast<std::size_t>(__builtin_ctz(met));
       find_near_obstacle(group, own, group.obstacles[place], count, w);
     }
   }
@@ -297,7 +297,7 @@ inline void BroadPhase::find_near_obstacle(const MoverGroup& group, const BoxInS
     const Balls& ball = w.balls[m];
     const StateFloats x = beyond(ball.x, box.low[0], box.high[0]), y = beyond(ball.y, box.low[1], box.high[1]);
     const StateFloats z = beyond(ball.z, box.low[2], box.high[2]);
-    const unsigned near = ~bits_above((x * x + y * y) + z * z, far_beyond(ball.radius)) & states;
+    const unsigned near = ~bits_above(dot_of(x, y, z, x, y, z), far_beyond(ball.radius)) & states;
     if (near != 0) w.candidates.push_back({pair, near});
   }
 }

@@ -107,9 +107,9 @@ class BroadPhase {
 
   // A box in every lane.
   struct BoxInFloats {
-    std::array<Floats, 3> low, high;
+    std::array<StateFloats, 3> low, high;
 
-    unsigned met(const EightBoxes& boxes) const;  // the boxes that it meets, a bit each
+    unsigned met(const BoxLanes<StateFloats>& boxes) const;  // the boxes that it meets, a bit each
   };
 
   // A box in each state, around some movers.

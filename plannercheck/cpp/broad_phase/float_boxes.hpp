@@ -1,4 +1,4 @@
-// Boxes around obstacles in floats, rounded outwards: one by one, or eight side by side.
+// Boxes around obstacles in floats, rounded outwards: one by one, or side by side.
 #pragma once
 
 #include <array>
@@ -23,19 +23,25 @@ inline FloatBox rounded_outwards(const WorldBox& box) {
   return out;
 }
 
-struct EightBoxes {
-  std::array<Floats, 3> low{}, high{};
+// One in each lane.
+template <FloatVector Numbers>
+struct BoxLanes {
+  static constexpr std::size_t kCount = sizeof(Numbers) / sizeof(float);
+
+  std::array<Numbers, 3> low{}, high{};
   unsigned present = 0;  // a bit for each lane that holds a box
 };
 
-inline std::vector<EightBoxes> side_by_side(const std::vector<WorldBox>& boxes) {
-  std::vector<EightBoxes> out((boxes.size() + kFloats - 1) / kFloats);
+template <FloatVector Numbers>
+std::vector<BoxLanes<Numbers>> side_by_side(const std::vector<WorldBox>& boxes) {
+  constexpr std::size_t kCount = BoxLanes<Numbers>::kCount;
+  std::vector<BoxLanes<Numbers>> out((boxes.size() + kCount - 1) / kCount);
   for (std::size_t b = 0; b < boxes.size(); ++b) {
-    EightBoxes& eight = out[b / kFloats];
+    BoxLanes<Numbers>& lanes = out[b / kCount];
     const FloatBox box = rounded_outwards(boxes[b]);
-    eight.present |= 1U << b % kFloats;
+    lanes.present |= 1U << b % kCount;
     for (std::size_t i = 0; i < 3; ++i) {
-      eight.low[i][b % kFloats] = box.low[i], eight.high[i][b % kFloats] = box.high[i];
+      lanes.low[i][b % kCount] = box.low[i], lanes.high[i][b % kCount] = box.high[i];
     }
   }
   return out;

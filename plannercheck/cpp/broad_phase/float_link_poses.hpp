@@ -11,17 +11,17 @@ namespace plannercheck {
 
 class FloatLinkPoses {
  public:
-  explicit FloatLinkPoses(std::size_t links = 0) : links_(links), rounded_(links) {}
+  explicit FloatLinkPoses(std::size_t links = 0) : links_(links), rounded_(links), of_state_(links) {}
 
   // `poses`: of a block's links (state_block.hpp); they have to outlive the block.
   void begin(const Lanes* poses) {
     block_ = poses, state_ = nullptr, given_ = nullptr;
     rounded_.begin();
   }
-  // `poses`: of one state's links, which every lane gets; they have to outlive it.
+  // `poses`: of one state's links; they have to outlive it.
   void begin(const PoseColumns* poses) {
     block_ = nullptr, state_ = poses, given_ = nullptr;
-    rounded_.begin();
+    of_state_.begin();
   }
   // `poses`, `errors`: of a block's links; they have to outlive the block.
   void begin(const FloatPose* poses, const PoseError* errors) {
@@ -33,11 +33,14 @@ class FloatLinkPoses {
 
   const FloatPose& of(std::size_t link) {
     if (given_ != nullptr) return given_[link];
-    return rounded_.of(link, false, [&](FloatPose& out) {
-      if (block_ != nullptr) return round_to_floats(block_, links_, link, out);
+    return rounded_.of(link, false, [&](FloatPose& out) { round_to_floats(block_, links_, link, out); });
+  }
+
+  // Of one state.
+  const FloatStatePose& of_state(std::size_t link) {
+    return of_state_.of(link, false, [&](FloatStatePose& out) {
       const PoseColumns& pose = state_[link];
-      for (std::size_t i = 0; i < out.m.size(); ++i)
-        out.m[i] = StateFloats{} + static_cast<float>(pose.at(i / 4, i % 4));
+      for (std::size_t i = 0; i < out.m.size(); ++i) out.m[i] = Floats{} + static_cast<float>(pose.at(i / 4, i % 4));
     });
   }
 
@@ -50,6 +53,7 @@ class FloatLinkPoses {
   const FloatPose* given_ = nullptr;
   const PoseError* errors_ = nullptr;
   BlockCache<FloatPose> rounded_;
+  BlockCache<FloatStatePose> of_state_;
 };
 
 }  // namespace plannercheck

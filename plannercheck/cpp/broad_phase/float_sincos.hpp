@@ -1,8 +1,8 @@
 // Sine and cosine of the angles of a block, in floats: within 2^-23 of those of the given doubles.
 //
 // Idea: as in math/sincos.hpp, with less precision. The nearest multiple of pi/2 is subtracted in doubles, where one
-// product is exact enough below kLargestAngle; the rest is rounded to floats, of which polynomials are evaluated. Only
-// elementwise additions and multiplications, none fused.
+// product is exact enough below kLargestAngle; the rest is rounded to floats, of which polynomials are evaluated, in
+// fused steps where these save time.
 #pragma once
 
 #include "broad_phase/state_block.hpp"

@@ -83,7 +83,7 @@ std::vector<MoverGroup> mover_groups(const std::vector<BoundingBall>& movers, co
     if (group.obstacles.empty()) continue;
     std::vector<WorldBox> of_obstacles;
     for (const std::int32_t o : group.obstacles) of_obstacles.push_back(boxes[at(o)]);
-    group.boxes = side_by_side(of_obstacles);
+    group.boxes = side_by_side<StateFloats>(of_obstacles);
     out.push_back(std::move(group));
   }
   std::reverse(out.begin(), out.end());

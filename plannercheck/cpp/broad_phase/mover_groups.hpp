@@ -12,6 +12,7 @@
 #include "broad_phase/float_boxes.hpp"
 #include "broad_phase/obstacle_tree.hpp"
 #include "broad_phase/sampled_poses.hpp"
+#include "broad_phase/state_block.hpp"
 
 namespace plannercheck {
 
@@ -19,7 +20,7 @@ namespace plannercheck {
 struct MoverGroup {
   std::size_t first, last;
   std::vector<std::int32_t> obstacles;
-  std::vector<EightBoxes> boxes;  // of these
+  std::vector<BoxLanes<StateFloats>> boxes;  // of these
 };
 
 // pair_of[mover * boxes.size() + obstacle]: −1 where there is no pair.

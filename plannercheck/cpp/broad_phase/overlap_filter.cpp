@@ -56,8 +56,8 @@ BlockOverlaps::Balls BlockOverlaps::balls_of(const GeometryObject& object) {
     out.ball[out.count++] = {{static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)},
                              below((ball.radius + body.inflation_radius) * kShrunk)};
   }
-  static_assert(kInnerBalls <= kBlockStates);
-  out.side_by_side = PosedBall{StateFloats{}, StateFloats{}, StateFloats{}, StateFloats{} - __builtin_inff()};
+  static_assert(kInnerBalls <= kFloats);
+  out.side_by_side = SideBySide{Floats{}, Floats{}, Floats{}, Floats{} - __builtin_inff()};
   for (std::size_t k = 0; k < out.count; ++k) {
     const auto [x, y, z] = out.ball[k].centre;
     out.side_by_side.x[k] = x, out.side_by_side.y[k] = y, out.side_by_side.z[k] = z;
@@ -90,14 +90,15 @@ float BlockOverlaps::room_of(const Balls& balls, const FloatLinkPoses& links) {
   return balls.room + links.error(at(balls.link)).of_point(balls.room * static_cast<float>(1 / kPosingError));
 }
 
-template <class Number>
-BlockOverlaps::PosedBall BlockOverlaps::posed(const FloatPose& link, Number x, Number y, Number z, Number radius,
-                                              float room) {
-  PosedBall p;
+template <FloatVector Numbers>
+BlockOverlaps::PosedBall<Numbers> BlockOverlaps::posed(const FloatPoseOf<Numbers>& link,
+                                                       const PosedBall<Numbers>& in_link, float room) {
+  const auto& [x, y, z, radius] = in_link;
+  PosedBall<Numbers> p;
   p.x = link.turned(0, x, y, z) + link.m[3];
   p.y = link.turned(1, x, y, z) + link.m[7];
   p.z = link.turned(2, x, y, z) + link.m[11];
-  const StateFloats size = (absolute(p.x) + absolute(p.y)) + absolute(p.z);
+  const Numbers size = (absolute(p.x) + absolute(p.y)) + absolute(p.z);
   p.radius = radius - (size * static_cast<float>(kPosingError) + room);
   return p;
 }
@@ -106,22 +107,25 @@ void BlockOverlaps::pose(FloatLinkPoses& links, const Balls& balls, PosedBalls& 
   const FloatPose& link = links.of(at(balls.link));
   const float room = room_of(balls, links);
   for (std::size_t k = 0; k < balls.count; ++k) {
-    const auto [x, y, z] = balls.ball[k].centre;
-    out[k] = posed(link, x, y, z, balls.ball[k].radius, room);
+    const auto& [centre, radius] = balls.ball[k];
+    const auto in_all = [](float number) { return filled<StateFloats>(number); };
+    out[k] = posed(link, {in_all(centre[0]), in_all(centre[1]), in_all(centre[2]), in_all(radius)}, room);
   }
 }
 
-unsigned BlockOverlaps::meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame) {
-  const StateFloats x = ball.x - frame.centre[0], y = ball.y - frame.centre[1], z = ball.z - frame.centre[2];
-  StateFloats square = {};
+template <FloatVector Numbers>
+unsigned BlockOverlaps::meet(const PosedBall<Numbers>& ball, const Box& box,
+                             const BlockBoxes::PosedIn<Numbers>& frame) {
+  const Numbers x = ball.x - frame.centre[0], y = ball.y - frame.centre[1], z = ball.z - frame.centre[2];
+  Numbers square = {};
 #pragma GCC unroll 3
   for (std::size_t j = 0; j < 3; ++j) {
-    const StateFloats along = (frame.axes[3 * j] * x + frame.axes[3 * j + 1] * y) + frame.axes[3 * j + 2] * z;
-    const StateFloats outside = beyond(along, box.low[j], box.high[j]);
-    square += outside * outside;
+    const Numbers along = dot_of(frame.axes[3 * j], frame.axes[3 * j + 1], frame.axes[3 * j + 2], x, y, z);
+    const Numbers outside = beyond(along, box.low[j], box.high[j]);
+    square = multiply_add(outside, outside, square);
   }
-  const StateFloats limit = (ball.radius + box.radius) - 2 * frame.room;
-  return bits_above(limit * limit, square) & bits_above(limit, StateFloats{} + kShortest);
+  const Numbers limit = (ball.radius + box.radius) - 2 * frame.room;
+  return bits_above(limit * limit, square) & bits_above(limit, Numbers{} + kShortest);
 }
 
 bool BlockOverlaps::overlap_in_state(FloatLinkPoses& links, std::size_t pair, const BlockBoxes& boxes,
@@ -129,12 +133,10 @@ bool BlockOverlaps::overlap_in_state(FloatLinkPoses& links, std::size_t pair, co
   const Roles roles = roles_[pair];
   if (roles.balls < 0) return false;
   const Balls& own = balls_[at(roles.balls)];
-  const PosedBalls& balls = w.of(at(roles.balls), false, [&](PosedBalls& out) {
-    const auto& [x, y, z, radius] = own.side_by_side;
-    out[0] = posed(links.of(at(own.link)), x, y, z, radius, room_of(own, links));
+  const SideBySide& balls = w.in_state.of(at(roles.balls), false, [&](SideBySide& out) {
+    out = posed(links.of_state(at(own.link)), own.side_by_side, own.room);
   });
-  const BlockBoxes::Posed& frame = boxes.posed(links, at(roles.box), posed_boxes);
-  return meet(balls[0], boxes_[at(roles.box)], frame) != 0;
+  return meet(balls, boxes_[at(roles.box)], boxes.posed_in_state(links, at(roles.box), posed_boxes)) != 0;
 }
 
 unsigned BlockOverlaps::overlap(FloatLinkPoses& links, std::size_t pair, const BlockBoxes& boxes,
@@ -142,7 +144,7 @@ unsigned BlockOverlaps::overlap(FloatLinkPoses& links, std::size_t pair, const B
   const Roles roles = roles_[pair];
   if (roles.balls < 0) return 0;
   const Balls& own = balls_[at(roles.balls)];
-  const PosedBalls& balls = w.of(at(roles.balls), false, [&](PosedBalls& out) { pose(links, own, out); });
+  const PosedBalls& balls = w.in_block.of(at(roles.balls), false, [&](PosedBalls& out) { pose(links, own, out); });
   const BlockBoxes::Posed& frame = boxes.posed(links, at(roles.box), posed_boxes);
   const Box& box = boxes_[at(roles.box)];
   unsigned out = 0;

@@ -22,15 +22,24 @@ class BlockOverlaps {
   BlockOverlaps(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs);
 
   // It is surely inside the body if the radius is positive.
+  template <FloatVector Numbers>
   struct PosedBall {
-    StateFloats x, y, z, radius;
+    Numbers x, y, z, radius;
   };
-  typedef std::array<PosedBall, kInnerBalls> PosedBalls;
+  typedef std::array<PosedBall<StateFloats>, kInnerBalls> PosedBalls;  // in the states of a block
+  typedef PosedBall<Floats> SideBySide;                                // in one state, a ball a lane
 
-  typedef BlockCache<PosedBalls> Workspace;
-  Workspace new_workspace() const { return Workspace(balls_.size()); }
+  struct Workspace {
+    BlockCache<PosedBalls> in_block;
+    BlockCache<SideBySide> in_state;
 
-  // Whether the pair surely shares a point in the state that all lanes of `links` hold.
+    void begin() { in_block.begin(), in_state.begin(); }
+  };
+  Workspace new_workspace() const {
+    return {BlockCache<PosedBalls>(balls_.size()), BlockCache<SideBySide>(balls_.size())};
+  }
+
+  // Whether the pair surely shares a point in the one state of `links`.
   bool overlap_in_state(FloatLinkPoses& links, std::size_t pair, const BlockBoxes& boxes,
                         BlockBoxes::Workspace& posed_boxes, Workspace& workspace) const;
 
@@ -49,8 +58,8 @@ class BlockOverlaps {
     std::int32_t link = -1;
     std::size_t count = 0;
     std::array<Ball, kInnerBalls> ball;
-    PosedBall side_by_side;  // in the link's frame, a ball a lane; lanes without one hold a radius that nothing meets
-    float room = 0;          // for the rounding of posing, besides that of a posed centre
+    SideBySide side_by_side;  // in the link's frame, a ball a lane; lanes without one hold a radius that nothing meets
+    float room = 0;           // for the rounding of posing, besides that of a posed centre
   };
 
   // The box inside any body, in the body's own frame, relative to the middle of the box around it; rounded by `radius`.
@@ -72,10 +81,11 @@ class BlockOverlaps {
   static Balls balls_of(const GeometryObject& object);
   static Box box_of(const Polytope& body);
   static float room_of(const Balls& balls, const FloatLinkPoses& links);
-  static unsigned meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame);
+  template <FloatVector Numbers>
+  static unsigned meet(const PosedBall<Numbers>& ball, const Box& box, const BlockBoxes::PosedIn<Numbers>& frame);
   [[gnu::noinline]] static void pose(FloatLinkPoses& links, const Balls& balls, PosedBalls& out);
-  template <class Number>
-  static PosedBall posed(const FloatPose& link, Number x, Number y, Number z, Number radius, float room);
+  template <FloatVector Numbers>
+  static PosedBall<Numbers> posed(const FloatPoseOf<Numbers>& link, const PosedBall<Numbers>& in_link, float room);
 };
 
 }  // namespace plannercheck

@@ -15,7 +15,7 @@ Centre posed_centre(const BoundingBall& ball, const PoseColumns* links) {
 }
 
 // Put together in registers: a wide load after narrow stores would wait for them.
-void set_side_by_side(const Centre (&centres)[kFloats], SingleStateFilter::Posed& out) {
+void set_numbers(const Centre (&centres)[kFloats], SingleStateFilter::Posed& out) {
   const auto both = [&](std::size_t k) { return shuffled<0, 1, 2, 3, 4, 5, 6, 7>(centres[k], centres[k + 4]); };
   const Floats a = both(0), b = both(1), c = both(2), d = both(3);
   const Floats ab = shuffled<0, 8, 1, 9, 4, 12, 5, 13>(a, b), cd = shuffled<0, 8, 1, 9, 4, 12, 5, 13>(c, d);
@@ -119,10 +119,13 @@ void SingleStateFilter::add_slice_tests(const std::vector<Partner>& partners,
 }
 
 void SingleStateFilter::add_box_tests(std::vector<Partner> partners, const std::vector<WorldBox>& boxes) {
-  for (const auto& together : by_eights(partners, [](const Partner& partner) { return partner.ball; })) {
+  const auto eight = [](const Partner& partner) { return partner.ball / kFloats; };
+  for (const auto& together : by_eights(partners, eight)) {
     std::vector<WorldBox> of_partners;
     for (const Partner& partner : together) of_partners.push_back(boxes[partner.other]);
-    box_tests_.push_back({place_of(together[0].ball), side_by_side(of_partners)[0]});
+    BoxTest test{{{}, eight(together[0])}, side_by_side<Floats>(of_partners)[0]};
+    for (std::size_t k = 0; k < together.size(); ++k) test.balls.places[k] = place_in_eight(together[k].ball);
+    box_tests_.push_back(test);
     pairs_.push_back(pairs_of(together));
   }
 }
@@ -134,7 +137,7 @@ void SingleStateFilter::pose(const PoseColumns* links, Workspace& w) const {
 #pragma GCC unroll 8
     for (std::size_t b = 0; b < kFloats; ++b) centres[b] = posed_centre(balls_[k * kFloats + b], links);
     Posed& p = w.posed[k];
-    set_side_by_side(centres, p);
+    set_numbers(centres, p);
     p.radius = BoundingBall::radius_at(p.x, p.y, p.z, sizes_[k].radius, sizes_[k].room);
     p.limit = far_beyond(p.radius);
   }

@@ -35,16 +35,21 @@ inline std::size_t pose_index(std::size_t links, std::size_t group, std::size_t 
   return (group * links + link) * 12;
 }
 
-// A row-major 3x4 matrix in every state of a block, rounded to floats: for filters.
-struct FloatPose {
-  std::array<StateFloats, 12> m;
+// A row-major 3x4 matrix in every lane, rounded to floats: for filters.
+template <FloatVector Numbers>
+struct FloatPoseOf {
+  std::array<Numbers, 12> m;
 
   // Row i times a vector.
-  template <class Number>
-  StateFloats turned(std::size_t i, Number x, Number y, Number z) const {
-    return (m[4 * i] * x + m[4 * i + 1] * y) + m[4 * i + 2] * z;
+  Numbers turned(std::size_t i, Numbers x, Numbers y, Numbers z) const {
+    return dot_of(m[4 * i], m[4 * i + 1], m[4 * i + 2], x, y, z);
+  }
+  Numbers turned(std::size_t i, float x, float y, float z) const {
+    return turned(i, filled<Numbers>(x), filled<Numbers>(y), filled<Numbers>(z));
   }
 };
+typedef FloatPoseOf<StateFloats> FloatPose;  // in every state of a block
+typedef FloatPoseOf<Floats> FloatStatePose;  // of one state, in lanes over what is posed by it
 
 inline void round_to_floats(const Lanes* poses, std::size_t links, std::size_t link, FloatPose& out) {
   const Lanes* const from = poses + pose_index(links, 0, link);

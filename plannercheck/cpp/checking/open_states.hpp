@@ -50,6 +50,8 @@ class OpenStates {
   // Poses in floats take about a third of the time of those in doubles, which states left open take besides. Of the
   // states posed in floats, those of about kLately ago count half (all measured).
   static constexpr double kMostOpen = 0.65, kLately = 1024;
+  // So many decided states are taken for granted before the first block, which would tell too much by itself.
+  static constexpr double kAtFirst = 256;
   static constexpr std::size_t kTriedAgain = 128;
   static constexpr std::size_t kFew = 16;
   static constexpr std::size_t kMost = 2 * kBlockStates;  // less than a block, and a block more
@@ -63,7 +65,7 @@ class OpenStates {
   std::size_t size_ = 0;
   std::array<State, kMost> states_{};
   std::vector<std::int32_t> pairs_;
-  double judged_ = 0, open_ = 0;
+  double judged_ = kAtFirst, open_ = 0;
   std::size_t passed_over_ = 0;  // counts the blocks for which floats did not pay
 };
 

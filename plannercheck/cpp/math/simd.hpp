@@ -2,6 +2,7 @@
 // x86-64 and aarch64.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <type_traits>
@@ -95,11 +96,50 @@ inline Vector filled(Number value) {
   return value - Vector{};
 }
 
+// a b + c and a b − c of bounds in floats: rounded once on AVX-512, whose units for products are those for sums; else
+// twice. Errors of the former are within those of the latter.
+template <class Vector>
+inline Vector multiply_add(Vector a, Vector b, Vector c) {
+#if defined(__AVX512F__)
+  if constexpr (FloatVector<Vector> && sizeof(Vector) == 64) {
+    return reinterpret_cast<Vector>(
+        _mm512_fmadd_ps(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b), reinterpret_cast<__m512>(c)));
+  }
+  if constexpr (FloatVector<Vector> && sizeof(Vector) == 32) {
+    return reinterpret_cast<Vector>(
+        _mm256_fmadd_ps(reinterpret_cast<__m256>(a), reinterpret_cast<__m256>(b), reinterpret_cast<__m256>(c)));
+  }
+#endif
+  return a * b + c;
+}
+template <class Vector>
+inline Vector multiply_subtract(Vector a, Vector b, Vector c) {
+#if defined(__AVX512F__)
+  if constexpr (FloatVector<Vector> && sizeof(Vector) == 64) {
+    return reinterpret_cast<Vector>(
+        _mm512_fmsub_ps(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b), reinterpret_cast<__m512>(c)));
+  }
+  if constexpr (FloatVector<Vector> && sizeof(Vector) == 32) {
+    return reinterpret_cast<Vector>(
+        _mm256_fmsub_ps(reinterpret_cast<__m256>(a), reinterpret_cast<__m256>(b), reinterpret_cast<__m256>(c)));
+  }
+#endif
+  return a * b - c;
+}
+
+// x a + y b + z c, from the left, in such steps.
+template <class Vector>
+inline Vector dot_of(Vector x, Vector y, Vector z, Vector a, Vector b, Vector c) {
+  return multiply_add(z, c, multiply_add(y, b, x * a));
+}
+
 inline Lanes broadcast(double value) { return Lanes{} + value; }
 
 inline Lanes absolute(Lanes a) {
   return reinterpret_cast<Lanes>(reinterpret_cast<LaneMask>(a) & (LaneMask{} + 0x7fffffffffffffffLL));
 }
+
+inline double absolute(double a) { return std::fabs(a); }
 
 inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 inline Lanes smaller(Lanes a, Lanes b) { return a < b ? a : b; }
@@ -112,16 +152,21 @@ inline Vector smaller(Vector a, Vector b) {
   return a < b ? a : b;
 }
 
-// The smallest lane, in eight lanes.
+template <FloatVector Vector, FloatVector Half>
+inline Vector repeated(Half half) {
+  return shuffled<0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7>(half, half);
+}
+
+// The smallest lane, in every lane.
 template <FloatVector Vector>
-inline Floats smallest_everywhere(Vector a) {
+inline Vector smallest_everywhere(Vector a) {
   if constexpr (sizeof(Vector) == sizeof(Floats)) {
     a = smaller(a, shuffled<4, 5, 6, 7, 0, 1, 2, 3>(a, a));
     a = smaller(a, shuffled<2, 3, 0, 1, 6, 7, 4, 5>(a, a));
     return smaller(a, shuffled<1, 0, 3, 2, 5, 4, 7, 6>(a, a));
   } else {
-    return smallest_everywhere(
-        smaller(shuffled<0, 1, 2, 3, 4, 5, 6, 7>(a, a), shuffled<8, 9, 10, 11, 12, 13, 14, 15>(a, a)));
+    return repeated<Vector>(smallest_everywhere(
+        smaller(shuffled<0, 1, 2, 3, 4, 5, 6, 7>(a, a), shuffled<8, 9, 10, 11, 12, 13, 14, 15>(a, a))));
   }
 }
 
@@ -188,6 +233,18 @@ inline unsigned bits(LaneMask mask) {
   for (int i = 0; i < kLanes; ++i) out |= mask[i] != 0 ? 1U << i : 0U;
   return out;
 #endif
+}
+
+// Whether a comparison of doubles holds in any lane.
+template <class Mask>
+inline bool any(Mask mask) {
+  if constexpr (std::is_same_v<Mask, LaneMask>) return bits(mask) != 0;
+#if defined(__AVX__)
+  if constexpr (sizeof(Mask) == 32) return _mm256_movemask_pd(reinterpret_cast<__m256d>(mask)) != 0;
+#endif
+  bool out = false;
+  for (std::size_t k = 0; k < sizeof mask / sizeof mask[0]; ++k) out |= mask[k] != 0;
+  return out;
 }
 
 inline unsigned float_bits(FloatMask mask) {

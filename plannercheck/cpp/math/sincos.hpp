@@ -12,9 +12,11 @@
 
 namespace plannercheck {
 
-struct SinCos {
-  Lanes sin, cos;
+template <class Numbers>
+struct SinCosOf {
+  Numbers sin, cos;
 };
+typedef SinCosOf<Lanes> SinCos;
 
 namespace sincos_detail {
 
@@ -34,22 +36,30 @@ inline constexpr double kSin[6] = {-0x1.5555555555555p-3, 0x1.1111111110bb2p-7, 
 inline constexpr double kCos[6] = {0x1.5555555555555p-5,   -0x1.6c16c16c16967p-10, 0x1.a01a019f4e9b4p-16,
                                    -0x1.27e4fa17bf139p-22, 0x1.1eeb68cd22f56p-29,  -0x1.907d8f29fe831p-37};
 
-inline Lanes polynomial(const double (&c)[6], Lanes z) {
+template <class Numbers>
+using MaskOf = decltype(Numbers{} > Numbers{});
+
+template <class Numbers>
+Numbers polynomial(const double (&c)[6], Numbers z) {
   return c[0] + z * (c[1] + z * (c[2] + z * (c[3] + z * (c[4] + z * c[5]))));
 }
 
-inline Lanes select(LaneMask mask, Lanes yes, Lanes no) {
-  return (Lanes)((mask & (LaneMask)yes) | (~mask & (LaneMask)no));
+template <class Numbers>
+Numbers select(MaskOf<Numbers> mask, Numbers yes, Numbers no) {
+  return (Numbers)((mask & (MaskOf<Numbers>)yes) | (~mask & (MaskOf<Numbers>)no));
 }
 
 // An angle less `quarter` times pi/2: r + tail. Only the two lowest bits of `quarter` count.
+template <class Numbers>
 struct Reduced {
-  Lanes r, tail;
-  LaneMask quarter;
+  Numbers r, tail;
+  MaskOf<Numbers> quarter;
 };
 
-[[gnu::noinline, gnu::cold]] inline Reduced reduced_in_integers(const Lanes& angle, LaneMask where, Reduced out) {
-  for (int lane = 0; lane < kLanes; ++lane) {
+template <class Numbers>
+[[gnu::noinline, gnu::cold]] Reduced<Numbers> reduced_in_integers(const Numbers& angle, MaskOf<Numbers> where,
+                                                                  Reduced<Numbers> out) {
+  for (std::size_t lane = 0; lane < sizeof angle / sizeof angle[0]; ++lane) {
     if (!where[lane]) continue;
     const ReducedAngle each = reduced(angle[lane]);
     out.r[lane] = each.rest;
@@ -61,37 +71,39 @@ struct Reduced {
 
 }  // namespace sincos_detail
 
-inline SinCos sincos(Lanes angle) {
+template <class Numbers>
+[[gnu::always_inline]] inline SinCosOf<Numbers> sincos(Numbers angle) {
   using namespace sincos_detail;
-  const Lanes shifted = angle * kTwoOverPi + kRoundToInteger;
-  LaneMask quarter = (LaneMask)shifted;  // its two lowest bits are the quadrant
-  const Lanes n = shifted - kRoundToInteger;
+  typedef MaskOf<Numbers> Mask;
+  const Numbers shifted = angle * kTwoOverPi + kRoundToInteger;
+  Mask quarter = (Mask)shifted;  // its two lowest bits are the quadrant
+  const Numbers n = shifted - kRoundToInteger;
 
   // r + tail = angle - n pi/2; the tail is what rounding takes from r.
-  const Lanes first = angle - n * kHalfPiHigh;
-  const Lanes middle = n * kHalfPiMiddle;
-  const Lanes second = first - middle;
-  const Lanes low = n * kHalfPiLow - ((first - second) - middle);
-  Lanes r = second - low;
-  Lanes tail = (second - r) - low;
+  const Numbers first = angle - n * kHalfPiHigh;
+  const Numbers middle = n * kHalfPiMiddle;
+  const Numbers second = first - middle;
+  const Numbers low = n * kHalfPiLow - ((first - second) - middle);
+  Numbers r = second - low;
+  Numbers tail = (second - r) - low;
 
-  const LaneMask beyond = ~((angle <= broadcast(kLargestReduced)) & (angle >= broadcast(-kLargestReduced)));
-  if (bits(beyond) != 0) [[unlikely]] {
-    const Reduced all = reduced_in_integers(angle, beyond, {r, tail, quarter});
+  const Mask beyond = ~((angle <= Numbers{} + kLargestReduced) & (angle >= Numbers{} - kLargestReduced));
+  if (any(beyond)) [[unlikely]] {
+    const Reduced<Numbers> all = reduced_in_integers<Numbers>(angle, beyond, {r, tail, quarter});
     r = all.r, tail = all.tail, quarter = all.quarter;
   }
 
-  const Lanes z = r * r;
-  const Lanes half = 0.5 * z;
-  const Lanes one_less = 1.0 - half;
-  const Lanes sin_r = r + (r * z * polynomial(kSin, z) + tail * one_less);
-  const Lanes cos_r = one_less + (((1.0 - one_less) - half) + (z * z * polynomial(kCos, z) - r * tail));
+  const Numbers z = r * r;
+  const Numbers half = 0.5 * z;
+  const Numbers one_less = 1.0 - half;
+  const Numbers sin_r = r + (r * z * polynomial(kSin, z) + tail * one_less);
+  const Numbers cos_r = one_less + (((1.0 - one_less) - half) + (z * z * polynomial(kCos, z) - r * tail));
 
-  const LaneMask swap = -(quarter & 1);
-  const LaneMask sin_sign = (quarter & 2) << 62;
-  const LaneMask cos_sign = ((quarter + 1) & 2) << 62;
-  return {(Lanes)((LaneMask)select(swap, cos_r, sin_r) ^ sin_sign),
-          (Lanes)((LaneMask)select(swap, sin_r, cos_r) ^ cos_sign)};
+  const Mask swap = -(quarter & 1);
+  const Mask sin_sign = (quarter & 2) << 62;
+  const Mask cos_sign = ((quarter + 1) & 2) << 62;
+  return {(Numbers)((Mask)select<Numbers>(swap, cos_r, sin_r) ^ sin_sign),
+          (Numbers)((Mask)select<Numbers>(swap, sin_r, cos_r) ^ cos_sign)};
 }
 
 }  // namespace plannercheck

@@ -10,14 +10,6 @@ struct Face {
   bool of_host = false;
 };
 
-Certificate separated_by_face(Vec3 q) {
-  Certificate out;
-  out.answer = Answer::kSeparated;
-  out.stage = Stage::kBoxFace;
-  out.q = q;
-  return out;
-}
-
 Vec3 column(const PairFrame& frame, int j) {
   const std::array<double, 9>& m = frame.rotation();
   return {m[at(j)], m[at(j + 3)], m[at(j + 6)]};
@@ -56,7 +48,7 @@ Certificate by_host_face(const PairFrame& frame, const Face& face, PairCounters&
   const Vec3 q{face.axis == 0 ? entry : 0, face.axis == 1 ? entry : 0, face.axis == 2 ? entry : 0};
   ++counters.guest_queries;
   const std::int32_t lowest = extreme(frame.guest().inner, frame.guest_direction(q), counters.queries);
-  return frame.separates(q, dot(q, frame.guest_vertex(lowest))) ? separated_by_face(q) : Certificate{};
+  return frame.separates(q, dot(q, frame.guest_vertex(lowest))) ? separated_by(q, Stage::kBoxFace) : Certificate{};
 }
 
 // A plane parallel to a face of the guest's box that touches the host, against that box: along the face's normal, a
@@ -70,7 +62,7 @@ Certificate by_guest_face(const PairFrame& frame, const Face& face, Vec3 guest_c
   if (!(height > 0)) return {};
   const Vec3 q = (1 / height) * u;
   const double lowest = dot(u, guest_centre) - (half[face.axis] + kAxisDefect * (half.x + half.y + half.z));
-  return frame.separates(q, lowest / height) ? separated_by_face(q) : Certificate{};
+  return frame.separates(q, lowest / height) ? separated_by(q, Stage::kBoxFace) : Certificate{};
 }
 
 }  // namespace

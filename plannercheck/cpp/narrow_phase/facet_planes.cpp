@@ -79,26 +79,19 @@ Facet furthest_facet(const Levels& polar, const Corners& corners) {
   return {polar.top_cursors[static_cast<std::size_t>(block[lane])].point(lane), best[lane]};
 }
 
-Certificate separated_by(Vec3 q) {
-  Certificate out;
-  out.answer = Answer::kSeparated;
-  out.stage = Stage::kFacetPlane;
-  out.q = q;
-  return out;
-}
-
 }  // namespace
 
 Certificate facet_plane(const PairFrame& frame, const CentreAxis& axis, PairCounters& counters) {
   const Facet of_host = furthest_facet(frame.host().polar, guest_corners(frame));
   counters.queries.blocks += static_cast<long>(kFewCorners * frame.host().polar.top_cursors.size());
-  if (frame.separates(of_host.q, of_host.least)) return separated_by(of_host.q);
+  if (frame.separates(of_host.q, of_host.least)) return separated_by(of_host.q, Stage::kFacetPlane);
   const Facet of_guest = furthest_facet(frame.guest().polar, host_corners(frame));
   counters.queries.blocks += static_cast<long>(kFewCorners * frame.guest().polar.top_cursors.size());
   if (!(of_guest.least > 1)) return {};
   const Vec3 towards_guest = -frame.posed_guest().pose.rotate(of_guest.q);
-  return axis.separates(towards_guest, frame.defect(), counters) ? separated_by(axis.touching_ball(towards_guest))
-                                                                 : Certificate{};
+  return axis.separates(towards_guest, frame.defect(), counters)
+             ? separated_by(axis.touching_ball(towards_guest), Stage::kFacetPlane)
+             : Certificate{};
 }
 
 }  // namespace plannercheck

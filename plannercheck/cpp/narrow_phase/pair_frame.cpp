@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "bodies/box_edges.hpp"
+
 namespace plannercheck {
 namespace {
 
@@ -114,24 +116,12 @@ bool PairFrame::boxes_apart() const {
   return boxes_apart_at_edges(d, guest_half, host_half, room);
 }
 
-// Along e_i x m_j, for host's axes e_i and guest's m_j, guest's half edge k projects to |e_i (m_j x m_k)|: 0 for k = j,
-// else the entry i of the third axis but for kEdgeSkew.
+// The products of the host's axes e_i with the guest's m_j are the numbers of the pose.
 bool PairFrame::boxes_apart_at_edges(Vec3 d, Vec3 guest_half, Vec3 host_half, double room) const {
-  const std::array<double, 3> g{guest_half.x, guest_half.y, guest_half.z}, h{host_half.x, host_half.y, host_half.z};
-  const std::array<double, 3> between{d.x, d.y, d.z};
-  const double limit = kEdgeSkew * (g[0] + g[1] + g[2]) + room;
-#pragma GCC unroll 3
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t k = (i + 1) % 3, l = (i + 2) % 3;
-#pragma GCC unroll 3
-    for (std::size_t j = 0; j < 3; ++j) {
-      const std::size_t m = (j + 1) % 3, n = (j + 2) % 3;
-      const double half = std::fabs(m_[3 * l + j]) * h[k] + std::fabs(m_[3 * k + j]) * h[l] +
-                          std::fabs(m_[3 * i + n]) * g[m] + std::fabs(m_[3 * i + m]) * g[n];
-      if (std::fabs(between[l] * m_[3 * k + j] - between[k] * m_[3 * l + j]) > half + limit) return true;
-    }
-  }
-  return false;
+  const double limit = kEdgeSkew * (guest_half.x + guest_half.y + guest_half.z) + room;
+  const auto numbers = [](Vec3 v) { return std::array<double, 3>{v.x, v.y, v.z}; };
+  return any_edges(m_, numbers(d), numbers(host_half), numbers(guest_half),
+                   [&](double distance, double reach) { return distance > reach + limit; });
 }
 
 }  // namespace plannercheck

@@ -51,6 +51,14 @@ struct Certificate {
   long mixtures = 0;  // number of games from which q and x were mixed; see PairFrame::separates
 };
 
+inline Certificate separated_by(Vec3 q, Stage stage) {
+  Certificate out;
+  out.answer = Answer::kSeparated;
+  out.stage = stage;
+  out.q = q;
+  return out;
+}
+
 struct PairCounters {
   QueryCounters queries;
   long guest_queries = 0, host_queries = 0, games = 0, rounds = 0;

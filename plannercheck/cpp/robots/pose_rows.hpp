@@ -6,16 +6,23 @@
 
 #include <cstddef>
 
+#include "math/simd.hpp"
 #include "robots/kinematics.hpp"
 
 namespace plannercheck {
 
 // ----- placements: p, a row-major 3x4 matrix of single numbers
 
+// x a + y b + z c, from the left.
+template <class Numbers, class Number>
+inline Numbers product(Numbers x, Numbers y, Numbers z, Number a, Number b, Number c) {
+  return dot_of(x, y, z, filled<Numbers>(a), filled<Numbers>(b), filled<Numbers>(c));
+}
+
 // The translation of a row's pose times a placement.
 template <class Numbers, class Number>
 inline Numbers placed_origin(const Numbers* row, const Number* p) {
-  return row[0] * p[3] + row[1] * p[7] + row[2] * p[11] + row[3];
+  return product(row[0], row[1], row[2], p[3], p[7], p[11]) + row[3];
 }
 
 template <class Numbers, class Number>
@@ -25,7 +32,7 @@ inline void place_anyhow(Numbers* m, const Number* p) {
     Numbers* const row = m + 4 * k;
     const Numbers origin = placed_origin(row, p), a = row[0], b = row[1], c = row[2];
 #pragma GCC unroll 3
-    for (std::size_t col = 0; col < 3; ++col) row[col] = a * p[col] + b * p[4 + col] + c * p[8 + col];
+    for (std::size_t col = 0; col < 3; ++col) row[col] = product(a, b, c, p[col], p[4 + col], p[8 + col]);
     row[3] = origin;
   }
 }
@@ -45,8 +52,8 @@ inline void place_turned(Numbers* m, const Number* p) {
   for (std::size_t k = 0; k < 3; ++k) {
     Numbers* const row = m + 4 * k;
     const Numbers origin = placed_origin(row, p), a = row[i], b = row[j];
-    row[i] = a * p[4 * i + i] + b * p[4 * j + i];
-    row[j] = a * p[4 * i + j] + b * p[4 * j + j];
+    row[i] = multiply_add(b, filled<Numbers>(p[4 * j + i]), a * p[4 * i + i]);
+    row[j] = multiply_add(b, filled<Numbers>(p[4 * j + j]), a * p[4 * i + j]);
     row[3] = origin;
   }
 }
@@ -78,8 +85,8 @@ inline void turn_columns(Numbers* m, Numbers cos, Numbers sin) {
 #pragma GCC unroll 3
   for (std::size_t row = 0; row < 3; ++row) {
     const Numbers a = m[4 * row + from], b = m[4 * row + to];
-    m[4 * row + from] = cos * a + sin * b;
-    m[4 * row + to] = cos * b - sin * a;
+    m[4 * row + from] = multiply_add(cos, a, sin * b);
+    m[4 * row + to] = multiply_subtract(cos, b, sin * a);
   }
 }
 

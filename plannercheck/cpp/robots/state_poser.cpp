@@ -98,7 +98,7 @@ void StatePoser::begin(const Kinematics& kinematics, const unsigned char* needed
     add(place(link.joint), i, link.placement, link.form, nullptr);
   }
   poses_.resize(at(links) + kinematics.joints().size());
-  cos_.resize(angles_.size() * kLanes), sin_.resize(angles_.size() * kLanes);
+  cos_.resize(angles_.size()), sin_.resize(angles_.size());
 }
 
 void StatePoser::add(int parent, int to, const Rigid& placement, PlacementForm form, const Kinematics::Joint* joint) {
@@ -112,7 +112,7 @@ void StatePoser::add(int parent, int to, const Rigid& placement, PlacementForm f
 
 // Returns its place. It has a column, or its joint would be held.
 int StatePoser::add_angle(const JointValue& value) {
-  const std::size_t lane = at(turns_) % kLanes;
+  const std::size_t lane = at(turns_) % kAngleLanes;
   if (lane == 0) angles_.emplace_back();
   Angles& angles = angles_.back();
   angles.column[lane] = value.column, angles.multiplier[lane] = value.multiplier, angles.offset[lane] = value.offset;
@@ -122,10 +122,10 @@ int StatePoser::add_angle(const JointValue& value) {
 void StatePoser::take_turns(const double* q) {
   for (std::size_t k = 0; k < angles_.size(); ++k) {
     const Angles& angles = angles_[k];
-    Lanes numbers;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) numbers[lane] = q[angles.column[lane]];
-    const SinCos found = sincos(angles.multiplier * numbers + angles.offset);
-    store_lanes(&cos_[k * kLanes], found.cos), store_lanes(&sin_[k * kLanes], found.sin);
+    AngleLanes numbers;
+    for (std::size_t lane = 0; lane < kAngleLanes; ++lane) numbers[lane] = q[angles.column[lane]];
+    const auto found = sincos(angles.multiplier * numbers + angles.offset);
+    cos_[k] = found.cos, sin_[k] = found.sin;
   }
 }
 
@@ -133,7 +133,8 @@ inline void StatePoser::move(const Step& step, const double* q, PoseColumns& pos
   const Kinematics::Joint& joint = *step.joint;
   double values[7];
   if (step.turn >= 0) {
-    values[0] = cos_[at(step.turn)], values[1] = sin_[at(step.turn)];
+    const std::size_t angles = at(step.turn) / kAngleLanes, lane = at(step.turn) % kAngleLanes;
+    values[0] = cos_[angles][lane], values[1] = sin_[angles][lane];
   } else if (joint.held) {
     std::transform(joint.held_values, joint.held_values + 7, values, spread<double>);
   } else {

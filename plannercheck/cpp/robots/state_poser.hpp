@@ -38,14 +38,18 @@ class StatePoser {
 
   std::vector<Step> steps_;
   int turns_ = 0;
+  // Eight lanes, on AVX-512, would slow down what follows them by more than they save (measured).
+  static constexpr int kAngleLanes = kLanes < kDouble4Lanes ? kLanes : kDouble4Lanes;
+  typedef double AngleLanes __attribute__((vector_size(kAngleLanes * 8)));
+
   // Of as many joints as there are lanes: each a number of the configuration times a factor, and an offset.
   struct Angles {
-    std::array<std::int32_t, kLanes> column{};
-    Lanes multiplier{}, offset{};
+    std::array<std::int32_t, kAngleLanes> column{};
+    AngleLanes multiplier{}, offset{};
   };
 
   std::vector<Angles> angles_;
-  std::vector<double> cos_, sin_;
+  std::vector<AngleLanes> cos_, sin_;
   std::vector<PoseColumns> poses_;  // of links, then of joints that are no link's
 
   int add_angle(const JointValue& value);
