@@ -238,6 +238,13 @@ def long_chain(folder, shape, base=(0.0, 0.0)):
     return pc.Robot.from_urdf(path)
 
 
+def translation(x):
+    """A pose."""
+    pose = np.eye(4)
+    pose[0, 3] = x
+    return pose
+
+
 def missed_by_floats(folder, shape):
     """Such a chain with its hand at the world's origin, where poses round the least; a configuration, the hand's pose.
 
@@ -289,6 +296,37 @@ def test_crossed_edges_that_floats_miss_by_far(tmp_path):
             checker = pc.Checker(robot, scene, reach=False)
             assert checker.is_valid(row) == (gap > 0)
             assert (checker.check_states(np.repeat(row[None], 17, axis=0)) == (gap > 0)).all()
+
+
+# Half of what floats at 8,192 m are apart by, nearly: such numbers are rounded by as much as any.
+NEARLY_HALF = 0.98 * 2.0**-11
+
+
+@pytest.mark.parametrize(
+    ("joint", "far"),
+    [
+        (f'type="revolute"><origin xyz="{8192 + NEARLY_HALF!r} 0 0"/><limit lower="-1" upper="1"', 0.0),
+        ('type="prismatic"><limit lower="0" upper="9000"', 8192 + NEARLY_HALF),
+    ],
+)
+def test_contacts_of_what_is_far_away(tmp_path, joint, far):
+    """The link's origin and the centre of its ball are rounded away from an obstacle, each by half a step of floats.
+
+    States near the origin are judged before.
+    """
+    centre, face = 0.25 + NEARLY_HALF, 8192.75 + 1e-6  # which is rounded outwards by no more
+    radius = face - (8192 + NEARLY_HALF + centre) + 1e-5
+    path = tmp_path / "far.urdf"
+    path.write_text(
+        f'<robot name="far"><link name="base"/><joint name="joint" {joint} effort="1" velocity="1"/><axis xyz="1 0 0"/>'
+        f'<parent link="base"/><child link="hand"/></joint><link name="hand"><collision><origin xyz="{centre!r} 0 0"/>'
+        f'<geometry><sphere radius="{radius!r}"/></geometry></collision></link></robot>'
+    )
+    scene = pc.Scene("touched")
+    scene.add_box("box", [1.0, 1.0, 1.0], translation(face + 0.5))
+    checker = pc.Checker(pc.Robot.from_urdf(path), scene, reach=False, overlaps=False)
+    checker.check_states(np.zeros((17, 1)))
+    assert not checker.check_states(np.full((17, 1), far)).any()
 
 
 def beside_by_the_bound(folder, **switches):

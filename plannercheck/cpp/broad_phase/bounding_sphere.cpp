@@ -21,6 +21,15 @@ BoundingBall on_link(const GeometryObject& object, const SmallBall& ball) {
 
 }  // namespace
 
+// Each number of the posed centre is at most that of the origin and the length of the ball's own centre, but for less
+// than kRoom of it; what is rounded here is 2^-50 of the sum.
+float BoundingBall::radius_anywhere(PoseError error) const {
+  constexpr double kRoom = 1.01;
+  const double size = 3 * kRoom * (double{error.reach} + double{reach()});
+  const double sum = (size * kCentreError + double{room} + double{error.of_point(reach())}) + double{radius};
+  return rounded_up(sum * (1 + 2 * kCentreError) + 1e-37);
+}
+
 BoundingBall bounding_ball(const GeometryObject& object) { return on_link(object, object.body->small_ball()); }
 
 std::vector<BoundingBall> slice_balls(const GeometryObject& object) {

@@ -1,5 +1,6 @@
 #include "broad_phase/broad_phase.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "broad_phase/pairs_by_state.hpp"
@@ -28,6 +29,7 @@ void BroadPhase::find(const Lanes* links, BlockConfigurations q, int count, Filt
   begin(w);
   if (filters.overlaps && !permanent_pairs_.empty()) return take_overlapping(count, w);
   w.links.begin(links);
+  w.are_fixed = false;
   if (count < kFewStates) {
     for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
       const auto value = [&](std::size_t column) { return q.are_known() ? q.value(column, state) : kUnknown; };
@@ -39,9 +41,11 @@ void BroadPhase::find(const Lanes* links, BlockConfigurations q, int count, Filt
   filter(count, filters, w);
 }
 
-void BroadPhase::find(const FloatPose* links, const PoseError* errors, BlockConfigurations q, int count,
-                      Filters filters, Workspace& w) const {
+void BroadPhase::find(const FloatPose* links, const PoseError* errors, std::uint64_t posed_by, BlockConfigurations q,
+                      int count, Filters filters, Workspace& w) const {
   begin(w);
+  if (posed_by != 0 && w.fixed.posed_by != posed_by) fix_radii(errors, w.fixed), w.fixed.posed_by = posed_by;
+  w.are_fixed = posed_by != 0;
   if (filters.overlaps && !permanent_pairs_.empty()) return take_overlapping(count, w);
   w.links.begin(links, errors);
   const unsigned states = (1U << count) - 1;
@@ -123,8 +127,8 @@ void BroadPhase::take_all(int count, Workspace& w) const {
 }
 
 void BroadPhase::find_for_block(BlockConfigurations q, int count, Workspace& w) const {
-  pose(movers_, w.balls, w);
-  pose(slices_, w.slices, w);
+  pose(movers_, w.fixed.movers, w.balls, w);
+  pose(slices_, w.fixed.slices, w.slices, w);
   find_among_movers(q, count, w);
   const auto posed = [&](std::size_t mover) -> const Balls& { return w.balls[mover]; };
   const auto take = [&](std::int32_t pair, unsigned near) { w.unboxed.push_back({pair, near}); };
@@ -179,7 +183,25 @@ void BroadPhase::find_for_state(const PoseColumns* links, Value value, std::size
   }
 }
 
-void BroadPhase::pose(const std::vector<BoundingBall>& balls, std::vector<Balls>& posed, Workspace& w) {
+void BroadPhase::fix_radii(const PoseError* errors, FixedRadii& fixed) const {
+  const auto radii_of = [&](const std::vector<BoundingBall>& balls) {
+    std::vector<float> radii;
+    for (const BoundingBall& ball : balls) radii.push_back(ball.radius_anywhere(errors[at(ball.link)]));
+    return radii;
+  };
+  fixed.movers = radii_of(movers_), fixed.slices = radii_of(slices_);
+  fixed.from_obstacles.clear();
+  for (const float radius : fixed.movers) fixed.from_obstacles.push_back(far_beyond(radius));
+  fixed.of_pairs.assign(pairs_.size(), 0);
+  const auto take = [&](const MovingPair& pair) {
+    if (pair.pair >= 0) fixed.of_pairs[at(pair.pair)] = far_beyond(fixed.movers[at(pair.a)] + fixed.movers[at(pair.b)]);
+  };
+  for (const MovingPair& pair : moving_pairs_) take(pair);
+  for (const MovingPairsInCells& some : in_cells_) std::for_each(some.pairs.begin(), some.pairs.end(), take);
+}
+
+void BroadPhase::pose(const std::vector<BoundingBall>& balls, const std::vector<float>& fixed_radii,
+                      std::vector<Balls>& posed, Workspace& w) {
   for (std::size_t i = 0; i < balls.size(); ++i) {
     const BoundingBall& ball = balls[i];
     const FloatPose& link = w.links.of(at(ball.link));
@@ -189,13 +211,13 @@ void BroadPhase::pose(const std::vector<BoundingBall>& balls, std::vector<Balls>
     out.x = link.turned(0, x, y, z) + link.m[3];
     out.y = link.turned(1, x, y, z) + link.m[7];
     out.z = link.turned(2, x, y, z) + link.m[11];
-    out.radius = ball.radius_at(out.x, out.y, out.z, error);
+    out.radius = w.are_fixed ? filled<StateFloats>(fixed_radii[i]) : ball.radius_at(out.x, out.y, out.z, error);
   }
 }
 
-inline unsigned BroadPhase::near(const Balls& a, const Balls& b) {
+inline unsigned BroadPhase::near(const Balls& a, const Balls& b, StateFloats limit) {
   const StateFloats x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
-  return ~bits_above(dot_of(x, y, z, x, y, z), far_beyond(a.radius + b.radius));
+  return ~bits_above(dot_of(x, y, z, x, y, z), limit);
 }
 
 // The states in which a slice of a mover is near another ball; all states of movers that are not sliced.
@@ -209,7 +231,9 @@ inline unsigned BroadPhase::near_slices(std::size_t mover, const Balls& other, c
 
 inline void BroadPhase::take_near(const MovingPair& pair, unsigned states, Workspace& w) const {
   const Balls &a = w.balls[at(pair.a)], &b = w.balls[at(pair.b)];
-  unsigned found = near(a, b) & states;
+  const StateFloats limit =
+      w.are_fixed ? filled<StateFloats>(w.fixed.of_pairs[at(pair.pair)]) : far_beyond(a.radius + b.radius);
+  unsigned found = near(a, b, limit) & states;
   if (found == 0) return;
   found &= near_slices(at(pair.a), b, w) & near_slices(at(pair.b), a, w);
   if (found != 0) w.candidates.push_back({pair.pair, found});
@@ -297,7 +321,8 @@ inline void BroadPhase::find_near_obstacle(const MoverGroup& group, const BoxInS
     const Balls& ball = w.balls[m];
     const StateFloats x = beyond(ball.x, box.low[0], box.high[0]), y = beyond(ball.y, box.low[1], box.high[1]);
     const StateFloats z = beyond(ball.z, box.low[2], box.high[2]);
-    const unsigned near = ~bits_above(dot_of(x, y, z, x, y, z), far_beyond(ball.radius)) & states;
+    const StateFloats limit = w.are_fixed ? filled<StateFloats>(w.fixed.from_obstacles[m]) : far_beyond(ball.radius);
+    const unsigned near = ~bits_above(dot_of(x, y, z, x, y, z), limit) & states;
     if (near != 0) w.candidates.push_back({pair, near});
   }
 }

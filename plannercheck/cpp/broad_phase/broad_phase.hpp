@@ -52,10 +52,19 @@ class BroadPhase {
     unsigned states;
   };
 
+  // Of balls whose radii are the same in all states: radii of movers and slices, and what squared distances have to
+  // exceed, from obstacles by mover and among movers by pair.
+  struct FixedRadii {
+    std::uint64_t posed_by = 0;  // the kinematics; 0 if they are none's
+    std::vector<float> movers, slices, from_obstacles, of_pairs;
+  };
+
   struct Workspace {
     FloatLinkPoses links;
     std::vector<PoseColumns> state_links;  // of one state of a block that has few
     std::vector<Balls> balls, slices;
+    FixedRadii fixed;
+    bool are_fixed = false;  // in this block
     SingleStateFilter::Workspace single_state_filter;
     BlockBoxes::Workspace boxes;
     BlockOverlaps::Workspace overlaps;
@@ -87,9 +96,10 @@ class BroadPhase {
 
   // Fills `near` for the first `count` states, whose configurations may be unknown.
   void find(const Lanes* links, BlockConfigurations q, int count, Filters filters, Workspace& workspace) const;
-  // The same for poses in floats, with their errors by link.
-  void find(const FloatPose* links, const PoseError* errors, BlockConfigurations q, int count, Filters filters,
-            Workspace& workspace) const;
+  // The same for poses in floats, with their errors by link; `posed_by`: the kinematics whose errors these always are,
+  // or 0.
+  void find(const FloatPose* links, const PoseError* errors, std::uint64_t posed_by, BlockConfigurations q, int count,
+            Filters filters, Workspace& workspace) const;
   // The same for one state.
   void find(const PoseColumns* links, const double* q, Filters filters, Workspace& workspace) const;
   // The same without bounds: all pairs.
@@ -154,8 +164,11 @@ class BroadPhase {
   void find_for_state(const PoseColumns* links, Value value, std::size_t state, Workspace& workspace) const;
   const PoseColumns* links_in_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
   void filter(int count, Filters filters, Workspace& workspace) const;
-  static void pose(const std::vector<BoundingBall>& balls, std::vector<Balls>& posed, Workspace& workspace);
-  static unsigned near(const Balls& a, const Balls& b);
+  void fix_radii(const PoseError* errors, FixedRadii& fixed) const;
+  static void pose(const std::vector<BoundingBall>& balls, const std::vector<float>& fixed_radii,
+                   std::vector<Balls>& posed, Workspace& workspace);
+  static unsigned near(const Balls& a, const Balls& b) { return near(a, b, far_beyond(a.radius + b.radius)); }
+  static unsigned near(const Balls& a, const Balls& b, StateFloats limit);
   unsigned near_slices(std::size_t mover, const Balls& other, const Workspace& workspace) const;
   void take_near(const MovingPair& pair, unsigned states, Workspace& workspace) const;
   void find_among_movers(BlockConfigurations q, int count, Workspace& workspace) const;

@@ -75,7 +75,7 @@ void FloatLinkPoser::begin(const Kinematics& kinematics, const unsigned char* ne
   order.find(kinematics, needed);
   const std::size_t links = at(kinematics.link_count());
   steps_.clear(), read_.clear(), turns_.clear(), slides_.clear(), links_.clear();
-  width_ = at(kinematics.width()), held_slide_ = 0;
+  width_ = at(kinematics.width()), held_slide_ = 0, slides_anywhere_ = false;
   poses_.resize(links + kinematics.joints().size());
   bounds_.resize(poses_.size()), errors_.resize(links);
   is_possible_ = false;
@@ -103,7 +103,7 @@ void FloatLinkPoser::begin(const Kinematics& kinematics, const unsigned char* ne
 void FloatLinkPoser::add_joint(const Kinematics::Joint& joint, int parent, int to) {
   const JointValue& value = joint.values[0];
   const std::size_t place = steps_.size();
-  if (!joint.held) read_.push_back(place);
+  if (!joint.held) read_.push_back(place), slides_anywhere_ |= joint.kind == JointKind::kSlide;
   switch (joint.kind) {
     case JointKind::kTurnX:
       add({parent, to, joint.form, {}, Motion::kTurnX, {}, value}, joint.placement, nullptr);

@@ -33,6 +33,8 @@ class FloatLinkPoser {
   // floats: such bodies may be anywhere for a filter.
   const FloatPose* poses() const { return poses_.data(); }
   const PoseError* errors() const { return errors_.data(); }
+  // Whether these are those of all configurations: nothing slides.
+  bool errors_are_fixed() const { return !slides_anywhere_; }
 
  private:
   enum class Motion { kNone, kTurnX, kTurnY, kTurnZ, kSlide };
@@ -58,6 +60,7 @@ class FloatLinkPoser {
   std::vector<std::size_t> links_;      // that are posed
   std::vector<PoseError> errors_;       // by link
   double held_slide_ = 0;               // the largest one
+  bool slides_anywhere_ = false;        // whether a joint that is not held does
   bool is_possible_ = false;
 
   void add_joint(const Kinematics::Joint& joint, int parent, int to);

@@ -15,9 +15,9 @@
 namespace plannercheck {
 
 // A point x of the link is off by at most turn |x| + shift, and a unit vector by `turn`; lengths in the units of the
-// pose, |.| the Euclidean norm.
+// pose, |.| the Euclidean norm. No number of the posed origin is larger than `reach`.
 struct PoseError {
-  float turn = 0, shift = 0;
+  float turn = 0, shift = 0, reach = __builtin_inff();
 
   // Of points no further from the link's origin than `reach`.
   float of_point(float reach) const { return turn * reach + shift; }
@@ -66,7 +66,8 @@ class FloatPoseError {
 
   // `slid`: the largest distance, in absolute value, that a joint slides.
   PoseError bound(double slid) const {
-    return {up(kRoot3 * turn_), up(kRoot3 * (shift_ + slid * slid_shift_) + kUnderflow)};
+    const double shift = shift_ + slid * slid_shift_;
+    return {up(kRoot3 * turn_), up(kRoot3 * shift + kUnderflow), up(reach_ + slid * slid_reach_ + shift)};
   }
 
  private:

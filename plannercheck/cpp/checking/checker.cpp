@@ -270,7 +270,8 @@ void CheckerCore::find_near(int count, Query query, Workspace& w, bool in_floats
   } else if (w.state_links != nullptr) {
     broad_phase_->find(w.state_links, w.state, filters_of(options_, query), w.broad_phase);
   } else if (in_floats) {
-    broad_phase_->find(w.float_poser.poses(), w.float_poser.errors(), w.configurations, count,
+    const std::uint64_t posed_by = w.float_poser.errors_are_fixed() ? w.posed_by : 0;
+    broad_phase_->find(w.float_poser.poses(), w.float_poser.errors(), posed_by, w.configurations, count,
                        filters_of(options_, query), w.broad_phase);
   } else {
     broad_phase_->find(w.links.data(), w.configurations, count, filters_of(options_, query), w.broad_phase);
