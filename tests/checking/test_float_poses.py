@@ -222,8 +222,8 @@ def test_each_pair_is_counted_once(checkers):
 JOINTS, LENGTH, HALF = 44, 0.5, 1e-3
 
 
-def long_chain(folder, shape, base=(0.0, 0.0)):
-    """Links of 0.5 m in a plane, of which the last has a body."""
+def long_chain(folder, shape, base=(0.0, 0.0), slides=False):
+    """Links of 0.5 m in a plane, of which the last has a body; the whole may slide, by its last number."""
     links = "".join(f'<link name="link{k}"/>' for k in range(JOINTS))
     body = f'<link name="hand"><collision><geometry>{shape}</geometry></collision></link>'
     names = [*(f"link{k}" for k in range(JOINTS)), "hand"]
@@ -233,6 +233,12 @@ def long_chain(folder, shape, base=(0.0, 0.0)):
         f'<origin xyz="{origins[k]}"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
         for k in range(JOINTS)
     )
+    if slides:
+        links += '<link name="rail"/>'
+        joints += (
+            '<joint name="slide" type="prismatic"><parent link="rail"/><child link="link0"/><axis xyz="1 0 0"/>'
+            '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+        )
     path = folder / "chain.urdf"
     path.write_text(f'<robot name="chain">{links}{body}{joints}</robot>')
     return pc.Robot.from_urdf(path)
@@ -245,26 +251,29 @@ def translation(x):
     return pose
 
 
-def missed_by_floats(folder, shape):
+def missed_by_floats(folder, shape, slides=False):
     """Such a chain with its hand at the world's origin, where poses round the least; a configuration, the hand's pose.
 
     All joints turn by the angle whose rounding adds up to most, so that the hand is off by a hundredth of its size.
     """
-    robot = long_chain(folder, shape)
-    q = np.repeat(np.random.default_rng(0).uniform(-0.2, 0.2, (4000, 1)), JOINTS, axis=1)
+    robot = long_chain(folder, shape, slides=slides)
+    turns = [name != "slide" for name in robot.joint_names]
+    q = np.random.default_rng(0).uniform(-0.2, 0.2, (4000, 1)) * turns
     needed = np.ones(robot.kinematics.link_count, dtype=np.uint8)
-    hands = robot.kinematics.link_poses(q, needed)[:, -1, :2, 3]
-    off = robot.kinematics.float_link_poses(q, needed)[0][:, -1, :2, 3] - hands
+    hand = robot.link_names.index("hand")
+    hands = robot.kinematics.link_poses(q, needed)[:, hand, :2, 3]
+    off = robot.kinematics.float_link_poses(q, needed)[0][:, hand, :2, 3] - hands
     worst = np.linalg.norm(off, axis=1).argmax()
     assert np.linalg.norm(off[worst]) > HALF / 100
-    robot = long_chain(folder, shape, tuple((-hands[worst]).tolist()))
-    return robot, q[worst], robot.link_poses(q[worst][None])[0, -1]
+    robot = long_chain(folder, shape, tuple((-hands[worst]).tolist()), slides)
+    return robot, q[worst], robot.link_poses(q[worst][None])[0, hand]
 
 
+@pytest.mark.parametrize("slides", [False, True])
 @pytest.mark.parametrize("shape", [f'<sphere radius="{HALF}"/>', f'<box size="{2 * HALF} {2 * HALF} {2 * HALF}"/>'])
-def test_contacts_that_floats_miss_by_far(tmp_path, shape):
-    """Obstacles on all sides meet the hand, or miss it, by 1e-9 m."""
-    robot, row, pose = missed_by_floats(tmp_path, shape)
+def test_contacts_that_floats_miss_by_far(tmp_path, shape, slides):
+    """Obstacles on all sides meet the hand, or miss it, by 1e-9 m. Where a joint slides, radii are by state."""
+    robot, row, pose = missed_by_floats(tmp_path, shape, slides)
     for axis in np.vstack([np.eye(3), -np.eye(3)]):
         for gap in (-1e-9, 1e-9):
             place = pose.copy()
@@ -360,6 +369,15 @@ def test_sets_that_floats_leave_open_are_posed_in_doubles(tmp_path):
     assert checker.check_states(q).all()
     tested = len(q) - checker.statistics()["bounds"]
     assert 256 < tested < 2048
+
+
+def test_two_states_at_a_time(checkers):
+    """In doubles, these have no lanes over states."""
+    plain = checkers[1]
+    q = plain.robot.random_configurations(400, seed=5)
+    expected = plain.check_states(q)
+    for checker in checkers:
+        assert (np.concatenate([checker.check_states(q[k : k + 2]) for k in range(0, len(q), 2)]) == expected).all()
 
 
 @pytest.mark.parametrize("seed", range(12))
