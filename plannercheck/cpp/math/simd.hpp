@@ -114,17 +114,7 @@ inline Vector multiply_add(Vector a, Vector b, Vector c) {
 }
 template <class Vector>
 inline Vector multiply_subtract(Vector a, Vector b, Vector c) {
-#if defined(__AVX512F__)
-  if constexpr (FloatVector<Vector> && sizeof(Vector) == 64) {
-    return reinterpret_cast<Vector>(
-        _mm512_fmsub_ps(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b), reinterpret_cast<__m512>(c)));
-  }
-  if constexpr (FloatVector<Vector> && sizeof(Vector) == 32) {
-    return reinterpret_cast<Vector>(
-        _mm256_fmsub_ps(reinterpret_cast<__m256>(a), reinterpret_cast<__m256>(b), reinterpret_cast<__m256>(c)));
-  }
-#endif
-  return a * b - c;
+  return multiply_add(a, b, -c);
 }
 
 // x a + y b + z c, from the left, in such steps.
