@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "broad_phase/pairs_by_state.hpp"
 
@@ -48,15 +49,16 @@ void BroadPhase::find(const FloatPose* links, const PoseError* errors, std::uint
   w.are_fixed = posed_by != 0;
   if (filters.overlaps && !permanent_pairs_.empty()) return take_overlapping(count, w);
   w.links.begin(links, errors);
-  const unsigned states = (1U << count) - 1;
-  const bool learns = filters.overlaps && filters.learning;
-  // An overlap is a proof, as for one state.
-  if (learns && w.overlap_in_all != LikelyOverlaps::kNone && (~overlap(w.overlap_in_all, w) & states) == 0) {
-    return take_overlapping(count, w);
+  const std::size_t expected = std::exchange(w.overlap_at_end, LikelyOverlaps::kNone);
+  if (filters.overlaps && filters.learning && expected != LikelyOverlaps::kNone) {
+    // An overlap is a proof, as for one state.
+    const unsigned states = (1U << count) - 1, found = overlap(expected, w) & states;
+    take_overlap(expected, found, count, w);
+    if (found == states) return take_overlapping(count, w);
+    w.skipped = __builtin_popcount(found) * (static_cast<long>(pairs_.size()) - 1);
   }
   find_for_block(q, count, w);
   filter(count, filters, w);
-  if (learns) w.overlap_in_all = w.overlapping == states ? w.overlap : LikelyOverlaps::kNone;
 }
 
 void BroadPhase::find(const PoseColumns* links, const double* q, Filters filters, Workspace& w) const {
@@ -80,7 +82,7 @@ void BroadPhase::find(const PoseColumns* links, const double* q, Filters filters
 void BroadPhase::filter(int count, Filters filters, Workspace& w) const {
   w.boxed = filters.boxes && count >= kFewStates;
   if (filters.overlaps) {
-    find_overlaps(w);
+    find_overlaps(count, w);
   } else if (w.boxed) {
     for (Candidate& candidate : w.candidates) drop_apart(candidate, candidate.states, w);
   }
@@ -126,19 +128,21 @@ void BroadPhase::take_all(int count, Workspace& w) const {
   w.undecided = pairs_.empty() ? 0 : (1U << count) - 1;
 }
 
+// For the states that no overlap has decided yet.
 void BroadPhase::find_for_block(BlockConfigurations q, int count, Workspace& w) const {
+  const unsigned open = ((1U << count) - 1) & ~w.overlapping;
   pose(movers_, w.fixed.movers, w.balls, w);
   pose(slices_, w.fixed.slices, w.slices, w);
-  find_among_movers(q, count, w);
+  find_among_movers(q, open, w);
   const auto posed = [&](std::size_t mover) -> const Balls& { return w.balls[mover]; };
   const auto take = [&](std::int32_t pair, unsigned near) { w.unboxed.push_back({pair, near}); };
-  plane_filter_.find(posed, (1U << count) - 1, take);
-  height_filter_.find(posed, (1U << count) - 1, take);
+  plane_filter_.find(posed, open, take);
+  height_filter_.find(posed, open, take);
   if (obstacles_ <= kFewObstacles) {
     const auto groups = [&] { return mover_groups(movers_, world_boxes_, pair_of_, *sampled_); };
-    for (const MoverGroup& group : mover_groups_.get(groups)) find_listed(group, count, w);
+    for (const MoverGroup& group : mover_groups_.get(groups)) find_listed(group, open, w);
   } else {
-    for (const std::int32_t mover : movers_with_obstacles_) find_in_tree(mover, count, w);
+    for (const std::int32_t mover : movers_with_obstacles_) find_in_tree(mover, open, w);
   }
 }
 
@@ -239,8 +243,7 @@ inline void BroadPhase::take_near(const MovingPair& pair, unsigned states, Works
   if (found != 0) w.candidates.push_back({pair.pair, found});
 }
 
-void BroadPhase::find_among_movers(BlockConfigurations q, int count, Workspace& w) const {
-  const unsigned states = (1U << count) - 1;
+void BroadPhase::find_among_movers(BlockConfigurations q, unsigned states, Workspace& w) const {
   for (const MovingPair& pair : moving_pairs_) take_near(pair, states, w);
   for (const MovingPairsInCells& some : in_cells_) {
     const PairsByState pairs = q.are_known() ? PairsByState(*some.cells, q) : PairsByState();
@@ -299,21 +302,20 @@ unsigned BroadPhase::BoxInFloats::met(const BoxLanes<StateFloats>& boxes) const 
 }
 
 // Along motions most obstacles are far from a group in all states of a block.
-void BroadPhase::find_listed(const MoverGroup& group, int count, Workspace& w) const {
+void BroadPhase::find_listed(const MoverGroup& group, unsigned states, Workspace& w) const {
   const BoxInStates own = around(group, w.balls);
   const BoxInFloats in_all = own.around_all();
   for (std::size_t k = 0; k < group.boxes.size(); ++k) {
     for (unsigned met = in_all.met(group.boxes[k]); met != 0; met &= met - 1) {
       const std::size_t place = k * kBlockStates + static_cast<std::size_t>(__builtin_ctz(met));
-      find_near_obstacle(group, own, group.obstacles[place], count, w);
+      find_near_obstacle(group, own, group.obstacles[place], states, w);
     }
   }
 }
 
 inline void BroadPhase::find_near_obstacle(const MoverGroup& group, const BoxInStates& around, std::int32_t obstacle,
-                                           int count, Workspace& w) const {
+                                           unsigned states, Workspace& w) const {
   const FloatBox& box = float_boxes_[at(obstacle)];
-  const unsigned states = (1U << count) - 1;
   if ((around.met(box) & states) == 0) return;
   for (std::size_t m = group.first; m < group.last; ++m) {
     const std::int32_t pair = pair_with(m, obstacle);
@@ -327,10 +329,11 @@ inline void BroadPhase::find_near_obstacle(const MoverGroup& group, const BoxInS
   }
 }
 
-void BroadPhase::find_in_tree(std::int32_t mover, int count, Workspace& w) const {
+void BroadPhase::find_in_tree(std::int32_t mover, unsigned states, Workspace& w) const {
   const Balls& balls = w.balls[at(mover)];
   w.reached.clear();
-  for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
+  for (; states != 0; states &= states - 1) {
+    const auto state = static_cast<std::size_t>(__builtin_ctz(states));
     w.found.clear();
     tree_.collect({balls.x[state], balls.y[state], balls.z[state], far_beyond(balls.radius[state])}, w.found);
     for (const std::int32_t obstacle : w.found) {
@@ -373,22 +376,28 @@ unsigned BroadPhase::overlap(std::size_t pair, Workspace& w) const {
   return overlaps_.overlap_in_state(w.links, pair, boxes_, w.boxes, w.overlaps) ? 1U : 0U;
 }
 
+void BroadPhase::take_overlap(std::size_t pair, unsigned states, int count, Workspace& w) {
+  if (states == 0) return;
+  w.overlapping |= states;
+  w.overlap = pair;
+  if ((states >> (count - 1) & 1U) != 0) w.overlap_at_end = pair;
+}
+
 // Finds states that surely collide; these are dropped at once. Boxes go first, since they decide more.
-void BroadPhase::find_overlaps(Workspace& w) const {
+void BroadPhase::find_overlaps(int count, Workspace& w) const {
+  const unsigned before = w.overlapping;
   for (Candidate& candidate : w.candidates) {
     unsigned open = candidate.states & ~w.overlapping;
     if (w.boxed) open = drop_apart(candidate, open, w);
-    if (open == 0) continue;
-    open &= overlap(at(candidate.pair), w);
-    w.overlapping |= open;
-    w.overlap = open != 0 ? at(candidate.pair) : w.overlap;
+    if (open != 0) take_overlap(at(candidate.pair), open & overlap(at(candidate.pair), w), count, w);
   }
-  if (w.overlapping == 0) return;
+  const unsigned found = w.overlapping & ~before;
+  if (found == 0) return;
   for (Candidate& candidate : w.candidates) {
-    w.skipped += __builtin_popcount(candidate.states & w.overlapping);
-    candidate.states &= ~w.overlapping;
+    w.skipped += __builtin_popcount(candidate.states & found);
+    candidate.states &= ~found;
   }
-  w.skipped += (static_cast<long>(permanent_pairs_.size()) - 1) * __builtin_popcount(w.overlapping);
+  w.skipped += (static_cast<long>(permanent_pairs_.size()) - 1) * __builtin_popcount(found);
 }
 
 }  // namespace plannercheck

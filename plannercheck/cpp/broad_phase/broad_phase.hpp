@@ -81,8 +81,9 @@ class BroadPhase {
     unsigned overlapping = 0;                     // states in which some pair surely shares a point
     std::size_t overlap = LikelyOverlaps::kNone;  // the pair that was found to do so last
     LikelyOverlaps likely;                        // of single states
-    // The pair found last in a block all of whose states overlapped: motions mostly collide alike for some blocks.
-    std::size_t overlap_in_all = LikelyOverlaps::kNone;
+    // The pair that was found to do so in the last state of a block, if one was: along motions, the next states mostly
+    // collide alike.
+    std::size_t overlap_at_end = LikelyOverlaps::kNone;
     long skipped = 0;  // other pairs of these states
   };
   Workspace new_workspace() const;
@@ -171,15 +172,16 @@ class BroadPhase {
   static unsigned near(const Balls& a, const Balls& b, StateFloats limit);
   unsigned near_slices(std::size_t mover, const Balls& other, const Workspace& workspace) const;
   void take_near(const MovingPair& pair, unsigned states, Workspace& workspace) const;
-  void find_among_movers(BlockConfigurations q, int count, Workspace& workspace) const;
-  void find_listed(const MoverGroup& group, int count, Workspace& workspace) const;
-  void find_near_obstacle(const MoverGroup& group, const BoxInStates& around, std::int32_t obstacle, int count,
+  void find_among_movers(BlockConfigurations q, unsigned states, Workspace& workspace) const;
+  void find_listed(const MoverGroup& group, unsigned states, Workspace& workspace) const;
+  void find_near_obstacle(const MoverGroup& group, const BoxInStates& around, std::int32_t obstacle, unsigned states,
                           Workspace& workspace) const;
-  void find_in_tree(std::int32_t mover, int count, Workspace& workspace) const;
+  void find_in_tree(std::int32_t mover, unsigned states, Workspace& workspace) const;
   static void drop(Candidate& candidate, unsigned apart, Workspace& workspace);
   unsigned drop_apart(Candidate& candidate, unsigned states, Workspace& workspace) const;
   void drop_apart_at_edges(Candidate& candidate, Workspace& workspace) const;
-  void find_overlaps(Workspace& workspace) const;
+  static void take_overlap(std::size_t pair, unsigned states, int count, Workspace& workspace);
+  void find_overlaps(int count, Workspace& workspace) const;
   unsigned overlap(std::size_t pair, Workspace& workspace) const;
 };
 

@@ -163,8 +163,10 @@ bool FloatLinkPoser::read_values(const Lanes* q) {
   for (const std::size_t k : read_) {
     const auto& [column, multiplier, offset] = steps_[k].value;
     Lanes values[kBlockGroups];
-    for (std::size_t group = 0; group < kBlockGroups; ++group)
-      values[group] = multiplier * q[group * width_ + at(column)] + offset;
+    for (std::size_t group = 0; group < kBlockGroups; ++group) values[group] = q[group * width_ + at(column)];
+    if (multiplier != 1 || offset != 0) {
+      for (Lanes& value : values) value = multiplier * value + offset;
+    }
     if (steps_[k].motion == Motion::kSlide) {
       slides = true;
       for (const Lanes value : values) slid = larger(absolute(value), slid), fit &= absolute(value) <= kLargestDistance;

@@ -29,7 +29,39 @@ inline constexpr double kHalfPi = 0x1.921fb54442d18p+0;
 inline constexpr float kSin[3] = {-0x1.555552p-3F, 0x1.110c28p-7F, -0x1.9ac9b0p-13F};
 inline constexpr float kCos[3] = {0x1.555554p-5F, -0x1.6c12d2p-10F, 0x1.9bd89cp-16F};
 
-inline StateFloats polynomial(const float (&c)[3], StateFloats z) { return c[0] + z * (c[1] + z * c[2]); }
+inline StateFloats polynomial(const float (&c)[3], StateFloats z) {
+  const auto in_all = [](float number) { return filled<StateFloats>(number); };
+  return multiply_add(z, multiply_add(z, in_all(c[2]), in_all(c[1])), in_all(c[0]));
+}
+
+// a b + c, rounded once on AVX-512; either will do for the reduction.
+inline Lanes reduced_by(Lanes a, Lanes b, Lanes c) {
+#if defined(__AVX512F__)
+  return reinterpret_cast<Lanes>(
+      _mm512_fmadd_pd(reinterpret_cast<__m512d>(a), reinterpret_cast<__m512d>(b), reinterpret_cast<__m512d>(c)));
+#else
+  return a * b + c;
+#endif
+}
+
+// The low 32 bits of numbers in Lanes, one group of them after the other.
+template <int count = kBlockStates>
+inline auto low_words(const Lanes* from) {
+  typedef int Words __attribute__((vector_size(sizeof(Lanes))));
+  const auto places = [](auto pick) {
+    return [&]<int... k>(std::integer_sequence<int, k...>) {
+      return pick.template operator()<k...>();
+    }(std::make_integer_sequence<int, count>{});
+  };
+  if constexpr (count == 2 * kLanes) {
+    return places([&]<int... k>() {
+      return shuffled<2 * k...>(reinterpret_cast<Words>(from[0]), reinterpret_cast<Words>(from[1]));
+    });
+  } else {
+    const auto low = low_words<count / 2>(from), high = low_words<count / 2>(from + count / 2 / kLanes);
+    return places([&]<int... k>() { return shuffled<k...>(low, high); });
+  }
+}
 
 inline StateFloats chosen(StateMask mask, StateFloats yes, StateFloats no) {
   return (StateFloats)((mask & (StateMask)yes) | (~mask & (StateMask)no));
@@ -46,14 +78,14 @@ inline FloatSinCos float_sincos(const Lanes (&angle)[kBlockGroups]) {
   using sincos_detail::kRoundToInteger, sincos_detail::kTwoOverPi;
   Lanes multiples[kBlockGroups], rests[kBlockGroups];
   for (std::size_t group = 0; group < kBlockGroups; ++group) {
-    multiples[group] = (angle[group] * kTwoOverPi + kRoundToInteger) - kRoundToInteger;
-    rests[group] = angle[group] - multiples[group] * kHalfPi;
+    multiples[group] = reduced_by(angle[group], broadcast(kTwoOverPi), broadcast(kRoundToInteger));
+    rests[group] = reduced_by(multiples[group] - kRoundToInteger, broadcast(-kHalfPi), angle[group]);
   }
-  const StateMask quarter = __builtin_convertvector(joined_floats<kBlockStates>(multiples, 1), StateMask);
+  const StateMask quarter = low_words(multiples);
   const StateFloats r = joined_floats<kBlockStates>(rests, 1);
   const StateFloats z = r * r;
-  const StateFloats sin_r = r + r * (z * polynomial(kSin, z));
-  const StateFloats cos_r = (1.0F - 0.5F * z) + (z * z) * polynomial(kCos, z);
+  const StateFloats sin_r = multiply_add(r, z * polynomial(kSin, z), r);
+  const StateFloats cos_r = multiply_add(z * z, polynomial(kCos, z), 1.0F - 0.5F * z);
   const StateMask swap = -(quarter & 1);
   const StateMask sin_sign = (quarter & 2) << 30, cos_sign = ((quarter + 1) & 2) << 30;
   return {(StateFloats)((StateMask)chosen(swap, cos_r, sin_r) ^ sin_sign),

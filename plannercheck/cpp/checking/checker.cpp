@@ -55,19 +55,32 @@ double largest_reach(const std::vector<GeometryObject>& bodies, std::size_t link
   return reach;
 }
 
+// Put together in registers: a wide load after narrower stores would wait for them.
+PoseColumns columns_in_lane(const Lanes* pose, std::size_t lane) {
+  PoseColumns out;
+  for (std::size_t k = 0; k < 4; ++k) out.column[k] = Double4{pose[k][lane], pose[4 + k][lane], pose[8 + k][lane], 0};
+  return out;
+}
+
 BroadPhase::Filters filters_of(const CheckerOptions& options, Query query) {
   return {options.overlaps && query == Query::kAnyCollision, options.boxes, options.learning};
 }
 
 class HullsOfPair final : public HullTest {
  public:
-  HullsOfPair(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane& plane,
-              CheckerCounters& counters)
-      : frame_(frame), likely_(likely), options_(options), plane_(plane), counters_(counters) {}
+  HullsOfPair(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, bool likely,
+              const PairOptions& options, PairMemory& memory, CheckerCounters& counters)
+      : guest_(guest),
+        host_(host),
+        frame_(frame),
+        likely_(likely),
+        options_(options),
+        memory_(memory),
+        counters_(counters) {}
 
   bool share() override {
     was_asked_ = true;
-    const PairVerdict verdict = test_pair(frame_, likely_, options_, &plane_, counters_.pair);
+    const PairVerdict verdict = test_pair(guest_, host_, frame_, likely_, options_, &memory_, counters_.pair);
     ++counters_.stages[static_cast<std::size_t>(verdict.stage)];
     settled_ = verdict.settles;
     return verdict.shared;
@@ -77,10 +90,11 @@ class HullsOfPair final : public HullTest {
   bool was_asked() const { return was_asked_; }
 
  private:
+  const PosedPolytope &guest_, &host_;
   const PairFrame& frame_;
   bool likely_;
   const PairOptions& options_;
-  CachedPlane& plane_;
+  PairMemory& memory_;
   CheckerCounters& counters_;
   bool was_asked_ = false, settled_ = true;
 };
@@ -119,7 +133,7 @@ std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
   w->links.resize(kBlockGroups * at(links_) * 12);
   w->broad_phase = broad_phase_->new_workspace();
   w->open = OpenStates(pairs_.size());
-  w->planes.resize(pairs_.size());
+  w->memories.resize(pairs_.size());
   if (has_solids_) {
     w->histories.resize(pairs_.size(), {{}, true, options_.pair.cached_plane});
     w->clear.resize(pairs_.size());
@@ -144,7 +158,8 @@ Pose CheckerCore::posed(std::size_t body, std::size_t state, const Workspace& w)
   const GeometryObject& object = bodies_[body];
   if (object.link < 0) return object.placement;
   if (w.state_links != nullptr) return placed_on(w.state_links[at(object.link)], object.placement);
-  return placed_on(link_pose(at(object.link), state, w), object.placement);
+  const Lanes* const link = &w.links[pose_index(at(links_), state / kLanes, at(object.link))];
+  return placed_on(columns_in_lane(link, state % kLanes), object.placement);
 }
 
 std::array<double, 12> CheckerCore::link_pose(std::size_t link, std::size_t state, const Workspace& w) const {
@@ -159,15 +174,15 @@ bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) co
   const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
   if (bodies_[guest].body->parts || bodies_[host].body->parts) return parts_share(pair, state, w);
   if (bodies_[guest].body->half_space || bodies_[host].body->half_space) return half_space_shared(pair, state, w);
-  const PairFrame frame({bodies_[guest].body.get(), posed(guest, state, w)},
-                        {bodies_[host].body.get(), posed(host, state, w)}, options_.pair.dents);
+  const PosedPolytope a{bodies_[guest].body.get(), posed(guest, state, w)};
+  const PosedPolytope b{bodies_[host].body.get(), posed(host, state, w)};
+  const PairFrame frame(a, b, options_.pair.dents);
   if (options_.boxes && !w.broad_phase.boxed && frame.boxes_apart()) {
     ++w.counters.boxes;
     return false;
   }
   const bool likely = options_.learning && 2 * w.hits[pair] > w.tests[pair]++;
-  HullsOfPair hulls(frame, likely, options_.pair, w.planes[pair], w.counters);
-  const PosedPolytope &a = frame.posed_guest(), &b = frame.posed_host();
+  HullsOfPair hulls(a, b, frame, likely, options_.pair, w.memories[pair], w.counters);
   bool shared;
   if (fill_their_hulls(a, b)) {
     shared = hulls.share() && (hulls.settled() || between_dents_share(a, b, w.histories[pair], w.counters.pair));

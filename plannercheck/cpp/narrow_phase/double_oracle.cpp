@@ -3,6 +3,9 @@
 namespace plannercheck {
 namespace {
 
+// Shorter searches are not worth a start of their own (measured).
+constexpr int kManyRounds = 4;
+
 // Queries both hierarchies at once, without steps.
 struct AtOnce {
   bool ask_guest(DoubleOracle<AtOnce>& oracle, Vec3 q) const {
@@ -20,7 +23,7 @@ struct AtOnce {
 
 }  // namespace
 
-Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, PairCounters& counters) {
+Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, ActiveSet* last, PairCounters& counters) {
   const Vec3 x = first_point(frame, guest_vertex);
   ++counters.host_queries;
   const std::int32_t k = extreme(frame.host().polar, x, counters.queries);
@@ -28,9 +31,10 @@ Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, Pai
   AtOnce both;
   DoubleOracle<AtOnce> oracle(frame, both, counters);
   oracle.start(guest_vertex, k);
-  for (int round = 0; round < kOracleRounds; ++round) {
-    if (oracle.round()) break;
-  }
+  if (last != nullptr) oracle.join(*last);
+  int rounds = 1;
+  while (!oracle.round() && rounds < kOracleRounds) ++rounds;
+  if (last != nullptr && rounds >= kManyRounds) *last = oracle.with_weight();
   return oracle.certificate();
 }
 

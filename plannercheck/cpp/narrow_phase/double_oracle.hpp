@@ -8,9 +8,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <optional>
 
 #include "math/double4.hpp"
+#include "narrow_phase/active_set.hpp"
 #include "narrow_phase/depth_past_dents.hpp"
 #include "narrow_phase/incremental_matrix_game.hpp"
 #include "narrow_phase/pair_frame.hpp"
@@ -74,14 +76,31 @@ class DoubleOracle {
   // Starts from a guest's vertex (all vertices of a box) and the host's facet that a point of it violates most. Boxes
   // and small polars take part as a whole.
   void start(std::int32_t vertex, std::int32_t facet) {
-    if (frame_.guest().is_box != 0) {
+    if (takes_all_vertices()) {
       for (std::int32_t v = 0; v < kActives; ++v) add_row(v, frame_.guest_vertex(v));
     } else {
       add_row(vertex, frame_.guest_vertex(vertex));
     }
+    if (!takes_all_facets()) return add_column(facet, frame_.polar_point(facet));
     const auto facets = static_cast<std::int32_t>(frame_.host().polar.points.size());
-    if (facets > kActives) return add_column(facet, frame_.polar_point(facet));
     for (std::int32_t k = 0; k < facets; ++k) add_column(k, frame_.polar_point(k));
+  }
+
+  // Those that are not there yet take part as well.
+  void join(const ActiveSet& others) {
+    for (const std::uint16_t v : others.vertices) {
+      if (v != ActiveSet::kNone && !rows_.holds(v)) add_row(v, frame_.guest_vertex(v));
+    }
+    for (const std::uint16_t k : others.facets) {
+      if (k != ActiveSet::kNone && !columns_.holds(k)) add_column(k, frame_.polar_point(k));
+    }
+  }
+  // Those with weight, but for bodies that take part as a whole; none if the search has ended before it had a game.
+  ActiveSet with_weight() const {
+    ActiveSet out;
+    if (game_ && !takes_all_vertices()) out.vertices = with_weight(rows_, game_->row_weights());
+    if (game_ && !takes_all_facets()) out.facets = with_weight(columns_, game_->column_weights());
+    return out;
   }
 
   // Asks for one more vertex or facet; true if the search is over.
@@ -122,6 +141,18 @@ class DoubleOracle {
   std::optional<IncrementalMatrixGame> game_;  // most searches end before they need it
   bool afresh_ = false;                        // solved from the beginning since the last vertex or facet was added
   Certificate certificate_;
+
+  bool takes_all_vertices() const { return frame_.guest().is_box != 0; }
+  bool takes_all_facets() const { return frame_.host().polar.points.size() <= at(kActives); }
+
+  static ActiveSet::Numbers with_weight(const Actives& actives, const IncrementalMatrixGame::Numbers& weights) {
+    ActiveSet::Numbers out = ActiveSet{}.vertices;
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < at(actives.count) && found < out.size(); ++i) {
+      if (weights[i] > 0 && actives.id[i] < ActiveSet::kNone) out[found++] = static_cast<std::uint16_t>(actives.id[i]);
+    }
+    return out;
+  }
 
   // An upper bound of |q·x| over the host's polar and the guest, with room for rounding.
   static double largest_payoff(const PairFrame& frame) {
@@ -212,7 +243,8 @@ inline Certificate shared_at(Vec3 x) {
   return certificate;
 }
 
-// The whole search from a guest's vertex, each query answered at once.
-Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, PairCounters& counters);
+// The whole search from a guest's vertex, each query answered at once. `last`: what it ends with for the next poses of
+// the pair; may be null.
+Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, ActiveSet* last, PairCounters& counters);
 
 }  // namespace plannercheck

@@ -81,14 +81,14 @@ Facet furthest_facet(const Levels& polar, const Corners& corners) {
 
 }  // namespace
 
-Certificate facet_plane(const PairFrame& frame, const CentreAxis& axis, PairCounters& counters) {
+Certificate facet_plane(const PairFrame& frame, const Pose& guest, const CentreAxis& axis, PairCounters& counters) {
   const Facet of_host = furthest_facet(frame.host().polar, guest_corners(frame));
   counters.queries.blocks += static_cast<long>(kFewCorners * frame.host().polar.top_cursors.size());
   if (frame.separates(of_host.q, of_host.least)) return separated_by(of_host.q, Stage::kFacetPlane);
   const Facet of_guest = furthest_facet(frame.guest().polar, host_corners(frame));
   counters.queries.blocks += static_cast<long>(kFewCorners * frame.guest().polar.top_cursors.size());
   if (!(of_guest.least > 1)) return {};
-  const Vec3 towards_guest = -frame.posed_guest().pose.rotate(of_guest.q);
+  const Vec3 towards_guest = -guest.rotate(of_guest.q);
   return axis.separates(towards_guest, frame.defect(), counters)
              ? separated_by(axis.touching_ball(towards_guest), Stage::kFacetPlane)
              : Certificate{};

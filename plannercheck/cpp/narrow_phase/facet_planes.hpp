@@ -15,6 +15,6 @@ inline bool has_few_corners(const Polytope& body) {
 }
 
 // For two bodies of few corners: tries the host's facets, then the guest's; undecided if none separates.
-Certificate facet_plane(const PairFrame& frame, const CentreAxis& axis, PairCounters& counters);
+Certificate facet_plane(const PairFrame& frame, const Pose& guest, const CentreAxis& axis, PairCounters& counters);
 
 }  // namespace plannercheck

@@ -79,37 +79,38 @@ PairVerdict without_polar(const PosedPolytope& guest, const PosedPolytope& host,
 }
 
 // The stages that cost a game: the solver, then, where it does not apply or decide, the stages without a polar.
-PairVerdict solved(const PairFrame& frame, std::int32_t lowest, const CentreAxis& axis, const PairOptions& options,
-                   CachedPlane* cache, PairCounters& counters) {
-  const PosedPolytope &guest = frame.posed_guest(), &host = frame.posed_host();
+PairVerdict solved(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, std::int32_t lowest,
+                   const CentreAxis& axis, const PairOptions& options, PairMemory* memory, PairCounters& counters) {
   if (!host.body->has_polar()) return without_polar(guest, host, axis.direction(), options, counters);
+  ActiveSet* const last = memory == nullptr ? nullptr : &memory->actives;
   const Certificate certificate =
-      options.solver == Solver::kWalk ? coupled_walk(frame, counters) : double_oracle(frame, lowest, counters);
-  return concluded(frame, certificate, options, cache, counters);
+      options.solver == Solver::kWalk ? coupled_walk(frame, counters) : double_oracle(frame, lowest, last, counters);
+  return concluded(guest, host, certificate, options, memory, counters);
 }
 
-// The cache for a separating plane, for the next poses of this pair; null where none is kept.
-CachedPlane* kept(const Polytope& host, const PairOptions& options, CachedPlane* cache) {
-  return options.cached_plane && host.has_polar() ? cache : nullptr;
+// What is kept for the next poses of this pair; null where nothing is.
+PairMemory* kept(const Polytope& host, const PairOptions& options, PairMemory* memory) {
+  return options.cached_plane && host.has_polar() ? memory : nullptr;
 }
 
 // Whether the plane that separated this pair at earlier poses separates it now.
-[[gnu::always_inline]] inline bool plane_holds(const PairFrame& frame, const CachedPlane* cache,
+[[gnu::always_inline]] inline bool plane_holds(const PairFrame& frame, const PairMemory* memory,
                                                PairCounters& counters) {
-  if (cache == nullptr || !cache->valid) return false;
+  if (memory == nullptr || !memory->plane.valid) return false;
+  const auto& [q, mixtures, valid] = memory->plane;
   ++counters.guest_queries;
-  const std::int32_t p = extreme(frame.guest().inner, frame.guest_direction(cache->q), counters.queries);
-  return frame.separates(cache->q, dot(cache->q, frame.guest_vertex(p)), cache->mixtures);
+  const std::int32_t p = extreme(frame.guest().inner, frame.guest_direction(q), counters.queries);
+  return frame.separates(q, dot(q, frame.guest_vertex(p)), mixtures);
 }
 
 Certificate by_box_face(const PairFrame& frame, const PairOptions& options, PairCounters& counters) {
   return options.box_face && frame.host().has_polar() ? box_face(frame, counters) : Certificate{};
 }
 
-Certificate by_facets(const PairFrame& frame, const CentreAxis& axis, const PairOptions& options,
+Certificate by_facets(const PairFrame& frame, const Pose& guest, const CentreAxis& axis, const PairOptions& options,
                       PairCounters& counters) {
   const bool few = has_few_corners(frame.guest()) && has_few_corners(frame.host());
-  return few && options.facet_plane ? facet_plane(frame, axis, counters) : Certificate{};
+  return few && options.facet_plane ? facet_plane(frame, guest, axis, counters) : Certificate{};
 }
 
 PairVerdict cached(const CachedPlane& plane) {
@@ -126,64 +127,64 @@ double conditioning(const Polytope& body) {
 
 }  // namespace
 
-PairVerdict certified(const Certificate& certificate, CachedPlane* cache) {
+PairVerdict certified(const Certificate& certificate, PairMemory* memory) {
   PairVerdict verdict;
   verdict.certificate = certificate;
   verdict.shared = certificate.answer == Answer::kShared;
   verdict.stage = certificate.stage;
-  if (cache != nullptr && !verdict.shared) *cache = {true, certificate.q, certificate.mixtures};
+  if (memory != nullptr && !verdict.shared) {
+    memory->plane = {certificate.q, static_cast<std::int32_t>(certificate.mixtures), true};
+  }
   return verdict;
 }
 
 // A certificate is undecided if the gap is too small for the polar's bound, or within the inflation radius of separated
 // hulls.
-PairVerdict concluded(const PairFrame& frame, const Certificate& certificate, const PairOptions& options,
-                      CachedPlane* cache, PairCounters& counters) {
-  if (certificate.answer != Answer::kUndecided) return certified(certificate, cache);
-  const PosedPolytope &guest = frame.posed_guest(), &host = frame.posed_host();
+PairVerdict concluded(const PosedPolytope& guest, const PosedPolytope& host, const Certificate& certificate,
+                      const PairOptions& options, PairMemory* memory, PairCounters& counters) {
+  if (certificate.answer != Answer::kUndecided) return certified(certificate, memory);
   return without_polar(guest, host, host.pose.rotate(certificate.q), options, counters);
 }
 
 int choose_host(const Polytope& a, const Polytope& b) { return conditioning(b) <= conditioning(a) ? 1 : 0; }
 
 PairVerdict test_pair(const PosedPolytope& guest, const PosedPolytope& host, const PairOptions& options,
-                      CachedPlane* cache, PairCounters& counters) {
+                      PairMemory* memory, PairCounters& counters) {
   CentreAxis axis(guest, host);
-  if (!is_far(axis, options)) return test_close_pair(guest, host, axis, options, cache, counters);
-  cache = kept(*host.body, options, cache);
-  return certified(axis.separated(cache != nullptr), cache);
+  if (!is_far(axis, options)) return test_close_pair(guest, host, axis, options, memory, counters);
+  memory = kept(*host.body, options, memory);
+  return certified(axis.separated(memory != nullptr), memory);
 }
 
 namespace {
 
 PairVerdict close_hulls_verdict(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis,
-                                const PairOptions& options, CachedPlane* cache, PairCounters& counters) {
+                                const PairOptions& options, PairMemory* memory, PairCounters& counters) {
   if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
-  cache = kept(*host.body, options, cache);
+  memory = kept(*host.body, options, memory);
   std::int32_t lowest = 0;
   if (options.centre_axis) {
     if (options.turned_axis) axis.turn();
-    const Certificate found = axis.decide(cache != nullptr, &lowest, counters);
-    if (found.answer != Answer::kUndecided) return certified(found, cache);
+    const Certificate found = axis.decide(memory != nullptr, &lowest, counters);
+    if (found.answer != Answer::kUndecided) return certified(found, memory);
   }
   const PairFrame frame(guest, host, options.dents);
-  if (plane_holds(frame, cache, counters)) return cached(*cache);
-  const Certificate found = by_facets(frame, axis, options, counters);
-  if (found.answer != Answer::kUndecided) return certified(found, cache);
-  return solved(frame, lowest, axis, options, cache, counters);
+  if (plane_holds(frame, memory, counters)) return cached(memory->plane);
+  const Certificate found = by_facets(frame, guest.pose, axis, options, counters);
+  if (found.answer != Answer::kUndecided) return certified(found, memory);
+  return solved(guest, host, frame, lowest, axis, options, memory, counters);
 }
 
-PairVerdict hulls_verdict(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane* cache,
-                          PairCounters& counters) {
-  const PosedPolytope &guest = frame.posed_guest(), &host = frame.posed_host();
+PairVerdict hulls_verdict(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, bool likely,
+                          const PairOptions& options, PairMemory* memory, PairCounters& counters) {
   if (options.solver == Solver::kExact) {
     return exact_verdict(guest, host, along(CentreAxis(guest, host).direction()));
   }
-  cache = kept(*host.body, options, cache);
-  if (plane_holds(frame, cache, counters)) return cached(*cache);
+  memory = kept(*host.body, options, memory);
+  if (plane_holds(frame, memory, counters)) return cached(memory->plane);
   if (!likely) {
     const Certificate found = by_box_face(frame, options, counters);
-    if (found.answer != Answer::kUndecided) return certified(found, cache);
+    if (found.answer != Answer::kUndecided) return certified(found, memory);
   }
   CentreAxis axis(guest, host);
   std::int32_t lowest = 0;
@@ -191,30 +192,30 @@ PairVerdict hulls_verdict(const PairFrame& frame, bool likely, const PairOptions
     lowest = axis.nearly_lowest(counters);
   } else if (options.centre_axis) {
     if (options.turned_axis) axis.turn();
-    const Certificate found = axis.decide(cache != nullptr, &lowest, counters);
-    if (found.answer != Answer::kUndecided) return certified(found, cache);
+    const Certificate found = axis.decide(memory != nullptr, &lowest, counters);
+    if (found.answer != Answer::kUndecided) return certified(found, memory);
   }
   const bool tried = guest.body->is_box != 0 && host.body->is_box != 0;  // by PairFrame::boxes_apart
   if (!likely && !tried) {
-    const Certificate found = by_facets(frame, axis, options, counters);
-    if (found.answer != Answer::kUndecided) return certified(found, cache);
+    const Certificate found = by_facets(frame, guest.pose, axis, options, counters);
+    if (found.answer != Answer::kUndecided) return certified(found, memory);
   }
-  return solved(frame, lowest, axis, options, cache, counters);
+  return solved(guest, host, frame, lowest, axis, options, memory, counters);
 }
 
 }  // namespace
 
 PairVerdict test_close_pair(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis,
-                            const PairOptions& options, CachedPlane* cache, PairCounters& counters) {
-  PairVerdict verdict = close_hulls_verdict(guest, host, axis, options, cache, counters);
+                            const PairOptions& options, PairMemory* memory, PairCounters& counters) {
+  PairVerdict verdict = close_hulls_verdict(guest, host, axis, options, memory, counters);
   settle(guest, host, options, verdict);
   return verdict;
 }
 
-PairVerdict test_pair(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane* cache,
-                      PairCounters& counters) {
-  PairVerdict verdict = hulls_verdict(frame, likely, options, cache, counters);
-  settle(frame.posed_guest(), frame.posed_host(), options, verdict);
+PairVerdict test_pair(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, bool likely,
+                      const PairOptions& options, PairMemory* memory, PairCounters& counters) {
+  PairVerdict verdict = hulls_verdict(guest, host, frame, likely, options, memory, counters);
+  settle(guest, host, options, verdict);
   return verdict;
 }
 

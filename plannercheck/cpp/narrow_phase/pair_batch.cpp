@@ -49,10 +49,10 @@ struct DeferredSupport {
 // planes of other poses hardly ever hold (at most two of 300 random ones).
 class SteppedTest {
  public:
-  // False if the verdict is known already. `cache`: where a separating plane is kept; may be null.
+  // False if the verdict is known already. `memory`: of the pair; may be null.
   bool begin(std::size_t pair, const PosedPolytope& guest, const PosedPolytope& host, const PairOptions& options,
-             CachedPlane* cache, PairCounters& counters) {
-    pair_ = pair, options_ = &options, cache_ = cache, counters_ = &counters;
+             PairMemory* memory, PairCounters& counters) {
+    pair_ = pair, options_ = &options, memory_ = memory, counters_ = &counters;
     guest_ = guest, host_ = host;
     if (!options_->centre_axis) return begin_solver(0);
     axis_.emplace(guest_, host_);
@@ -70,7 +70,7 @@ class SteppedTest {
 
  private:
   const PairOptions* options_ = nullptr;
-  CachedPlane* cache_ = nullptr;
+  PairMemory* memory_ = nullptr;
   PairCounters* counters_ = nullptr;
   std::size_t pair_ = 0;
   PosedPolytope guest_{}, host_{};
@@ -92,7 +92,7 @@ class SteppedTest {
   }
 
   bool end(const Certificate& certificate) {
-    verdict_ = certified(certificate, cache_);
+    verdict_ = certified(certificate, memory_);
     return false;
   }
 
@@ -104,7 +104,7 @@ class SteppedTest {
   }
 
   bool after_highest() {
-    const Certificate found = axis_->decide(of_guest_, descent_.point(), cache_ != nullptr);
+    const Certificate found = axis_->decide(of_guest_, descent_.point(), memory_ != nullptr);
     return found.answer != Answer::kUndecided ? end(found) : begin_solver(lowest_);
   }
 
@@ -140,7 +140,7 @@ class SteppedTest {
   }
 
   bool conclude() {
-    verdict_ = concluded(*frame_, oracle_->certificate(), *options_, cache_, *counters_);
+    verdict_ = concluded(guest_, host_, oracle_->certificate(), *options_, memory_, *counters_);
     return false;
   }
 };
@@ -150,7 +150,7 @@ bool pays(const Polytope& guest, const Polytope& host, const PairOptions& option
          vertices(guest, host) >= kInterleavedVertices;
 }
 
-void test_one_by_one(std::size_t pairs, const PairOptions& options, CachedPlane* cache, PairBatch& batch,
+void test_one_by_one(std::size_t pairs, const PairOptions& options, PairMemory* memory, PairBatch& batch,
                      PairCounters& counters) {
   for (std::size_t i = 0; i < pairs; ++i) {
     poll_interruption();
@@ -159,7 +159,7 @@ void test_one_by_one(std::size_t pairs, const PairOptions& options, CachedPlane*
     if (is_far(axis, options)) {
       batch.take_far(i, axis);
     } else {
-      batch.take(i, test_close_pair(guest, host, axis, options, cache, counters));
+      batch.take(i, test_close_pair(guest, host, axis, options, memory, counters));
     }
   }
 }
@@ -189,12 +189,12 @@ class Sequence {
 class Interleaving {
  public:
   Interleaving(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
-               PairBatch& batch, CachedPlane* cache, PairCounters& counters)
+               PairBatch& batch, PairMemory* memory, PairCounters& counters)
       : pairs_(pairs),
         options_(options),
         batch_(batch),
         counters_(counters),
-        cache_(cache),
+        memory_(memory),
         guests_(kWarmDistances / std::sqrt(static_cast<double>(vertices(guest, host))), guest.radius + host.radius),
         hosts_(guests_) {}
 
@@ -213,7 +213,7 @@ class Interleaving {
   std::array<SteppedTest, kUnderWay> tests_;
   std::array<SteppedTest*, kUnderWay> under_way_{};
   std::size_t next_ = 0, count_ = 0;
-  CachedPlane* cache_;  // null if none is kept
+  PairMemory* memory_;  // null if nothing is kept
   Sequence guests_, hosts_;
 
   // Begins the next pair that would wait for memory, after it has tested those before it; false if there is none left.
@@ -223,9 +223,9 @@ class Interleaving {
       const std::size_t pair = next_++;
       const PosedPolytope guest = batch_.guest(pair), host = batch_.host(pair);
       if (follows(guest, host)) {
-        batch_.take(pair, test_pair(guest, host, options_, cache_, counters_));
+        batch_.take(pair, test_pair(guest, host, options_, memory_, counters_));
       } else if (!takes_far(pair, guest, host)) {
-        if (test.begin(pair, guest, host, options_, cache_, counters_)) return true;
+        if (test.begin(pair, guest, host, options_, memory_, counters_)) return true;
         batch_.take(pair, test.verdict());
       }
     }
@@ -263,11 +263,11 @@ class Interleaving {
 class CloseHulls final : public HullTest {
  public:
   CloseHulls(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis, const PairOptions& options,
-             CachedPlane* cache, PairCounters& counters)
-      : guest_(guest), host_(host), axis_(axis), options_(options), cache_(cache), counters_(counters) {}
+             PairMemory* memory, PairCounters& counters)
+      : guest_(guest), host_(host), axis_(axis), options_(options), memory_(memory), counters_(counters) {}
 
   bool share() override {
-    verdict_ = test_close_pair(guest_, host_, axis_, options_, cache_, counters_);
+    verdict_ = test_close_pair(guest_, host_, axis_, options_, memory_, counters_);
     return verdict_.shared;
   }
 
@@ -280,13 +280,13 @@ class CloseHulls final : public HullTest {
   const PosedPolytope &guest_, &host_;
   CentreAxis& axis_;
   const PairOptions& options_;
-  CachedPlane* cache_;
+  PairMemory* memory_;
   PairCounters& counters_;
   PairVerdict verdict_;
 };
 
 // Bodies of which one is a solid: hulls that share a point are not the last word.
-void test_solids(std::size_t pairs, const PairOptions& options, CachedPlane* cache, PairBatch& batch,
+void test_solids(std::size_t pairs, const PairOptions& options, PairMemory* memory, PairBatch& batch,
                  PairCounters& counters) {
   // Where hulls are apart, though near, trees tell that as soon (measured); so they are first given much time.
   SolidHistory history{{}, true, false, SolidHistory::kFirstPatience};
@@ -304,7 +304,7 @@ void test_solids(std::size_t pairs, const PairOptions& options, CachedPlane* cac
       batch.take(i, verdict);
       continue;
     }
-    CloseHulls hulls(guest, host, axis, options, cache, counters);
+    CloseHulls hulls(guest, host, axis, options, memory, counters);
     const bool shared = solids_share_with(guest, host, hulls, options.trees_first, history, counters);
     PairVerdict verdict = hulls.verdict();
     verdict.shared = shared;
@@ -327,14 +327,14 @@ void test_half_spaces(std::size_t pairs, PairBatch& batch, PairCounters& counter
 void test_pairs(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
                 PairBatch& batch, PairCounters& counters) {
   if (guest.half_space || host.half_space) return test_half_spaces(pairs, batch, counters);
-  CachedPlane plane;
-  CachedPlane* const cache = options.cached_plane && host.has_polar() ? &plane : nullptr;
+  PairMemory of_pair;
+  PairMemory* const memory = options.cached_plane && host.has_polar() ? &of_pair : nullptr;
   if (guest.solid || host.solid || guest.parts || host.parts) {
-    test_solids(pairs, options, cache, batch, counters);
+    test_solids(pairs, options, memory, batch, counters);
   } else if (pays(guest, host, options)) {
-    Interleaving(guest, host, pairs, options, batch, cache, counters).run();
+    Interleaving(guest, host, pairs, options, batch, memory, counters).run();
   } else {
-    test_one_by_one(pairs, options, cache, batch, counters);
+    test_one_by_one(pairs, options, memory, batch, counters);
   }
 }
 

@@ -44,7 +44,8 @@ constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six
 
 }  // namespace
 
-PairFrame::PairFrame(const PosedPolytope& guest, const PosedPolytope& host, bool dents) : guest_(guest), host_(host) {
+PairFrame::PairFrame(const PosedPolytope& guest, const PosedPolytope& host, bool dents)
+    : guest_(guest.body), host_(host.body) {
   const auto& r = host.pose.m;
   const auto& p = guest.pose.m;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -77,13 +77,11 @@ inline constexpr double kAxisDefect = 8e-6;
 
 class PairFrame {
  public:
-  // `dents`: whether those of bodies count.
+  // Keeps no poses. `dents`: whether those of bodies count.
   PairFrame(const PosedPolytope& guest, const PosedPolytope& host, bool dents = false);
 
-  const Polytope& guest() const { return *guest_.body; }
-  const Polytope& host() const { return *host_.body; }
-  const PosedPolytope& posed_guest() const { return guest_; }
-  const PosedPolytope& posed_host() const { return host_; }
+  const Polytope& guest() const { return *guest_; }
+  const Polytope& host() const { return *host_; }
 
   Vec3 guest_point(Vec3 in_guest) const { return map(in_guest); }
   Vec3 guest_vertex(std::int32_t v) const { return map(guest().inner.points[static_cast<std::size_t>(v)]); }
@@ -129,7 +127,7 @@ class PairFrame {
   bool is_past_host_dents(Vec3 x, double value, long mixtures) const;
 
  private:
-  PosedPolytope guest_, host_;
+  const Polytope *guest_, *host_;
   std::array<double, 9> m_;
   Vec3 shift_;  // M_Rᵀ (t_P − t_R) − centre
   double defect_;
