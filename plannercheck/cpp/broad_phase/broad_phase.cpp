@@ -19,6 +19,7 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 void BroadPhase::begin(Workspace& w) {
   w.candidates.clear(), w.unboxed.clear();
+  w.tested = 0;
   w.boxed = false;
   w.boxes_apart = w.skipped = 0;
   w.overlapping = 0;
@@ -29,6 +30,7 @@ void BroadPhase::begin(Workspace& w) {
 void BroadPhase::find(const Lanes* links, BlockConfigurations q, int count, Filters filters, Workspace& w) const {
   begin(w);
   if (filters.overlaps && !permanent_pairs_.empty()) return take_overlapping(count, w);
+  w.boxed = filters.boxes && count >= kFewStates;
   w.links.begin(links);
   w.are_fixed = false;
   if (count < kFewStates) {
@@ -37,7 +39,7 @@ void BroadPhase::find(const Lanes* links, BlockConfigurations q, int count, Filt
       find_for_state(links_in_state(links, state, w), value, state, w);
     }
   } else {
-    find_for_block(q, count, w);
+    find_for_block(q, count, filters, w);
   }
   filter(count, filters, w);
 }
@@ -48,6 +50,7 @@ void BroadPhase::find(const FloatPose* links, const PoseError* errors, std::uint
   if (posed_by != 0 && w.fixed.posed_by != posed_by) fix_radii(errors, w.fixed), w.fixed.posed_by = posed_by;
   w.are_fixed = posed_by != 0;
   if (filters.overlaps && !permanent_pairs_.empty()) return take_overlapping(count, w);
+  w.boxed = filters.boxes && count >= kFewStates;
   w.links.begin(links, errors);
   const std::size_t expected = std::exchange(w.overlap_at_end, LikelyOverlaps::kNone);
   if (filters.overlaps && filters.learning && expected != LikelyOverlaps::kNone) {
@@ -57,7 +60,7 @@ void BroadPhase::find(const FloatPose* links, const PoseError* errors, std::uint
     if (found == states) return take_overlapping(count, w);
     w.skipped = __builtin_popcount(found) * (static_cast<long>(pairs_.size()) - 1);
   }
-  find_for_block(q, count, w);
+  find_for_block(q, count, filters, w);
   filter(count, filters, w);
 }
 
@@ -80,9 +83,9 @@ void BroadPhase::find(const PoseColumns* links, const double* q, Filters filters
 
 // Sorts the candidates into `near`, less those that balls and boxes decide.
 void BroadPhase::filter(int count, Filters filters, Workspace& w) const {
-  w.boxed = filters.boxes && count >= kFewStates;
   if (filters.overlaps) {
-    find_overlaps(count, w);
+    find_overlaps(count, 0, w);
+    drop_overlapping(w);
   } else if (w.boxed) {
     for (Candidate& candidate : w.candidates) drop_apart(candidate, candidate.states, w);
   }
@@ -129,20 +132,37 @@ void BroadPhase::take_all(int count, Workspace& w) const {
 }
 
 // For the states that no overlap has decided yet.
-void BroadPhase::find_for_block(BlockConfigurations q, int count, Workspace& w) const {
-  const unsigned open = ((1U << count) - 1) & ~w.overlapping;
+void BroadPhase::find_for_block(BlockConfigurations q, int count, Filters filters, Workspace& w) const {
+  const unsigned all = (1U << count) - 1;
   pose(movers_, w.fixed.movers, w.balls, w);
+  if (obstacles_ <= kFewObstacles) {
+    find_in_groups(count, filters, w);
+  } else {
+    for (const std::int32_t mover : movers_with_obstacles_) find_in_tree(mover, all & ~w.overlapping, w);
+  }
+  const unsigned open = all & ~w.overlapping;
+  if (open == 0) return;
   pose(slices_, w.fixed.slices, w.slices, w);
   find_among_movers(q, open, w);
   const auto posed = [&](std::size_t mover) -> const Balls& { return w.balls[mover]; };
   const auto take = [&](std::int32_t pair, unsigned near) { w.unboxed.push_back({pair, near}); };
   plane_filter_.find(posed, open, take);
   height_filter_.find(posed, open, take);
-  if (obstacles_ <= kFewObstacles) {
-    const auto groups = [&] { return mover_groups(movers_, world_boxes_, pair_of_, *sampled_); };
-    for (const MoverGroup& group : mover_groups_.get(groups)) find_listed(group, open, w);
-  } else {
-    for (const std::int32_t mover : movers_with_obstacles_) find_in_tree(mover, open, w);
+}
+
+// Where any collision decides, overlaps are looked for after each group, as those of one mostly decide all states: that
+// of the last overlap goes first.
+void BroadPhase::find_in_groups(int count, Filters filters, Workspace& w) const {
+  const unsigned all = (1U << count) - 1;
+  const auto choose = [&] { return mover_groups(movers_, world_boxes_, pair_of_, *sampled_); };
+  const std::vector<MoverGroup>& groups = mover_groups_.get(choose);
+  const std::size_t likeliest = w.likeliest_group;
+  std::size_t unseen = pairs_.size();
+  for (std::size_t k = 0; k < groups.size() && w.overlapping != all; ++k) {
+    const std::size_t g = k == 0 ? likeliest : k <= likeliest ? k - 1 : k;
+    find_listed(groups[g], all & ~w.overlapping, w);
+    unseen -= groups[g].pairs;
+    if (filters.overlaps && find_overlaps(count, unseen, w)) w.likeliest_group = g;
   }
 }
 
@@ -383,21 +403,29 @@ void BroadPhase::take_overlap(std::size_t pair, unsigned states, int count, Work
   if ((states >> (count - 1) & 1U) != 0) w.overlap_at_end = pair;
 }
 
-// Finds states that surely collide; these are dropped at once. Boxes go first, since they decide more.
-void BroadPhase::find_overlaps(int count, Workspace& w) const {
+// Finds states that surely collide, by the candidates that it has not tested yet; whether there are more of them now.
+// Boxes go first, since they decide more. `unseen`: pairs of which nobody has asked yet whether they are candidates.
+bool BroadPhase::find_overlaps(int count, std::size_t unseen, Workspace& w) const {
   const unsigned before = w.overlapping;
-  for (Candidate& candidate : w.candidates) {
+  for (; w.tested < w.candidates.size(); ++w.tested) {
+    Candidate& candidate = w.candidates[w.tested];
     unsigned open = candidate.states & ~w.overlapping;
     if (w.boxed) open = drop_apart(candidate, open, w);
     if (open != 0) take_overlap(at(candidate.pair), open & overlap(at(candidate.pair), w), count, w);
   }
   const unsigned found = w.overlapping & ~before;
-  if (found == 0) return;
+  // The pairs that overlap are themselves among those that `drop_overlapping` counts.
+  w.skipped += __builtin_popcount(found) * (static_cast<long>(unseen) - 1);
+  return found != 0;
+}
+
+// Drops the states that surely collide.
+void BroadPhase::drop_overlapping(Workspace& w) {
+  if (w.overlapping == 0) return;
   for (Candidate& candidate : w.candidates) {
-    w.skipped += __builtin_popcount(candidate.states & found);
-    candidate.states &= ~found;
+    w.skipped += __builtin_popcount(candidate.states & w.overlapping);
+    candidate.states &= ~w.overlapping;
   }
-  w.skipped += (static_cast<long>(permanent_pairs_.size()) - 1) * __builtin_popcount(found);
 }
 
 }  // namespace plannercheck

@@ -69,6 +69,7 @@ class BroadPhase {
     BlockBoxes::Workspace boxes;
     BlockOverlaps::Workspace overlaps;
     std::vector<Candidate> candidates;
+    std::size_t tested = 0;                    // so many candidates have been looked at for overlaps
     std::vector<Candidate> unboxed;            // the same with half-spaces and fields of heights
     std::vector<std::int32_t> found, reached;  // obstacles near the ball: in one state, in any state
     std::vector<unsigned> states;              // per obstacle, those in which it is near; 0 between searches
@@ -84,7 +85,8 @@ class BroadPhase {
     // The pair that was found to do so in the last state of a block, if one was: along motions, the next states mostly
     // collide alike.
     std::size_t overlap_at_end = LikelyOverlaps::kNone;
-    long skipped = 0;  // other pairs of these states
+    std::size_t likeliest_group = 0;  // of movers, in which an overlap was found last
+    long skipped = 0;                 // other pairs of these states
   };
   Workspace new_workspace() const;
 
@@ -160,7 +162,8 @@ class BroadPhase {
   BoxInStates around(const MoverGroup& group, const std::vector<Balls>& balls) const;
   static void begin(Workspace& workspace);
   void take_overlapping(int count, Workspace& workspace) const;
-  void find_for_block(BlockConfigurations q, int count, Workspace& workspace) const;
+  void find_for_block(BlockConfigurations q, int count, Filters filters, Workspace& workspace) const;
+  void find_in_groups(int count, Filters filters, Workspace& workspace) const;
   template <class Value>
   void find_for_state(const PoseColumns* links, Value value, std::size_t state, Workspace& workspace) const;
   const PoseColumns* links_in_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
@@ -181,7 +184,8 @@ class BroadPhase {
   unsigned drop_apart(Candidate& candidate, unsigned states, Workspace& workspace) const;
   void drop_apart_at_edges(Candidate& candidate, Workspace& workspace) const;
   static void take_overlap(std::size_t pair, unsigned states, int count, Workspace& workspace);
-  void find_overlaps(int count, Workspace& workspace) const;
+  bool find_overlaps(int count, std::size_t unseen, Workspace& workspace) const;
+  static void drop_overlapping(Workspace& workspace);
   unsigned overlap(std::size_t pair, Workspace& workspace) const;
 };
 

@@ -79,11 +79,16 @@ std::vector<MoverGroup> mover_groups(const std::vector<BoundingBall>& movers, co
   }
   std::vector<MoverGroup> out;
   for (std::size_t last = n; last > 0; last = begin[last]) {
-    MoverGroup group{begin[last], last, obstacles_of(begin[last], last, boxes.size(), pair_of), {}};
+    MoverGroup group{begin[last], last, obstacles_of(begin[last], last, boxes.size(), pair_of), {}, 0};
     if (group.obstacles.empty()) continue;
     std::vector<WorldBox> of_obstacles;
     for (const std::int32_t o : group.obstacles) of_obstacles.push_back(boxes[at(o)]);
     group.boxes = side_by_side<StateFloats>(of_obstacles);
+    const auto row = [&](std::size_t mover) {
+      return pair_of.begin() + static_cast<std::ptrdiff_t>(mover * boxes.size());
+    };
+    const auto is_pair = [](std::int32_t pair) { return pair >= 0; };
+    group.pairs = static_cast<std::size_t>(std::count_if(row(group.first), row(group.last), is_pair));
     out.push_back(std::move(group));
   }
   std::reverse(out.begin(), out.end());

@@ -21,6 +21,7 @@ struct MoverGroup {
   std::size_t first, last;
   std::vector<std::int32_t> obstacles;
   std::vector<BoxLanes<StateFloats>> boxes;  // of these
+  std::size_t pairs;
 };
 
 // pair_of[mover * boxes.size() + obstacle]: −1 where there is no pair.
