@@ -18,6 +18,9 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 }  // namespace
 
 void BroadPhase::begin(Workspace& w) {
+  for (; w.undecided != 0; w.undecided &= w.undecided - 1) {
+    w.near[static_cast<std::size_t>(__builtin_ctz(w.undecided))].clear();
+  }
   w.candidates.clear(), w.unboxed.clear();
   w.tested = 0;
   w.boxed = false;
@@ -92,12 +95,10 @@ void BroadPhase::filter(int count, Filters filters, Workspace& w) const {
   if (w.boxed) {
     for (Candidate& candidate : w.candidates) drop_apart_at_edges(candidate, w);
   }
-  for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
-    w.near[state].clear();
-    if ((w.overlapping >> state & 1U) != 0) continue;
-    if (!permanent_pairs_.empty()) w.near[state].assign(permanent_pairs_.begin(), permanent_pairs_.end());
-  }
   w.undecided = permanent_pairs_.empty() ? 0 : ((1U << count) - 1) & ~w.overlapping;
+  for (unsigned states = w.undecided; states != 0; states &= states - 1) {
+    w.near[static_cast<std::size_t>(__builtin_ctz(states))] = permanent_pairs_;
+  }
   w.near_pairs = static_cast<long>(permanent_pairs_.size()) * __builtin_popcount(w.undecided);
   const auto take = [&](const Candidate& candidate, unsigned states) {
     w.undecided |= states;
@@ -117,8 +118,7 @@ void BroadPhase::filter(int count, Filters filters, Workspace& w) const {
 void BroadPhase::take_overlapping(int count, Workspace& w) const {
   w.overlapping = (1U << count) - 1;
   w.skipped = count * (static_cast<long>(pairs_.size()) - 1);
-  for (auto& near : w.near) near.clear();
-  w.undecided = 0, w.near_pairs = 0;
+  w.near_pairs = 0;
 }
 
 void BroadPhase::take_all(int count, Workspace& w) const {

@@ -196,8 +196,8 @@ bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) co
 
 // Most states are decided, so that this is inlined where they are judged, and no more than this.
 inline bool CheckerCore::is_free(std::size_t state, Workspace& w) const {
-  if ((w.broad_phase.overlapping >> state & 1U) != 0) return false;
-  return (w.broad_phase.undecided >> state & 1U) == 0 || no_pair_collides(state, w);
+  if ((w.broad_phase.undecided >> state & 1U) != 0) return no_pair_collides(state, w);
+  return (w.broad_phase.overlapping >> state & 1U) == 0;
 }
 
 bool CheckerCore::no_pair_collides(std::size_t state, Workspace& w) const {
