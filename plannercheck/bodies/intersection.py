@@ -43,7 +43,8 @@ class Switches:
     Attributes:
         method: "oracle" (small active sets on both sides), "walk" (the paper's coupled walk) or "exact" (exact
             arithmetic alone).
-        cached_plane: First try the plane that separated the pair last time, also for an earlier motion.
+        cached_plane: First try the plane that separated the pair last time, also for an earlier motion; the method
+            "oracle" then begins with the vertices and facets that it ended with, where it had taken long.
         box_face: In checkers, try the face of a box around one body that comes nearest to separating both boxes.
         centre_axis: Try the axis between the centres, and balls around them, before the method.
         turned_axis: Turn that axis to where the bodies would face each other if they were ellipsoids.

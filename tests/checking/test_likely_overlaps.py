@@ -62,6 +62,32 @@ def test_blocks_that_collide_alike_bound_no_other_pair(panda):
     assert np.mean(np.equal(spent, 0)) > 0.5
 
 
+@pytest.mark.parametrize(("name", "scene"), [("panda", "cage"), ("baxter", "kitchen"), ("ur5", "kitchen")])
+def test_each_pair_of_a_state_counts_once(name, scene):
+    """Also where overlaps of some movers have decided all states before others are looked at."""
+    robot = pc.Robot.load(name)
+    checker = pc.Checker(robot, pc.Scene.load(scene))
+    q = robot.random_configurations(640, seed=10)
+    along = np.concatenate([np.linspace(a, b, 64) for a, b in zip(q[:10], q[10:20], strict=True)])
+    plain = pc.Checker(robot, pc.Scene.load(scene), bounds=False)
+    for rows in (q, along):
+        assert checker.check_states(rows).tolist() == plain.check_states(rows).tolist()
+        counted = checker.statistics()
+        settled = set(counted) - {"states", "pairs", "queries"}
+        assert sum(counted[key] for key in settled) == counted["pairs"]
+        assert min(counted[key] for key in settled) >= 0
+
+
+def test_what_open_states_were_near_is_forgotten(panda):
+    """Found by a test of orders: a set ends with a block of open states and a smaller one, whose other states keep the
+    first one's pairs, and the next set's states in their places have pairs of another state."""
+    checker = pc.Checker(panda, pc.Scene.load("bookshelf"))
+    q = panda.random_configurations(1001, seed=3)
+    alone = [checker.first_colliding_pair(row)[0] for row in q]
+    for _ in range(3):
+        assert checker.first_colliding_pair(q).tolist() == alone
+
+
 def test_a_collision_is_not_looked_for_among_all_pairs_again(panda):
     """Once a pair stands out, states in which it overlaps have no pair bounded by balls."""
     checker = pc.Checker(panda, pc.Scene.load("bookshelf"))

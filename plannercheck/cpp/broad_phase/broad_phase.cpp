@@ -17,10 +17,14 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-void BroadPhase::begin(Workspace& w) {
+void BroadPhase::clear_near(Workspace& w) {
   for (; w.undecided != 0; w.undecided &= w.undecided - 1) {
     w.near[static_cast<std::size_t>(__builtin_ctz(w.undecided))].clear();
   }
+}
+
+void BroadPhase::begin(Workspace& w) {
+  clear_near(w);
   w.candidates.clear(), w.unboxed.clear();
   w.tested = 0;
   w.boxed = false;

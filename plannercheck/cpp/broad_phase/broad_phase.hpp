@@ -74,8 +74,8 @@ class BroadPhase {
     std::vector<std::int32_t> found, reached;  // obstacles near the ball: in one state, in any state
     std::vector<unsigned> states;              // per obstacle, those in which it is near; 0 between searches
     std::array<std::vector<std::int32_t>, kBlockStates> near;  // pairs, by state
-    // What `near` says as well; to read all its lists would take 2 % of a state along motions.
-    unsigned undecided = 0;                       // states in which a pair is near, a bit each
+    // What `near` says as well; to look at all its lists would take some per cent of a state.
+    unsigned undecided = 0;                       // states in which a pair is near, a bit each: other lists are empty
     long near_pairs = 0;                          // of all states
     bool boxed = false;                           // whether boxes have been tested
     long boxes_apart = 0;                         // pairs that the boxes separate
@@ -107,6 +107,8 @@ class BroadPhase {
   void find(const PoseColumns* links, const double* q, Filters filters, Workspace& workspace) const;
   // The same without bounds: all pairs.
   void take_all(int count, Workspace& workspace) const;
+  // Empties `near`, for callers that fill it themselves.
+  static void clear_near(Workspace& workspace);
 
  private:
   // Scenes of up to this many obstacles are tested one by one faster than by the tree (measured).

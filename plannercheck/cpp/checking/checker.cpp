@@ -353,6 +353,7 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
 template <class Judge>
 void CheckerCore::judge_open(const double* q, std::size_t width, Workspace& w, Judge judge) const {
   std::array<std::size_t, kBlockStates> rows;
+  BroadPhase::clear_near(w.broad_phase);
   const std::size_t count = w.open.take(rows, w.broad_phase.near);
   load_rows<kBlockStates>([&](std::size_t state) { return q + rows[state] * width; }, count, width, w.columns.data());
   pose_links(width, static_cast<int>(count), w);
