@@ -133,8 +133,10 @@ def test_less_is_tested():
 
 
 def with_made_up_cells(may_meet):
-    """A checker of the Panda whose pairs of a finger and link 5 are looked up in these cells, and in no other way first:
-    what has learnt asks pairs that collided lately before it looks up their cells."""
+    """A checker of the Panda whose pairs of a finger and link 5 are looked up in these cells.
+
+    It learns nothing, as it would ask pairs that collided lately before it looks up their cells.
+    """
     checker = pc.Checker(pc.Robot.load("panda"), pc.Scene(), learning=False)
     robot = checker.robot
     (real,) = cells_of(checker)
