@@ -53,7 +53,8 @@ class PairQueries {
     PairCounters counters;
     if (is_of_half_space(a, b)) return nb::bool_(half_space_contact(a, b, counters).shared);
     const bool a_hosts = choose_host(*a.body, *b.body) == 0;
-    return nb::bool_(bodies_share(test_pair(a_hosts ? b : a, a_hosts ? a : b, options_, {}, counters), a, b, counters));
+    return nb::bool_(
+        bodies_share(test_pair(a_hosts ? b : a, a_hosts ? a : b, options_, nullptr, counters), a, b, counters));
   }
 
   // (distance, lower bound, points on p and r and the direction from r to p as rows).

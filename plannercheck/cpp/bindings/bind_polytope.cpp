@@ -264,7 +264,7 @@ nb::dict certify_pair(const Polytope& a, InputArray<double, 4, 4> pose_a, const 
   PairCounters counters;
   const PosedPolytope &guest = a_hosts ? pb : pa, &host = a_hosts ? pa : pb;
   if (is_of_half_space(guest, host)) throw nb::value_error("a half-space has certificates of its own");
-  PairVerdict verdict = test_pair(guest, host, options, {}, counters);
+  PairVerdict verdict = test_pair(guest, host, options, nullptr, counters);
   verdict.shared = bodies_share(verdict, guest, host, counters);
   if (explain && verdict.shared && !verdict.exact) {
     // The vertices and weights behind a shared point come from the exact stage.

@@ -35,7 +35,7 @@ std::vector<bool> permanent_collisions(const std::vector<GeometryObject>& bodies
     const PosedPolytope a{guest.body.get(), guest.placement}, b{host.body.get(), host.placement};
     out[k] = is_of_parts(a, b) || is_of_half_space(a, b)
                  ? static_cast<bool>(solids_contact(a, b, {}, counters))
-                 : bodies_share(test_pair(a, b, options, {}, counters), a, b, counters);
+                 : bodies_share(test_pair(a, b, options, nullptr, counters), a, b, counters);
   }
   return out;
 }
@@ -69,7 +69,7 @@ BroadPhase::Filters filters_of(const CheckerOptions& options, Query query) {
 class HullsOfPair final : public HullTest {
  public:
   HullsOfPair(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, bool likely,
-              const PairOptions& options, PairMemory memory, CheckerCounters& counters)
+              const PairOptions& options, PairMemory& memory, CheckerCounters& counters)
       : guest_(guest),
         host_(host),
         frame_(frame),
@@ -80,7 +80,7 @@ class HullsOfPair final : public HullTest {
 
   bool share() override {
     was_asked_ = true;
-    const PairVerdict verdict = test_pair(guest_, host_, frame_, likely_, options_, memory_, counters_.pair);
+    const PairVerdict verdict = test_pair(guest_, host_, frame_, likely_, options_, &memory_, counters_.pair);
     ++counters_.stages[static_cast<std::size_t>(verdict.stage)];
     settled_ = verdict.settles;
     return verdict.shared;
@@ -94,7 +94,7 @@ class HullsOfPair final : public HullTest {
   const PairFrame& frame_;
   bool likely_;
   const PairOptions& options_;
-  PairMemory memory_;
+  PairMemory& memory_;
   CheckerCounters& counters_;
   bool was_asked_ = false, settled_ = true;
 };
@@ -133,8 +133,7 @@ std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
   w->links.resize(kBlockGroups * at(links_) * 12);
   w->broad_phase = broad_phase_->new_workspace();
   w->open = OpenStates(pairs_.size());
-  w->planes.resize(pairs_.size());
-  w->actives.resize(pairs_.size());
+  w->memories.resize(pairs_.size());
   if (has_solids_) {
     w->histories.resize(pairs_.size(), {{}, true, options_.pair.cached_plane});
     w->clear.resize(pairs_.size());
@@ -183,7 +182,7 @@ bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) co
     return false;
   }
   const bool likely = options_.learning && 2 * w.hits[pair] > w.tests[pair]++;
-  HullsOfPair hulls(a, b, frame, likely, options_.pair, {&w.planes[pair], &w.actives[pair]}, w.counters);
+  HullsOfPair hulls(a, b, frame, likely, options_.pair, w.memories[pair], w.counters);
   bool shared;
   if (fill_their_hulls(a, b)) {
     shared = hulls.share() && (hulls.settled() || between_dents_share(a, b, w.histories[pair], w.counters.pair));

@@ -42,8 +42,7 @@ struct CheckerCore::Workspace {
   OpenStates open;             // of the set, left open by poses in floats
   std::uint64_t posed_by = 0;  // the kinematics for which the posers are prepared
   BroadPhase::Workspace broad_phase;
-  std::vector<CachedPlane> planes;         // per pair
-  std::vector<ActiveSet> actives;          // per pair
+  std::vector<PairMemory> memories;        // per pair
   std::vector<SolidHistory> histories;     // per pair of solids
   std::uint64_t judged = 0;                // counts the states that are judged
   std::vector<GroupLook> groups;           // of parts: what the last look at each has shown

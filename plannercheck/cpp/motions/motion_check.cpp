@@ -377,7 +377,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     if (is_of_parts(s.pair)) return static_cast<bool>(solids_contact(a, b, {}, w_.counters.pair, options));
     PairOptions of_pair;
     of_pair.dents = certifier_.options_.dents;
-    return bodies_share(test_pair(a, b, of_pair, {}, w_.counters.pair), a, b, w_.counters.pair);
+    return bodies_share(test_pair(a, b, of_pair, nullptr, w_.counters.pair), a, b, w_.counters.pair);
   }
 
   bool is_apart(PairState& s, std::size_t state, double limit) {

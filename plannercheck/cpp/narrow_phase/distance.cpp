@@ -120,7 +120,7 @@ PairDistance convex_distance(const PosedPolytope& guest, const PosedPolytope& ho
     const bool guest_hosts = choose_host(*guest.body, *host.body) == 0;
     PairOptions of_hulls;
     of_hulls.dents = false;
-    overlap = test_pair(guest_hosts ? host : guest, guest_hosts ? guest : host, of_hulls, {}, counters).shared;
+    overlap = test_pair(guest_hosts ? host : guest, guest_hosts ? guest : host, of_hulls, nullptr, counters).shared;
   }
   const bool in_doubt = !goal.met(found) && !(overlap && found.start.count == 4);
   if (in_doubt) found = hull_distance_double_double(guest, host, found, goal, counters);

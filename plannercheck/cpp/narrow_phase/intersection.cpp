@@ -80,23 +80,24 @@ PairVerdict without_polar(const PosedPolytope& guest, const PosedPolytope& host,
 
 // The stages that cost a game: the solver, then, where it does not apply or decide, the stages without a polar.
 PairVerdict solved(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, std::int32_t lowest,
-                   const CentreAxis& axis, const PairOptions& options, PairMemory memory, PairCounters& counters) {
+                   const CentreAxis& axis, const PairOptions& options, PairMemory* memory, PairCounters& counters) {
   if (!host.body->has_polar()) return without_polar(guest, host, axis.direction(), options, counters);
-  const Certificate certificate = options.solver == Solver::kWalk
-                                      ? coupled_walk(frame, counters)
-                                      : double_oracle(frame, lowest, memory.actives, counters);
+  ActiveSet* const last = memory == nullptr ? nullptr : &memory->actives;
+  const Certificate certificate =
+      options.solver == Solver::kWalk ? coupled_walk(frame, counters) : double_oracle(frame, lowest, last, counters);
   return concluded(guest, host, certificate, options, memory, counters);
 }
 
-// What is kept for the next poses of this pair.
-PairMemory kept(const Polytope& host, const PairOptions& options, PairMemory memory) {
-  return options.cached_plane && host.has_polar() ? memory : PairMemory{};
+// What is kept for the next poses of this pair; null where nothing is.
+PairMemory* kept(const Polytope& host, const PairOptions& options, PairMemory* memory) {
+  return options.cached_plane && host.has_polar() ? memory : nullptr;
 }
 
 // Whether the plane that separated this pair at earlier poses separates it now.
-[[gnu::always_inline]] inline bool plane_holds(const PairFrame& frame, PairMemory memory, PairCounters& counters) {
-  if (memory.plane == nullptr || !memory.plane->valid) return false;
-  const auto& [q, mixtures, valid] = *memory.plane;
+[[gnu::always_inline]] inline bool plane_holds(const PairFrame& frame, const PairMemory* memory,
+                                               PairCounters& counters) {
+  if (memory == nullptr || !memory->plane.valid) return false;
+  const auto& [q, mixtures, valid] = memory->plane;
   ++counters.guest_queries;
   const std::int32_t p = extreme(frame.guest().inner, frame.guest_direction(q), counters.queries);
   return frame.separates(q, dot(q, frame.guest_vertex(p)), mixtures);
@@ -126,13 +127,13 @@ double conditioning(const Polytope& body) {
 
 }  // namespace
 
-PairVerdict certified(const Certificate& certificate, PairMemory memory) {
+PairVerdict certified(const Certificate& certificate, PairMemory* memory) {
   PairVerdict verdict;
   verdict.certificate = certificate;
   verdict.shared = certificate.answer == Answer::kShared;
   verdict.stage = certificate.stage;
-  if (memory.plane != nullptr && !verdict.shared) {
-    *memory.plane = {certificate.q, static_cast<std::int32_t>(certificate.mixtures), true};
+  if (memory != nullptr && !verdict.shared) {
+    memory->plane = {certificate.q, static_cast<std::int32_t>(certificate.mixtures), true};
   }
   return verdict;
 }
@@ -140,7 +141,7 @@ PairVerdict certified(const Certificate& certificate, PairMemory memory) {
 // A certificate is undecided if the gap is too small for the polar's bound, or within the inflation radius of separated
 // hulls.
 PairVerdict concluded(const PosedPolytope& guest, const PosedPolytope& host, const Certificate& certificate,
-                      const PairOptions& options, PairMemory memory, PairCounters& counters) {
+                      const PairOptions& options, PairMemory* memory, PairCounters& counters) {
   if (certificate.answer != Answer::kUndecided) return certified(certificate, memory);
   return without_polar(guest, host, host.pose.rotate(certificate.q), options, counters);
 }
@@ -148,39 +149,39 @@ PairVerdict concluded(const PosedPolytope& guest, const PosedPolytope& host, con
 int choose_host(const Polytope& a, const Polytope& b) { return conditioning(b) <= conditioning(a) ? 1 : 0; }
 
 PairVerdict test_pair(const PosedPolytope& guest, const PosedPolytope& host, const PairOptions& options,
-                      PairMemory memory, PairCounters& counters) {
+                      PairMemory* memory, PairCounters& counters) {
   CentreAxis axis(guest, host);
   if (!is_far(axis, options)) return test_close_pair(guest, host, axis, options, memory, counters);
   memory = kept(*host.body, options, memory);
-  return certified(axis.separated(memory.plane != nullptr), memory);
+  return certified(axis.separated(memory != nullptr), memory);
 }
 
 namespace {
 
 PairVerdict close_hulls_verdict(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis,
-                                const PairOptions& options, PairMemory memory, PairCounters& counters) {
+                                const PairOptions& options, PairMemory* memory, PairCounters& counters) {
   if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
   memory = kept(*host.body, options, memory);
   std::int32_t lowest = 0;
   if (options.centre_axis) {
     if (options.turned_axis) axis.turn();
-    const Certificate found = axis.decide(memory.plane != nullptr, &lowest, counters);
+    const Certificate found = axis.decide(memory != nullptr, &lowest, counters);
     if (found.answer != Answer::kUndecided) return certified(found, memory);
   }
   const PairFrame frame(guest, host, options.dents);
-  if (plane_holds(frame, memory, counters)) return cached(*memory.plane);
+  if (plane_holds(frame, memory, counters)) return cached(memory->plane);
   const Certificate found = by_facets(frame, guest.pose, axis, options, counters);
   if (found.answer != Answer::kUndecided) return certified(found, memory);
   return solved(guest, host, frame, lowest, axis, options, memory, counters);
 }
 
 PairVerdict hulls_verdict(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, bool likely,
-                          const PairOptions& options, PairMemory memory, PairCounters& counters) {
+                          const PairOptions& options, PairMemory* memory, PairCounters& counters) {
   if (options.solver == Solver::kExact) {
     return exact_verdict(guest, host, along(CentreAxis(guest, host).direction()));
   }
   memory = kept(*host.body, options, memory);
-  if (plane_holds(frame, memory, counters)) return cached(*memory.plane);
+  if (plane_holds(frame, memory, counters)) return cached(memory->plane);
   if (!likely) {
     const Certificate found = by_box_face(frame, options, counters);
     if (found.answer != Answer::kUndecided) return certified(found, memory);
@@ -191,7 +192,7 @@ PairVerdict hulls_verdict(const PosedPolytope& guest, const PosedPolytope& host,
     lowest = axis.nearly_lowest(counters);
   } else if (options.centre_axis) {
     if (options.turned_axis) axis.turn();
-    const Certificate found = axis.decide(memory.plane != nullptr, &lowest, counters);
+    const Certificate found = axis.decide(memory != nullptr, &lowest, counters);
     if (found.answer != Answer::kUndecided) return certified(found, memory);
   }
   const bool tried = guest.body->is_box != 0 && host.body->is_box != 0;  // by PairFrame::boxes_apart
@@ -205,14 +206,14 @@ PairVerdict hulls_verdict(const PosedPolytope& guest, const PosedPolytope& host,
 }  // namespace
 
 PairVerdict test_close_pair(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis,
-                            const PairOptions& options, PairMemory memory, PairCounters& counters) {
+                            const PairOptions& options, PairMemory* memory, PairCounters& counters) {
   PairVerdict verdict = close_hulls_verdict(guest, host, axis, options, memory, counters);
   settle(guest, host, options, verdict);
   return verdict;
 }
 
 PairVerdict test_pair(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, bool likely,
-                      const PairOptions& options, PairMemory memory, PairCounters& counters) {
+                      const PairOptions& options, PairMemory* memory, PairCounters& counters) {
   PairVerdict verdict = hulls_verdict(guest, host, frame, likely, options, memory, counters);
   settle(guest, host, options, verdict);
   return verdict;

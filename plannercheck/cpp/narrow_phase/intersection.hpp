@@ -37,10 +37,10 @@ struct CachedPlane {
   bool valid = false;
 };
 
-// Where it is kept what earlier poses of a pair have shown, which no verdict depends on; null where it is not.
+// What earlier poses of a pair have shown, which no verdict depends on.
 struct PairMemory {
-  CachedPlane* plane = nullptr;
-  ActiveSet* actives = nullptr;  // only of poses that are like each other: else the solver starts worse
+  CachedPlane plane;
+  ActiveSet actives;
 };
 
 struct PairVerdict {
@@ -56,19 +56,19 @@ struct PairVerdict {
 
 // The verdict of the solver's certificate or, if that is undecided, of the stages after it.
 PairVerdict concluded(const PosedPolytope& guest, const PosedPolytope& host, const Certificate& certificate,
-                      const PairOptions& options, PairMemory memory, PairCounters& counters);
+                      const PairOptions& options, PairMemory* memory, PairCounters& counters);
 
 // The verdict of a certificate that is not undecided; caches its plane.
-PairVerdict certified(const Certificate& certificate, PairMemory memory);
+PairVerdict certified(const Certificate& certificate, PairMemory* memory);
 
 // The body whose polar is better conditioned hosts: 0 for `a`, 1 for `b`. Bodies without volume have none.
 int choose_host(const Polytope& a, const Polytope& b);
 
 // `likely`: most poses of this pair share a point, so such a certificate is sought first. Verdicts do not depend on it.
 PairVerdict test_pair(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, bool likely,
-                      const PairOptions& options, PairMemory memory, PairCounters& counters);
+                      const PairOptions& options, PairMemory* memory, PairCounters& counters);
 PairVerdict test_pair(const PosedPolytope& guest, const PosedPolytope& host, const PairOptions& options,
-                      PairMemory memory, PairCounters& counters);
+                      PairMemory* memory, PairCounters& counters);
 
 // Whether the balls around the centres are apart, and options allow to decide by them; takes no support query.
 inline bool is_far(const CentreAxis& axis, const PairOptions& options) {
@@ -76,6 +76,6 @@ inline bool is_far(const CentreAxis& axis, const PairOptions& options) {
 }
 // The test of a pair for which `is_far` is false. `axis` may be turned.
 PairVerdict test_close_pair(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis,
-                            const PairOptions& options, PairMemory memory, PairCounters& counters);
+                            const PairOptions& options, PairMemory* memory, PairCounters& counters);
 
 }  // namespace plannercheck

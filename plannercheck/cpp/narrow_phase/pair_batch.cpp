@@ -49,9 +49,9 @@ struct DeferredSupport {
 // planes of other poses hardly ever hold (at most two of 300 random ones).
 class SteppedTest {
  public:
-  // False if the verdict is known already. `memory`: of the pair.
+  // False if the verdict is known already. `memory`: of the pair; may be null.
   bool begin(std::size_t pair, const PosedPolytope& guest, const PosedPolytope& host, const PairOptions& options,
-             PairMemory memory, PairCounters& counters) {
+             PairMemory* memory, PairCounters& counters) {
     pair_ = pair, options_ = &options, memory_ = memory, counters_ = &counters;
     guest_ = guest, host_ = host;
     if (!options_->centre_axis) return begin_solver(0);
@@ -70,7 +70,7 @@ class SteppedTest {
 
  private:
   const PairOptions* options_ = nullptr;
-  PairMemory memory_;
+  PairMemory* memory_ = nullptr;
   PairCounters* counters_ = nullptr;
   std::size_t pair_ = 0;
   PosedPolytope guest_{}, host_{};
@@ -104,7 +104,7 @@ class SteppedTest {
   }
 
   bool after_highest() {
-    const Certificate found = axis_->decide(of_guest_, descent_.point(), memory_.plane != nullptr);
+    const Certificate found = axis_->decide(of_guest_, descent_.point(), memory_ != nullptr);
     return found.answer != Answer::kUndecided ? end(found) : begin_solver(lowest_);
   }
 
@@ -150,7 +150,7 @@ bool pays(const Polytope& guest, const Polytope& host, const PairOptions& option
          vertices(guest, host) >= kInterleavedVertices;
 }
 
-void test_one_by_one(std::size_t pairs, const PairOptions& options, PairMemory memory, PairBatch& batch,
+void test_one_by_one(std::size_t pairs, const PairOptions& options, PairMemory* memory, PairBatch& batch,
                      PairCounters& counters) {
   for (std::size_t i = 0; i < pairs; ++i) {
     poll_interruption();
@@ -189,7 +189,7 @@ class Sequence {
 class Interleaving {
  public:
   Interleaving(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
-               PairBatch& batch, PairMemory memory, PairCounters& counters)
+               PairBatch& batch, PairMemory* memory, PairCounters& counters)
       : pairs_(pairs),
         options_(options),
         batch_(batch),
@@ -213,7 +213,7 @@ class Interleaving {
   std::array<SteppedTest, kUnderWay> tests_;
   std::array<SteppedTest*, kUnderWay> under_way_{};
   std::size_t next_ = 0, count_ = 0;
-  PairMemory memory_;
+  PairMemory* memory_;  // null if nothing is kept
   Sequence guests_, hosts_;
 
   // Begins the next pair that would wait for memory, after it has tested those before it; false if there is none left.
@@ -263,7 +263,7 @@ class Interleaving {
 class CloseHulls final : public HullTest {
  public:
   CloseHulls(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis, const PairOptions& options,
-             PairMemory memory, PairCounters& counters)
+             PairMemory* memory, PairCounters& counters)
       : guest_(guest), host_(host), axis_(axis), options_(options), memory_(memory), counters_(counters) {}
 
   bool share() override {
@@ -280,13 +280,13 @@ class CloseHulls final : public HullTest {
   const PosedPolytope &guest_, &host_;
   CentreAxis& axis_;
   const PairOptions& options_;
-  PairMemory memory_;
+  PairMemory* memory_;
   PairCounters& counters_;
   PairVerdict verdict_;
 };
 
 // Bodies of which one is a solid: hulls that share a point are not the last word.
-void test_solids(std::size_t pairs, const PairOptions& options, PairMemory memory, PairBatch& batch,
+void test_solids(std::size_t pairs, const PairOptions& options, PairMemory* memory, PairBatch& batch,
                  PairCounters& counters) {
   // Where hulls are apart, though near, trees tell that as soon (measured); so they are first given much time.
   SolidHistory history{{}, true, false, SolidHistory::kFirstPatience};
@@ -327,8 +327,8 @@ void test_half_spaces(std::size_t pairs, PairBatch& batch, PairCounters& counter
 void test_pairs(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
                 PairBatch& batch, PairCounters& counters) {
   if (guest.half_space || host.half_space) return test_half_spaces(pairs, batch, counters);
-  CachedPlane plane;  // of its poses nobody knows whether they are alike
-  const PairMemory memory{options.cached_plane && host.has_polar() ? &plane : nullptr, nullptr};
+  PairMemory of_pair;
+  PairMemory* const memory = options.cached_plane && host.has_polar() ? &of_pair : nullptr;
   if (guest.solid || host.solid || guest.parts || host.parts) {
     test_solids(pairs, options, memory, batch, counters);
   } else if (pays(guest, host, options)) {

@@ -21,7 +21,7 @@ class PairBatch {
   virtual void take(std::size_t i, const PairVerdict& verdict) = 0;
   // For bodies whose balls are apart, which are many: batches that need no certificate replace this. No plane is kept
   // of them, since the next pose tries the same axis before a kept plane.
-  virtual void take_far(std::size_t i, const CentreAxis& axis) { take(i, certified(axis.separated(false), {})); }
+  virtual void take_far(std::size_t i, const CentreAxis& axis) { take(i, certified(axis.separated(false), nullptr)); }
 
  protected:
   ~PairBatch() = default;

@@ -33,7 +33,7 @@ PartBodies& part_bodies() {
 
 PairVerdict convex_contact(const PosedPolytope& part, const PosedPolytope& body, PairCounters& counters) {
   const bool hosts = choose_host(*part.body, *body.body) == 1;
-  return hosts ? test_pair(part, body, {}, {}, counters) : test_pair(body, part, {}, {}, counters);
+  return hosts ? test_pair(part, body, {}, nullptr, counters) : test_pair(body, part, {}, nullptr, counters);
 }
 
 // Whether one part, posed as its set, shares a point with a body that is no set.

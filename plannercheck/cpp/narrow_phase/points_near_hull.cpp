@@ -194,7 +194,7 @@ bool PointsNearHull::is_near(Vec3 point, double radius, PairCounters& counters) 
     if (found.answer == Answer::kSeparated) beyond_ = body_.pose.rotate_back(found.direction);
     if (found.answer != Answer::kUndecided) return found.answer == Answer::kShared;
   }
-  return test_pair(guest, body_, {}, {}, counters).shared;
+  return test_pair(guest, body_, {}, nullptr, counters).shared;
 }
 
 unsigned PointsNearHull::maybe_near(const double* x, const double* y, const double* z, const double* radii,

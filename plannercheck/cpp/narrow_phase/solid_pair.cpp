@@ -204,7 +204,7 @@ class ContactSearch {
       filled[side].fill({{t[0], t[1], t[2]}, t.size(), 0}, bodies_[side].body->inflation_radius);
     }
     const PosedPolytope a{&filled[0].body(), bodies_[0].pose}, b{&filled[1].body(), bodies_[1].pose};
-    return test_pair(a, b, {}, {}, counters_).shared;
+    return test_pair(a, b, {}, nullptr, counters_).shared;
   }
 
   // A vertex around which a closed solid winds, of those that stand for parts of another one; or −1.
