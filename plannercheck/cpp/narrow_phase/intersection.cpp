@@ -82,7 +82,7 @@ PairVerdict without_polar(const PosedPolytope& guest, const PosedPolytope& host,
 PairVerdict solved(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, std::int32_t lowest,
                    const CentreAxis& axis, const PairOptions& options, PairMemory* memory, PairCounters& counters) {
   if (!host.body->has_polar()) return without_polar(guest, host, axis.direction(), options, counters);
-  ActiveSet* const last = memory == nullptr ? nullptr : &memory->actives;
+  ActiveSet* const last = memory != nullptr && options.active_sets ? &memory->actives : nullptr;
   const Certificate certificate =
       options.solver == Solver::kWalk ? coupled_walk(frame, counters) : double_oracle(frame, lowest, last, counters);
   return concluded(guest, host, certificate, options, memory, counters);

@@ -28,6 +28,9 @@ struct PairOptions {
   bool interleaving = true;    // whether a batch interleaves the tests of several pairs of large bodies
   bool trees_first = true;     // whether solids whose hulls met last are tested before their hulls
   bool dents = true;           // whether hulls that meet deeper than the dents of their solids are the last word
+  // With cached planes: whether the solver begins with what it ended with at the pair's last poses. Where poses are not
+  // alike, that is worse than nothing.
+  bool active_sets = true;
 };
 
 // The plane that separated a pair last time, in the host's frame.
