@@ -59,9 +59,14 @@ def _unnamed(folder: Path, mode: int) -> Iterator[int | None]:
 
 
 def _named(file: Path, path: Path) -> None:
-    """Gives an unnamed file its name; where there is a file already, by way of another name."""
+    """Gives an unnamed file its name; where there is a file already, by way of another name.
+
+    A process that is killed between the two steps leaves the other name behind, so that they are taken only then.
+    """
     aside, folder = _other_name(path), os.open(path.parent, os.O_RDONLY)
     try:  # with a folder's descriptor Python calls linkat, else link, which does not follow
+        with contextlib.suppress(FileExistsError):
+            return os.link(file, path.name, dst_dir_fd=folder, follow_symlinks=True)
         os.link(file, aside.name, dst_dir_fd=folder, follow_symlinks=True)
     finally:
         os.close(folder)
