@@ -16,6 +16,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import Any
 
 # s: between two calls of the handler. Far below what a person notices, far above what a call takes.
 _IN_IMPORTS, _ONCE_RAISED = 0.02, 0.2
@@ -42,10 +43,13 @@ def ended_by_signals() -> Iterator[EndingSignals]:
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         numbers.append(signal.SIGINT)
     before = {number: signal.signal(number, handler) for number in numbers}
+    said = sys.unraisablehook
+    sys.unraisablehook = _but_interruptions(said)
     try:
         yield handler
     finally:
         handler.stop()
+        sys.unraisablehook = said
         for number, previous in before.items():
             signal.signal(number, previous)
 
@@ -98,6 +102,16 @@ class EndingSignals:
         with self._sending:
             if not self._ended:
                 signal.pthread_kill(threading.main_thread().ident or 0, number)
+
+
+def _but_interruptions(say: Callable[[Any], object]) -> Callable[[Any], object]:
+    """Says nothing of an interruption that Python drops, in a weak reference's callback for one: it comes again."""
+
+    def say_others(dropped: Any) -> None:
+        if not isinstance(dropped.exc_value, KeyboardInterrupt):
+            say(dropped)
+
+    return say_others
 
 
 def _is_importing(frame: FrameType | None) -> bool:
