@@ -40,12 +40,17 @@ def interrupted(kind):
     return reference
 
 
+def go_on_after_an_interruption():
+    interrupted(KeyboardInterrupt)
+    time.sleep(5)
+
+
 def test_an_interruption_that_is_dropped_comes_again_and_is_not_said(said):
     """Found by a run of all tests: the trace of one in a callback stood before the line that a command ends with."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         with pytest.raises(KeyboardInterrupt), ended_by_signals():
-            time.sleep(0 if interrupted(KeyboardInterrupt) is None else 5)
+            go_on_after_an_interruption()
     finally:
         signal.signal(signal.SIGINT, before)
     assert said == []

@@ -44,25 +44,6 @@ inline Lanes reduced_by(Lanes a, Lanes b, Lanes c) {
 #endif
 }
 
-// The low 32 bits of numbers in Lanes, one group of them after the other.
-template <int count = kBlockStates>
-inline auto low_words(const Lanes* from) {
-  typedef int Words __attribute__((vector_size(sizeof(Lanes))));
-  const auto places = [](auto pick) {
-    return [&]<int... k>(std::integer_sequence<int, k...>) {
-      return pick.template operator()<k...>();
-    }(std::make_integer_sequence<int, count>{});
-  };
-  if constexpr (count == 2 * kLanes) {
-    return places([&]<int... k>() {
-      return shuffled<2 * k...>(reinterpret_cast<Words>(from[0]), reinterpret_cast<Words>(from[1]));
-    });
-  } else {
-    const auto low = low_words<count / 2>(from), high = low_words<count / 2>(from + count / 2 / kLanes);
-    return places([&]<int... k>() { return shuffled<k...>(low, high); });
-  }
-}
-
 inline StateFloats chosen(StateMask mask, StateFloats yes, StateFloats no) {
   return (StateFloats)((mask & (StateMask)yes) | (~mask & (StateMask)no));
 }
@@ -81,7 +62,7 @@ inline FloatSinCos float_sincos(const Lanes (&angle)[kBlockGroups]) {
     multiples[group] = reduced_by(angle[group], broadcast(kTwoOverPi), broadcast(kRoundToInteger));
     rests[group] = reduced_by(multiples[group] - kRoundToInteger, broadcast(-kHalfPi), angle[group]);
   }
-  const StateMask quarter = low_words(multiples);
+  const StateMask quarter = joined_low_words<kBlockStates>(multiples);  // the multiples' last bits
   const StateFloats r = joined_floats<kBlockStates>(rests, 1);
   const StateFloats z = r * r;
   const StateFloats sin_r = multiply_add(r, z * polynomial(kSin, z), r);

@@ -73,6 +73,21 @@ inline auto joined_floats(const Lanes* from, std::size_t stride) {
   }
 }
 
+// The low 32 bits of each of `count` numbers in Lanes, one group after the other.
+template <int count>
+inline auto joined_low_words(const Lanes* from) {
+  typedef int Words __attribute__((vector_size(sizeof(Lanes))));
+  constexpr auto places = std::make_integer_sequence<int, count>{};
+  if constexpr (count == 2 * kLanes) {
+    return [&]<int... k>(std::integer_sequence<int, k...>) {
+      return shuffled<2 * k...>(reinterpret_cast<Words>(from[0]), reinterpret_cast<Words>(from[1]));
+    }(places);
+  } else {
+    const auto low = joined_low_words<count / 2>(from), high = joined_low_words<count / 2>(from + count / 2 / kLanes);
+    return [&]<int... k>(std::integer_sequence<int, k...>) { return shuffled<k...>(low, high); }(places);
+  }
+}
+
 // Vectors of any number of floats.
 template <class Vector>
 concept FloatVector = std::is_same_v<std::remove_cvref_t<decltype(std::declval<Vector&>()[0])>, float>;
