@@ -143,3 +143,49 @@ def _loaded(path: Path) -> Any:
         if "No meshes remain" in reason:
             reason = _NO_FACES
         raise PlannercheckError(f"can't be read as a mesh: {reason:.400}") from None
+
+
+# TEMPORARY until the reader is merged
+from dataclasses import dataclass  # noqa: E402
+from typing import Literal, TypeAlias, get_args  # noqa: E402
+
+from plannercheck.common.errors import unknown_name  # noqa: E402
+
+MeshUnits: TypeAlias = Literal["file", "metre"]
+
+
+def checked_units(value: Any) -> MeshUnits | None:
+    """What is asked for as `mesh_units`; None for nothing."""
+    for units in get_args(MeshUnits):
+        if value == units:
+            return units  # type: ignore[no-any-return]
+    if value is None:
+        return None
+    raise unknown_name("kind of mesh_units", str(value), get_args(MeshUnits))
+
+
+@dataclass(frozen=True, eq=False)
+class MeshObject:
+    name: str
+    points: Floats
+    triangles: Ints64
+
+
+@dataclass(frozen=True, eq=False)
+class MeshFile:
+    path: Path
+    objects: tuple[MeshObject, ...]
+    conversion: str
+
+    @property
+    def points(self) -> Floats:
+        return self.objects[0].points
+
+    @property
+    def triangles(self) -> Ints64:
+        return self.objects[0].triangles
+
+
+def read_mesh(path: str | Path, scale: float | Sequence[float] = 1.0, units: MeshUnits = "file") -> MeshFile:
+    points, triangles = corners_of_file(path, scale)
+    return MeshFile(Path(path), (MeshObject("", points, triangles),), "")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -33,13 +33,15 @@ class Part:
     Attributes:
         shape: The shape; in an object, points (n, 3) and objects of trimesh, coal and python-fcl become one of ours.
         pose: (4, 4) in the object's frame, m; None is the identity.
-        source: The file and scale of a mesh, so that a saved scene can name it; of a sensed shape (a cloud, an octree
-            and so on) the file and the other keys of a scene's file.
+        source: The file of a mesh or a sensed shape (a cloud, an octree and so on) and the other keys of a scene's
+            file, so that a saved scene can name it.
+        name: The shape's name in its file, if that holds several; the body is then called "object/name".
     """
 
     shape: Shape
     pose: ArrayLike | None = None
-    source: tuple[Path, float | Sequence[float] | Mapping[str, Any]] | None = None
+    source: tuple[Path, Mapping[str, Any]] | None = None
+    name: str = ""
 
     def __post_init__(self) -> None:
         if self.pose is None:
@@ -125,11 +127,11 @@ class SceneObject:
         object.__setattr__(self, "pose", checked_pose(self.pose, f"object {self.name!r}"))
         check_stands_still(self.name, self.link, [part.shape for part in self.parts])
         carried = None if self.link is None else self.name
-        if len(self.parts) == 1 and self.parts[0].pose is None:  # most of all
+        if len(self.parts) == 1 and self.parts[0].pose is None and not self.parts[0].name:  # most of all
             bodies = (_posed(self.name, self.link, self.pose, self.parts[0].shape, carried),)
             object.__setattr__(self, "bodies", bodies)
             return
-        names = [self.name] if len(self.parts) == 1 else [f"{self.name}/{k}" for k in range(len(self.parts))]
+        names = _body_names(self.name, self.parts)
         posed = (
             GeometryObject(name, self.link, in_frame(self.pose, part.pose, f"object {name!r}"), part.shape, carried)
             for name, part in zip(names, self.parts, strict=True)
@@ -159,6 +161,14 @@ class SceneObject:
         """The same object as an obstacle, with its frame at a pose (4, 4) in the world, m."""
         freed = dataclasses.replace(self, link=None, touch_links=(), pose_frame=None)
         return freed.moved(pose)
+
+
+def _body_names(name: str, parts: tuple[Part, ...]) -> list[str]:
+    """A name for each part: the part's own, or its number where parts have none, or the same."""
+    if len(parts) == 1 and not parts[0].name:
+        return [name]
+    own = [part.name or str(k) for k, part in enumerate(parts)]
+    return [f"{name}/{each}" if own.count(each) == 1 else f"{name}/{each}.{k}" for k, each in enumerate(own)]
 
 
 def _posed(name: str, link: str | None, pose: Floats, shape: Shape, carried: str | None) -> GeometryObject:
@@ -209,11 +219,14 @@ def _listed(parts: Parts) -> tuple[Part | GivenShape, ...]:
 
 def _known_part(part: Part | GivenShape, what: str) -> Part:
     """The part with one of our shapes; its pose includes the pose that another library gave the shape."""
-    given, pose, source = (part.shape, part.pose, part.source) if isinstance(part, Part) else (part, None, None)
+    whole = part if isinstance(part, Part) else None
+    given, pose, source, name = (
+        (part, None, None, "") if whole is None else (whole.shape, whole.pose, whole.source, whole.name)
+    )
     shape, own = given_shape(given, what)
     if isinstance(part, Part) and shape is given:
         return part
-    return Part(shape, pose if own is None else in_frame(checked_pose(pose, what), own, what), source)
+    return Part(shape, pose if own is None else in_frame(checked_pose(pose, what), own, what), source, name)
 
 
 def unplaced(item: SceneObject) -> PlannercheckError:

@@ -101,7 +101,8 @@ def scene_of(options: argparse.Namespace) -> Scene:
     if options.scene is None:
         return Scene("empty")
     meshes: MeshKind = options.scene_meshes
-    return Scene.load(options.scene, options.package_dirs or (), meshes=meshes)
+    units = getattr(options, "mesh_units", None)
+    return Scene.load(options.scene, options.package_dirs or (), meshes=meshes, mesh_units=units)
 
 
 def padding_of(options: argparse.Namespace, scene: Scene) -> Padding:

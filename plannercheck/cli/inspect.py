@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 
 from plannercheck import planar
 from plannercheck.bodies.height_fields import HeightField
-from plannercheck.bodies.mesh_files import load_triangles
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.pieces import polytope_volume
 from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
 from plannercheck.bodies.solids import Solid
-from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
+from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.checking.hull_fidelity import largest_filling
 from plannercheck.checking.input_hints import always_hint
 from plannercheck.checking.left_out_pairs import left_out_pairs
@@ -39,7 +38,8 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.timing import least_seconds
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.description import RobotDescription
-from plannercheck.robots.urdf import read_geometry
+from plannercheck.robots.loading import collision_meshes
+from plannercheck.scenes.scene_meshes import source_mesh
 
 _EPILOG = """\
 Example:
@@ -262,14 +262,12 @@ def _show_meshes(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
 
 def meshes_of(checker: Checker, description: RobotDescription) -> dict[str, TriangleMesh]:
     """The meshes of a robot, and of the scene's objects from files, by name of the body."""
-    geometry = read_geometry(checker.robot.model, description.file, description.package_dirs)
-    found = {each.name: triangles_of_coal(each.geometry) for each in geometry.geometryObjects}
+    found = collision_meshes(description)
     for item in (*checker.scene.objects, *checker.scene.attached):
         for part, body in zip(item.parts, item.bodies, strict=True):
-            file, scale = part.source or (None, None)
-            if file is not None and not isinstance(scale, Mapping | None):  # of a mesh, not of a cloud or a map
-                found[body.name] = load_triangles(file, scale)
-    return {name: mesh for name, mesh in found.items() if mesh is not None}
+            if part.source is not None and not isinstance(part.shape, PartSet):
+                found[body.name] = source_mesh(*part.source)
+    return {name: TriangleMesh.of(mesh.points, mesh.triangles) for name, mesh in found.items()}
 
 
 def _show_polygons(checker: AnyChecker) -> None:

@@ -9,8 +9,9 @@ import argparse
 import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
+from plannercheck.bodies.mesh_files import MeshUnits
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_folder
 from plannercheck.planar.robot_files import is_planar
@@ -49,11 +50,17 @@ def add_urdf_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="KIND",
         help="what meshes of links are: hull (default), pieces or solid; or by link: LINK=solid,LINK=pieces",
     )
+    parser.add_argument(
+        "--mesh-units",
+        choices=get_args(MeshUnits),
+        help="how mesh files of robot and scene are read: metre takes their numbers as MoveIt does, file converts them "
+        "as their format says; default: metre for robots, file for scenes",
+    )
 
 
 def given_options(options: argparse.Namespace) -> list[str]:
     """Which of these options are given."""
-    names = ("srdf", "group", "package_dirs", "xacro_arg", "floating", "geometry")
+    names = ("srdf", "group", "package_dirs", "xacro_arg", "floating", "geometry", "mesh_units")
     return [f"--{name.replace('_', '-')}" for name in names if getattr(options, name, None)]
 
 
@@ -77,6 +84,8 @@ def described(options: argparse.Namespace) -> RobotDescription:
         changes["xacro_args"] = {**description.xacro_args, **dict(map(_argument, options.xacro_arg))}
     if getattr(options, "geometry", None):
         changes["geometry"] = _geometry(options.geometry)
+    if getattr(options, "mesh_units", None):
+        changes["mesh_units"] = options.mesh_units
     description = dataclasses.replace(description, **changes) if changes else description
     return dataclasses.replace(description, **_group(options.group, description)) if options.group else description
 

@@ -6,17 +6,17 @@ is replaced by its pieces (bodies named "body/piece 0" and so on), and each of i
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from plannercheck.bodies.convex_decomposition import Decomposition, pieces_of
+from plannercheck.bodies.mesh_files import MeshFile
 from plannercheck.bodies.pieces import Pieces, hull_volume
 from plannercheck.bodies.shapes import GeometryObject, Hull
-from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
+from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.common.errors import unknown_name
 
 Pairs = NDArray[np.int64]
@@ -28,16 +28,16 @@ LEAST_EXCESS = 0.05
 def decomposed(
     bodies: tuple[GeometryObject, ...],
     pairs: Pairs,
-    geometry: pin.GeometryModel,
+    meshes: Sequence[MeshFile | None],
     options: Decomposition | None,
     kinds: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[tuple[GeometryObject, ...], Pairs, Mapping[str, Pieces]]:
     """Replaces bodies by their pieces.
 
     Args:
-        bodies: The robot's bodies, in the order of the geometries.
+        bodies: The robot's bodies; meshes are hulls.
         pairs: (k, 2) indices of bodies.
-        geometry: Pinocchio's geometry model.
+        meshes: The mesh of each body; None for other shapes.
         options: Which links to decompose, and how; None for none but those of kind "pieces".
         kinds: The geometry of links by name, which decides for these: "pieces", or anything else for none.
 
@@ -50,7 +50,7 @@ def decomposed(
             raise unknown_name("link to decompose", link, sorted(known))
     found: dict[str, Pieces] = {}
     parts: list[list[GeometryObject]] = []
-    for body, each in zip(bodies, geometry.geometryObjects, strict=True):
+    for body, each in zip(bodies, meshes, strict=True):
         mesh = _chosen_mesh(body, each, options, kinds.get(str(body.link)))
         pieces = None if mesh is None else pieces_of(mesh, options or Decomposition(), f"body {body.name!r}")
         parts.append([body] if pieces is None or len(pieces.points) < 2 else _bodies(body, pieces))
@@ -62,13 +62,15 @@ def decomposed(
 
 
 def _chosen_mesh(
-    body: GeometryObject, geometry: pin.GeometryObject, options: Decomposition | None, kind: str | None
+    body: GeometryObject, given: MeshFile | None, options: Decomposition | None, kind: str | None
 ) -> TriangleMesh | None:
     """A body's mesh, if it is to be decomposed."""
     is_named = kind == "pieces" or (kind is None and body.link in ((options and options.links) or ()))
     is_asked = is_named or (kind is None and options is not None and options.links is None)
-    mesh = triangles_of_coal(geometry.geometry) if is_asked and isinstance(body.shape, Hull) else None
-    return mesh if mesh is None or is_named or is_concave(mesh) else None
+    if given is None or not is_asked or not isinstance(body.shape, Hull):  # a solid stays one
+        return None
+    mesh = TriangleMesh.of(given.points, given.triangles)
+    return mesh if is_named or is_concave(mesh) else None
 
 
 def is_concave(mesh: TriangleMesh) -> bool:

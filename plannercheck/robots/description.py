@@ -12,6 +12,7 @@ In: a name or a path. Out: `RobotDescription`, all that `Robot` is built from, w
     reference: {joint1: 0.5}   # optional, values of joints in rad or m; others are neutral
     held: {finger: 0.04}       # optional, the same for joints outside the group
     geometry: hull             # optional, what meshes are taken as: hull, pieces or solid, or {link3: solid, ...}
+    mesh_units: metre          # optional, metre reads mesh files as MoveIt does, file converts as their formats say
     convex_decomposition:      # optional, makes links of convex pieces by CoACD (pip install 'plannercheck[coacd]')
       links: [link3, link4]    # optional, default: all whose hulls are more than 5 % larger than their meshes
       threshold: 0.05          # optional, concavity that a piece may have; small ones make many pieces
@@ -32,6 +33,7 @@ from pathlib import Path
 from typing import Any
 
 from plannercheck.bodies.convex_decomposition import Decomposition
+from plannercheck.bodies.mesh_files import MeshUnits, checked_units
 from plannercheck.common.checked_yaml import (
     check_keys,
     error_context,
@@ -65,6 +67,7 @@ _KEYS = (
     "reference",
     "held",
     "geometry",
+    "mesh_units",
     "convex_decomposition",
     "disabled_pairs",
 )
@@ -87,6 +90,7 @@ class RobotDescription:
         decomposition: How to split concave links into convex pieces; None for hulls.
         geometry: What the meshes of all links, or of links by name, are taken as; None for hulls, or pieces as
             `decomposition` says.
+        mesh_units: How mesh files are read; None for MoveIt's way, with a warning where the format says otherwise.
         xacro_args: Values of the arguments of a URDF that is a xacro, by name.
         source: The YAML file; None if there is none.
     """
@@ -102,11 +106,13 @@ class RobotDescription:
     disabled_pairs: tuple[DisabledPair, ...] = ()
     decomposition: Decomposition | None = None
     geometry: Geometry | None = None
+    mesh_units: MeshUnits | None = None
     xacro_args: Mapping[str, str] = field(default_factory=dict)
     source: Path | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "geometry", checked_geometry(self.geometry))
+        object.__setattr__(self, "mesh_units", checked_units(self.mesh_units))
 
     @cached_property
     def file(self) -> UrdfFile:
@@ -189,6 +195,7 @@ def read_description(path: Path) -> RobotDescription:
         disabled_pairs=_disabled_pairs(content.get("disabled_pairs")),
         decomposition=_decomposition(content.get("convex_decomposition")),
         geometry=content.get("geometry"),
+        mesh_units=content.get("mesh_units"),
         source=path,
         xacro_args={key: str(value) for key, value in mapping(content.get("xacro_args"), "xacro_args").items()},
     )

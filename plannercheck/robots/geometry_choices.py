@@ -13,12 +13,12 @@ from dataclasses import replace
 
 from plannercheck.bodies.convex_decomposition import Decomposition, known_pieces
 from plannercheck.bodies.shapes import Hull
-from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
+from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.robots.decomposed_links import is_concave
 from plannercheck.robots.description import RobotDescription
 from plannercheck.robots.link_geometry import Geometry
+from plannercheck.robots.loading import collision_meshes
 from plannercheck.robots.robot import Robot
-from plannercheck.robots.urdf import read_geometry
 
 
 def of_hulls(description: RobotDescription) -> Robot:
@@ -46,13 +46,10 @@ def _are_pieces_known(mesh: TriangleMesh) -> bool:
 
 def _meshes(description: RobotDescription) -> Mapping[str, list[TriangleMesh]]:
     """The meshes of each link."""
-    robot = of_hulls(description)
-    geometry = read_geometry(robot.model, description.file, description.package_dirs)
+    links = {body.name: str(body.link) for body in of_hulls(description).bodies}
     found: dict[str, list[TriangleMesh]] = {}
-    for body, each in zip(robot.bodies, geometry.geometryObjects, strict=True):
-        mesh = triangles_of_coal(each.geometry)
-        if mesh is not None and isinstance(body.shape, Hull):
-            found.setdefault(str(body.link), []).append(mesh)
+    for name, mesh in collision_meshes(description).items():
+        found.setdefault(links[name], []).append(TriangleMesh.of(mesh.points, mesh.triangles))
     return found
 
 

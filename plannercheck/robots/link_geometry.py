@@ -8,17 +8,15 @@ such a mesh would not collide.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal, TypeAlias, get_args
 
-import pinocchio as pin
-
 from plannercheck.bodies.convex_decomposition import Decomposition
+from plannercheck.bodies.mesh_files import MeshFile
 from plannercheck.bodies.pieces import Pieces
-from plannercheck.bodies.shapes import GeometryObject, Hull
+from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.bodies.solids import OPEN_WORDS, Solid
-from plannercheck.bodies.triangle_meshes import corners_of_coal
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.decomposed_links import Pairs, decomposed
 
@@ -51,7 +49,7 @@ def _checked_kind(value: Any, what: str) -> GeometryKind:
 def with_geometry(
     bodies: tuple[GeometryObject, ...],
     pairs: Pairs,
-    meshes: pin.GeometryModel,
+    meshes: Sequence[MeshFile | None],
     geometry: Geometry | None,
     decomposition: Decomposition | None,
 ) -> tuple[tuple[GeometryObject, ...], Pairs, Mapping[str, Pieces], tuple[str, ...]]:
@@ -60,7 +58,7 @@ def with_geometry(
     Args:
         bodies: The robot's bodies, in the order of the meshes; meshes are hulls.
         pairs: (k, 2) indices of bodies.
-        meshes: Pinocchio's geometry model.
+        meshes: The mesh of each body; None for other shapes.
         geometry: The kind of all links, or by link; other links have pieces if `decomposition` says so, else hulls.
         decomposition: Which links to decompose, and how.
 
@@ -86,24 +84,26 @@ def with_geometry(
 
 
 def _with_solids(
-    bodies: tuple[GeometryObject, ...], meshes: pin.GeometryModel, kinds: Mapping[str, GeometryKind], all_links: bool
+    bodies: tuple[GeometryObject, ...],
+    meshes: Sequence[MeshFile | None],
+    kinds: Mapping[str, GeometryKind],
+    all_links: bool,
 ) -> tuple[tuple[GeometryObject, ...], tuple[str, ...]]:
     """The bodies, those of chosen links as solids, of which equal meshes share one; the links that keep their hulls."""
     found, kept, known = [], [], dict[bytes, Solid]()
-    for body, each in zip(bodies, meshes.geometryObjects, strict=True):
+    for body, mesh in zip(bodies, meshes, strict=True):
         named = kinds.get(str(body.link))
-        corners = corners_of_coal(each.geometry) if (named == "solid" or all_links) else None
-        if corners is None or not len(corners[1]) or not isinstance(body.shape, Hull):
+        if mesh is None or not (named == "solid" or all_links):
             found.append(body)
             continue
-        solid = Solid(*corners)
+        solid = Solid(mesh.points, mesh.triangles)
         solid = known.setdefault(solid.digest, solid)
         if not solid.is_closed and named is None:
             kept.append(str(body.link))
             found.append(body)
             continue
         if not solid.is_closed:
-            warnings.warn(f"link {body.link!r}: its mesh {each.meshPath} {OPEN_WORDS}", RuntimeWarning, stacklevel=7)
+            warnings.warn(f"link {body.link!r}: its mesh {mesh.path} {OPEN_WORDS}", RuntimeWarning, stacklevel=7)
         found.append(replace(body, shape=solid))
     links = tuple(dict.fromkeys(kept))
     if links:

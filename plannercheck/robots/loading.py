@@ -6,6 +6,7 @@ In: a robot's description (its URDF, SRDF, group, disabled pairs), and the state
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,14 +17,15 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from plannercheck.bodies.convex_decomposition import Decomposition
+from plannercheck.bodies.mesh_files import MeshFile, MeshUnits
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.pieces import Pieces
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.arrays import read_only
-from plannercheck.common.checked_yaml import error_context
 from plannercheck.robots.configurations import ConfigurationMap, planning_group, whole_robot
 from plannercheck.robots.description import RobotDescription
 from plannercheck.robots.forward_kinematics import ForwardKinematics
+from plannercheck.robots.link_bodies import read_bodies, warn_of_large_hulls
 from plannercheck.robots.link_geometry import Geometry, with_geometry
 from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.mjcf import excluded_pairs, of_meeting_masks
@@ -32,7 +34,7 @@ from plannercheck.robots.reference_configuration import given_values, reference_
 from plannercheck.robots.robot_memory import RobotMemory
 from plannercheck.robots.self_pairs import self_pairs
 from plannercheck.robots.srdf import DisabledPair, group_state, warn_about_ignored_elements
-from plannercheck.robots.urdf import Mimic, bodies_of, link_tree, read_geometry, read_model
+from plannercheck.robots.urdf import Mimic, link_tree, read_model
 from plannercheck.robots.urdf_file import MJCF_ROOT
 from plannercheck.robots.urdf_hints import warn_of_odd_numbers
 
@@ -85,6 +87,7 @@ def urdf_description(
     decomposition: Decomposition | None,
     xacro_args: Mapping[str, str] | None,
     geometry: Geometry | None = None,
+    mesh_units: MeshUnits | None = None,
 ) -> RobotDescription:
     """The description of a robot that has no YAML; arguments as of `Robot.from_urdf`."""
     name, joints = (group, None) if group is None or isinstance(group, str) else ("group", tuple(group))
@@ -100,6 +103,7 @@ def urdf_description(
         decomposition=decomposition,
         xacro_args=dict(xacro_args or {}),
         geometry=geometry,
+        mesh_units=mesh_units,
     )
 
 
@@ -115,11 +119,10 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     """
     urdf = description.file
     model = read_model(urdf, description.floating)
-    geometry = read_geometry(model, urdf, description.package_dirs)
+    links = read_bodies(model, urdf, description.package_dirs, description.mesh_units)
     warn_of_odd_numbers(urdf)
     tree = link_tree(model)
-    with error_context(f"{'MJCF' if urdf.kind == MJCF_ROOT else 'URDF'} {urdf.path}"):
-        bodies = bodies_of(model, geometry)
+    bodies = links.bodies
     mimics = usable_mimics(model, urdf)
     srdf = description.semantics
     if srdf is not None:
@@ -128,14 +131,16 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         reference = group_state(None if srdf is None else srdf.root, reference, model.names)
     joints = _group(description, model, tree, mimics)
     disabled = (*description.disabled_pairs, *(excluded_pairs(urdf.root) if urdf.kind == MJCF_ROOT else ()))
-    pairs = self_pairs(geometry, bodies, srdf, tree, disabled)
+    pairs = self_pairs(links.joints, bodies, srdf, tree, disabled)
     if urdf.kind == MJCF_ROOT:
         pairs = of_meeting_masks(pairs, model, geometry, urdf.root)
     pieces: Mapping[str, Pieces] = {}
     open_links: tuple[str, ...] = ()
     if description.decomposition is not None or description.geometry is not None:
         asked = description.geometry, description.decomposition
-        bodies, pairs, pieces, open_links = with_geometry(bodies, pairs, geometry, *asked)
+        bodies, pairs, pieces, open_links = with_geometry(bodies, pairs, links.meshes, *asked)
+    else:
+        warn_of_large_hulls(urdf.path, links)
     return RobotParts(
         name=description.name or model.name or urdf.path.stem,
         model=model,
@@ -150,6 +155,16 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         group=description.group,
         joints=joints,
     )
+
+
+def collision_meshes(description: RobotDescription) -> dict[str, MeshFile]:
+    """The meshes of a robot's links by name of the body, read anew, without the warnings of loading the robot."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        model = read_model(description.file, description.floating)
+        links = read_bodies(model, description.file, description.package_dirs, description.mesh_units)
+    pairs = zip(links.bodies, links.meshes, strict=True)
+    return {body.name: mesh for body, mesh in pairs if mesh is not None}
 
 
 def _group(

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.convex_decomposition import Decomposition
+from plannercheck.bodies.mesh_files import MeshUnits
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import DEFAULT_EXCESS
 from plannercheck.common.array_types import Floats
@@ -77,7 +78,12 @@ class Robot(PosedRobot):
 
     @classmethod
     def load(
-        cls, name_or_path: str | Path, decomposition: Decomposition | None = None, *, geometry: Geometry | None = None
+        cls,
+        name_or_path: str | Path,
+        decomposition: Decomposition | None = None,
+        *,
+        geometry: Geometry | None = None,
+        mesh_units: MeshUnits | None = None,
     ) -> Robot:
         """Loads a robot.
 
@@ -88,11 +94,16 @@ class Robot(PosedRobot):
             geometry: What meshes are taken as: "hull", convex "pieces" or "solid", or a mapping of links to these; None
                 follows the YAML, which has hulls by default. Meshes that are not closed keep their hulls, with a
                 warning, unless their link is named.
+            mesh_units: How mesh files are read: "metre" takes their numbers as MoveIt's planning scene does, "file"
+                converts them to metres, z up, as their format says. None follows the YAML, which has "metre" by
+                default, with a warning where the two differ.
 
         Returns:
             The robot.
         """
         description = description_of(name_or_path)
+        if mesh_units is not None:
+            description = replace(description, mesh_units=mesh_units)
         if decomposition is not None:
             description = replace(description, decomposition=decomposition)
         if geometry is not None:
@@ -113,6 +124,7 @@ class Robot(PosedRobot):
         floating: bool = False,
         decomposition: Decomposition | None = None,
         geometry: Geometry | None = None,
+        mesh_units: MeshUnits | None = None,
         xacro_args: Mapping[str, str] | None = None,
     ) -> Robot:
         """Builds a robot from a URDF.
@@ -128,12 +140,15 @@ class Robot(PosedRobot):
             floating: Whether the root link is free to move.
             decomposition: How to split concave links into convex pieces, with CoACD; None takes their hulls.
             geometry: What meshes are taken as, as for `load`.
+            mesh_units: How mesh files are read, as for `load`.
             xacro_args: Values of the arguments of a URDF that is a .xacro, by name.
 
         Returns:
             The robot.
         """
-        description = urdf_description(urdf, srdf, package_dirs, group, floating, decomposition, xacro_args, geometry)
+        description = urdf_description(
+            urdf, srdf, package_dirs, group, floating, decomposition, xacro_args, geometry, mesh_units
+        )
         return cls.from_description(description, reference)
 
     @classmethod

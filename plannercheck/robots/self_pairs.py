@@ -1,6 +1,6 @@
 """Which of a robot's bodies are tested against each other.
 
-In: Pinocchio's geometries, an SRDF, the tree of links, disabled pairs. Out: index pairs into the robot's bodies. With
+In: the joints that move the bodies, an SRDF, the tree of links, disabled pairs. Out: index pairs into the robot's bodies. With
 an SRDF they are exactly those that Pinocchio keeps: all pairs on different joints without the disabled ones. Without an
 SRDF, adjacent links are left out as well. Pairs that a robot's YAML disables are always left out.
 """
@@ -11,7 +11,6 @@ import warnings
 from collections.abc import Iterable
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import GeometryObject
@@ -21,7 +20,7 @@ from plannercheck.robots.srdf import DisabledPair, Srdf, disabled_collisions, di
 
 
 def self_pairs(
-    geometry: pin.GeometryModel,
+    joints: NDArray[np.int64],
     bodies: tuple[GeometryObject, ...],
     srdf: Srdf | None,
     tree: LinkTree,
@@ -32,7 +31,6 @@ def self_pairs(
     Pinocchio itself searches all pairs for each pair that it adds or removes, and a thousand links have half a million
     pairs. So the same table is made here, from arrays.
     """
-    joints = np.array([each.parentJoint for each in geometry.geometryObjects], dtype=np.int64)
     first, second = np.triu_indices(len(bodies), 1)
     apart = joints[first] != joints[second]
     first, second = first[apart], second[apart]

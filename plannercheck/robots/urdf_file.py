@@ -8,7 +8,6 @@ read stays as it is.
 
 from __future__ import annotations
 
-import copy
 import re
 import tempfile
 import xml.etree.ElementTree as ElementTree
@@ -125,25 +124,14 @@ class UrdfFile:
             return ""
         return kind_unless_xml(self.path) or f"it is no XML ({self.fault})"
 
-    def with_meshes(self, files: dict[str, Path]) -> UrdfFile:
-        """The same URDF with other files for some of its collision meshes, by the name that it gives them."""
-        if not files:
-            return self
-        root = copy.deepcopy(self.root)
-        for mesh in root.iterfind("link/collision/geometry/mesh"):
-            found = files.get(mesh.get("filename", ""))
-            if found is not None:
-                mesh.set("filename", str(found))
-        return UrdfFile(self.path, ElementTree.tostring(root, encoding="unicode"), "", root)
-
-    def messages(self, floating: bool, folders: Sequence[str]) -> str:
-        """What urdfdom, Pinocchio and assimp say about the file; empty if that can't be found out."""
+    def messages(self, floating: bool) -> str:
+        """What urdfdom and Pinocchio say about the file; empty if that can't be found out."""
         if self.mended is None:
-            return native_messages(self.path, floating, folders)
+            return native_messages(self.path, floating)
         with tempfile.TemporaryDirectory() as folder:
             written = Path(folder) / self.path.name
             written.write_text(self.mended, encoding="utf-8")
-            return native_messages(written, floating, folders).replace(str(written), str(self.path))
+            return native_messages(written, floating).replace(str(written), str(self.path))
 
 
 def _parsed(content: bytes | str) -> tuple[Element | None, str]:

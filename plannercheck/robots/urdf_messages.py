@@ -1,7 +1,6 @@
-"""Says why a URDF does not load: `python -m plannercheck.robots.urdf_messages FILE FLOATING [FOLDER ...]`.
+"""Says why a URDF does not load: `python -m plannercheck.robots.urdf_messages FILE FLOATING`.
 
-In: the file, whether its root floats, folders of packages. Out: what urdfdom, Pinocchio and assimp write on the
-terminal. They write to the process's own descriptors, which can't be redirected safely in a process with threads. So a
+In: the file, whether its root floats. Out: what urdfdom and Pinocchio write on the terminal. They write to the process's own descriptors, which can't be redirected safely in a process with threads. So a
 file that failed is read again in a process of its own.
 """
 
@@ -10,7 +9,6 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 from plannercheck.common.isolated_process import run_isolated
@@ -22,9 +20,9 @@ _TIME_LIMIT = 60.0
 _PLACE = re.compile(r"\s+at line \d+ in \S+\.cpp")
 
 
-def native_messages(urdf: Path, floating: bool, folders: Sequence[str]) -> str:
+def native_messages(urdf: Path, floating: bool) -> str:
     """What native code says about a URDF; empty if that can't be found out."""
-    arguments = [str(urdf.resolve()), str(int(floating)), *folders]
+    arguments = [str(urdf.resolve()), str(int(floating))]
     try:
         ran = run_isolated("plannercheck.robots.urdf_messages", arguments, time_limit=_TIME_LIMIT)
     except OSError:
@@ -35,15 +33,12 @@ def native_messages(urdf: Path, floating: bool, folders: Sequence[str]) -> str:
     return "" if ran.returncode else _PLACE.sub("", (ran.stdout + ran.stderr).decode(errors="replace"))
 
 
-def main(urdf: str, floating: str, *folders: str) -> None:
+def main(urdf: str, floating: str) -> None:
     """Reads a URDF for what is said about it."""
-    import coal
     import pinocchio as pin
 
     try:
-        model = pin.buildModelFromUrdf(urdf, *([pin.JointModelFreeFlyer()] if int(floating) else []))
-        loader = coal.CachedMeshLoader(coal.NODE_TYPE.BV_OBB)
-        pin.buildGeomFromUrdf(model, urdf, pin.COLLISION, package_dirs=list(folders), mesh_loader=loader)
+        pin.buildModelFromUrdf(urdf, *([pin.JointModelFreeFlyer()] if int(floating) else []))
     except (ValueError, RuntimeError, IndexError):
         return  # the parent has caught the same
 

@@ -9,21 +9,22 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.half_spaces import check_stands_still
-from plannercheck.bodies.meshes import load_mesh
+from plannercheck.bodies.mesh_files import MeshUnits, checked_units
 from plannercheck.bodies.objects import Part, Parts, SceneFrames, SceneObject, scene_object, unplaced
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Hull, Shape, Sphere
-from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Bools
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, unknown_name, with_article
 from plannercheck.scenes.declared_states import DeclaredStates
+from plannercheck.scenes.scene_meshes import mesh_parts
+from plannercheck.scenes.scene_paths import MeshKind
 from plannercheck.scenes.sensor_frames import next_frame
 
 Contents = TypeVar("Contents", bound="SceneContents")
@@ -161,11 +162,27 @@ class SceneContents(DeclaredStates):
         pose: ArrayLike | None = None,
         scale: float | Sequence[float] = 1.0,
         *,
-        geometry: Literal["hull", "solid"] = "hull",
+        geometry: MeshKind = "hull",
+        mesh_units: MeshUnits | None = None,
     ) -> None:
-        """Adds the convex hull of a mesh file (stl, dae, obj, ply, ...), or a `Solid`; `scale` takes its unit to m."""
-        shape = Solid.load(path, scale) if geometry == "solid" else load_mesh(path, scale)
-        self.add(name, [Part(shape, None, (Path(path), scale))], pose)
+        """Adds the convex hull of a mesh file (stl, dae, obj, ply, glb, ...), or a `Solid`.
+
+        A file of several objects becomes as many bodies, "name/object".
+
+        Args:
+            name: The object's name.
+            path: The file.
+            pose: (4, 4) of the object's frame in the world, m; None is the identity.
+            scale: One factor, or one along each axis, from the file's unit to m.
+            geometry: "hull" or "solid".
+            mesh_units: As for `Scene.load`.
+        """
+        keys = {"scale": scale, "mesh_units": checked_units(mesh_units)}
+        self.add(
+            name,
+            mesh_parts(Path(path), {key: value for key, value in keys.items() if value is not None}, geometry),
+            pose,
+        )
 
     def move(self, name: str, pose: ArrayLike | None) -> None:
         """Moves an object with all its parts, in place; checkers that were built before keep it where it was.

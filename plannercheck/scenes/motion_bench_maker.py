@@ -25,6 +25,7 @@ from plannercheck.scenes.moveit_goals import InverseKinematics
 from plannercheck.scenes.moveit_request import MotionRequest, motion_request
 from plannercheck.scenes.moveit_scene import attach_from_state, read_planning_scene
 from plannercheck.scenes.scene import Scene
+from plannercheck.scenes.scene_paths import FindFile
 
 # The role and the number in a file's name.
 _MEMBER = re.compile(r"(scene|request)(\d+)\.ya?ml")
@@ -84,7 +85,7 @@ class ProblemSet:
         scene_file, request_file = self.members[number]
         with error_context(f"{self.name}, {scene_file}"):
             scene, folder = Scene(), self._folder / Path(scene_file).parent
-            read_planning_scene(scene, parse_yaml(self._read(scene_file)), folder)
+            read_planning_scene(scene, parse_yaml(self._read(scene_file)), FindFile(folder))
         with error_context(f"{self.name}, {request_file}"):
             request = motion_request(parse_yaml(self._read(request_file)), self._ik, scene.frames)
             name = f"{self.name}/{number}"

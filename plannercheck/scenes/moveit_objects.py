@@ -7,14 +7,14 @@ frame that its header names, its subframes. A mesh becomes its hull, or a solid 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.objects import Part
-from plannercheck.bodies.shapes import Box, Cone, Cylinder, Shape, Sphere
+from plannercheck.bodies.shapes import Box, Cone, Cylinder, Shape, Sphere, checked_pose
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.transforms import identity, is_identity
@@ -27,7 +27,7 @@ from plannercheck.scenes.moveit_messages import (
     subframe_poses,
     vector,
 )
-from plannercheck.scenes.scene_meshes import shape_of_file, shape_of_triangles
+from plannercheck.scenes.scene_meshes import mesh_parts, shape_of_triangles
 from plannercheck.scenes.scene_paths import FindFile
 
 Matrix = NDArray[np.float64]
@@ -101,12 +101,13 @@ def read_object(node: Node, find_file: FindFile) -> ObjectMessage:
         own = mapping(node.get("pose"), "'pose'")
         subframes = subframe_poses(node)
         placed = object_pose(own)
-        posed = [(_primitive(p), q) for p, q in _posed(node, "primitives", "primitive_poses")]
-        posed += [(_mesh(m, find_file), q) for m, q in _posed(node, "meshes", "mesh_poses")]
+        posed = [Part(_primitive(p), q) for p, q in _posed(node, "primitives", "primitive_poses")]
+        for mesh, placed_at in _posed(node, "meshes", "mesh_poses"):
+            posed += [replace(part, pose=placed_at) for part in _meshes(mesh, find_file)]
         frame = header_frame(node)
     if len(posed) == 1 and (not own or (is_identity(placed) and not is_all_zeros(own))):
-        return ObjectMessage(name, (Part(posed[0][0]),), posed[0][1], frame, subframes)
-    return ObjectMessage(name, tuple(Part(shape, q) for shape, q in posed), placed, frame, subframes)
+        return ObjectMessage(name, (replace(posed[0], pose=None),), checked_pose(posed[0].pose, name), frame, subframes)
+    return ObjectMessage(name, tuple(posed), placed, frame, subframes)
 
 
 def _posed(node: Node, shapes: str, poses: str) -> list[tuple[Node, Matrix]]:
@@ -138,16 +139,20 @@ def _primitive_kind(value: Any) -> str:
     raise unknown_name("primitive type", str(value), [f"{code} ({kind})" for kind, (code, _, _) in _PRIMITIVES.items()])
 
 
-def _mesh(node: Node, find_file: FindFile) -> Shape:
-    """The shape of a mesh, given in the file itself or as another file with a scale along each axis."""
+def _meshes(node: Node, find_file: FindFile) -> list[Part]:
+    """The parts of a mesh, given in the file itself or as another file with a scale along each axis.
+
+    MoveIt reads such a file in metres, its axes as they stand (geometric_shapes' `createMeshFromResource`).
+    """
     with error_context("meshes"):
         check_keys(node, ("vertices", "triangles", "resource", "dimensions"))
         if "resource" in node:
-            scale = numbers(node["dimensions"], "dimensions", 3) if node.get("dimensions") else 1.0
-            return shape_of_file(find_file(text(node["resource"], "resource")), scale, find_file.meshes)
+            keys = {"scale": numbers(node["dimensions"], "dimensions", 3)} if node.get("dimensions") else {}
+            units = {"mesh_units": find_file.mesh_units or "metre"}
+            return mesh_parts(find_file(text(node["resource"], "resource")), keys | units, find_file.meshes)
         rows = sequence(required(node, "vertices"), "'vertices'")
         vertices = np.array([vector(row, "vertices", "xyz") for row in rows]).reshape(-1, 3)
-        return shape_of_triangles(vertices, _triangles(node), find_file.meshes)
+        return [Part(shape_of_triangles(vertices, _triangles(node), find_file.meshes))]
 
 
 def _triangles(node: Node) -> NDArray[np.int64]:

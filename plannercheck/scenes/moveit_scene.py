@@ -26,7 +26,7 @@ from plannercheck.scenes.moveit_matrix import allowed_collisions
 from plannercheck.scenes.moveit_objects import ObjectMessage, read_object
 from plannercheck.scenes.moveit_octomap import read_octomap_message
 from plannercheck.scenes.moveit_states import check_robot_state, stated_joints
-from plannercheck.scenes.scene_paths import FindFile, MeshKind
+from plannercheck.scenes.scene_paths import FindFile
 
 # The fields of moveit_msgs/PlanningScene; fields that no verdict depends on are accepted and ignored.
 _SCENE_KEYS = (
@@ -54,18 +54,14 @@ def as_planning_scene(document: Node) -> Node | None:
 def read_planning_scene(
     scene: SceneContents,
     document: Node,
-    folder: Path,
-    package_dirs: Sequence[Path] = (),
-    meshes: MeshKind = "hull",
+    find_file: FindFile,
 ) -> None:
     """Reads a parsed planning scene: its objects, attached objects, and allowed collision matrix.
 
     Args:
         scene: The scene to fill.
         document: The YAML document.
-        folder: Where relative paths of meshes start.
-        package_dirs: Where `package://` meshes are looked for before the folders above.
-        meshes: What meshes are taken as.
+        find_file: Finds the files of meshes, and says what these are taken as.
     """
     check_keys(document, _SCENE_KEYS)
     scene.name = text(document.get("name") or "", "name")
@@ -78,7 +74,6 @@ def read_planning_scene(
     _warn_of_diff(document)
     world = mapping(document.get("world"), "'world'")
     check_keys(world, _WORLD_KEYS)
-    find_file = FindFile(folder, package_dirs, meshes)
     obstacles = []
     for k, item in enumerate(sequence(world.get("collision_objects"), "'collision_objects'")):
         with error_context(f"collision object {k}"):

@@ -26,7 +26,9 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
           - cone: {radius: 0.03, length: 0.1}       # apex at z = +length / 2
       - name: tap
         mesh: {file: tap.stl, scale: 0.001}    # its convex hull; scale is optional, one factor or three; the
-                                               # file may be package://NAME/..., as in a URDF
+                                               # file may be package://NAME/..., as in a URDF; a file of several
+                                               # objects is as many bodies, object: NAME takes one;
+                                               # mesh_units: file or metre, see Scene.load
       - name: mug
         solid: {file: mug.stl, scale: 0.001}   # the mesh as it is, concave; or solid: mug.stl, or vertices and
                                                # triangles, three indices of vertices each
@@ -70,6 +72,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import get_args
 
+from plannercheck.bodies.mesh_files import MeshUnits, checked_units
 from plannercheck.common.errors import unknown_name
 from plannercheck.common.package_data import is_file, is_folder, is_planar_file, shipped_folder
 from plannercheck.common.public_names import set_module
@@ -94,7 +97,13 @@ class Scene(SceneContents):
     """
 
     @staticmethod
-    def load(path: str | Path, package_dirs: Sequence[str | Path] = (), *, meshes: MeshKind = "hull") -> Scene:
+    def load(
+        path: str | Path,
+        package_dirs: Sequence[str | Path] = (),
+        *,
+        meshes: MeshKind = "hull",
+        mesh_units: MeshUnits | None = None,
+    ) -> Scene:
         """Loads a scene file.
 
         Args:
@@ -104,6 +113,9 @@ class Scene(SceneContents):
             package_dirs: Folders in which `package://` meshes are searched, before the folders above the file.
             meshes: What meshes are taken as: their hulls, or "solid". Those that are not closed keep their hulls, with
                 a warning. A file's `solid:` is one anyway.
+            mesh_units: How mesh files are read that do not say so: "file" converts them to metres, z up, as their
+                format says; "metre" takes their numbers as MoveIt's planning scene does. Default: "file" for our own
+                format, with a warning where the two differ, "metre" for MoveIt's messages.
 
         Returns:
             The scene.
@@ -111,7 +123,7 @@ class Scene(SceneContents):
         scene, file = Scene(), _found(path)
         if meshes not in get_args(MeshKind):
             raise unknown_name("kind of meshes", str(meshes), get_args(MeshKind))
-        read_scene(scene, file, [Path(p) for p in package_dirs], meshes)
+        read_scene(scene, file, [Path(p) for p in package_dirs], meshes, checked_units(mesh_units))
         hint = scale_hint(scene)
         if hint:
             warnings.warn(f"scene file {str(file)!r}: {hint}", RuntimeWarning, stacklevel=2)

@@ -7,6 +7,7 @@ moveit_scene.py, a file that ends in `.scene` by moveit_text.py.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.ellipsoids import ELLIPSOID_EXCESS, Ellipsoid
 from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.mesh_files import MeshUnits
 from plannercheck.bodies.objects import Part
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Shape, Sphere, checked_pose
 from plannercheck.common.checked_yaml import (
@@ -37,7 +39,7 @@ from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
 from plannercheck.scenes.moveit_messages import single_document
-from plannercheck.scenes.scene_meshes import Source, read_hull, read_mesh, read_solid
+from plannercheck.scenes.scene_meshes import read_hull, read_mesh_node, read_solid_node
 from plannercheck.scenes.scene_paths import FindFile, MeshKind
 from plannercheck.scenes.sensed_shapes import SENSED_KEYS, SensedSource, read_sensed
 
@@ -62,7 +64,13 @@ _SHAPE_KEYS = ("box", *SIZED, "ellipsoid", "half_space", "mesh", "hull", "solid"
 _NAMED = ("solid", *SENSED_KEYS)
 
 
-def read_scene(scene: SceneContents, path: Path, package_dirs: Sequence[Path] = (), meshes: MeshKind = "hull") -> None:
+def read_scene(
+    scene: SceneContents,
+    path: Path,
+    package_dirs: Sequence[Path] = (),
+    meshes: MeshKind = "hull",
+    mesh_units: MeshUnits | None = None,
+) -> None:
     """Reads a scene of any format.
 
     Args:
@@ -70,6 +78,7 @@ def read_scene(scene: SceneContents, path: Path, package_dirs: Sequence[Path] = 
         path: The file.
         package_dirs: Folders in which `package://` meshes are searched, before the folders above the file.
         meshes: What meshes are taken as.
+        mesh_units: How mesh files are read, as for `Scene.load`.
     """
     if not is_file(path):
         raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if is_folder(path) else 'does not exist'}")
@@ -78,7 +87,7 @@ def read_scene(scene: SceneContents, path: Path, package_dirs: Sequence[Path] = 
         if path.suffix.lower() == moveit_text.SUFFIX:
             moveit_text.read_scene_text(scene, content, meshes)
         else:
-            _read_yaml(scene, content, FindFile(path.parent, package_dirs, meshes))
+            _read_yaml(scene, content, FindFile(path.parent, package_dirs, meshes, mesh_units))
     scene.name = scene.name or path.stem
 
 
@@ -88,7 +97,7 @@ def _read_yaml(scene: SceneContents, content: bytes, find_file: FindFile) -> Non
     if message is None:
         _read(scene, document, find_file)
     else:
-        moveit.read_planning_scene(scene, message, find_file.folder, find_file.package_dirs, find_file.meshes)
+        moveit.read_planning_scene(scene, message, find_file)
 
 
 def _read(scene: SceneContents, document: Node, find_file: FindFile) -> None:
@@ -129,25 +138,30 @@ def _attach_object(scene: SceneContents, node: Node, index: int, find_file: Find
 def _parts(node: Node, find_file: FindFile) -> list[Part]:
     """The parts of an object, posed in its frame."""
     if "parts" not in node:
-        return [_part(node, find_file, None)]
+        return _parts_of_shape(node, find_file, None)
     _one_of(node, ("parts", *_SHAPE_KEYS))
     parts = []
     for k, item in enumerate(sequence(node["parts"], "'parts'")):
         with error_context(f"part {k}"):
             part = mapping(item, "it")
             check_keys(part, (*_SHAPE_KEYS, *_POSE_KEYS))
-            parts.append(_part(part, find_file, _pose(part)))
+            parts += _parts_of_shape(part, find_file, _pose(part))
     return parts
 
 
-def _part(node: Node, find_file: FindFile, pose: NDArray[np.float64] | None) -> Part:
-    """The shape that a mapping describes, posed in an object's frame."""
+def _parts_of_shape(node: Node, find_file: FindFile, pose: NDArray[np.float64] | None) -> list[Part]:
+    """The shape that a mapping describes, posed in an object's frame; a mesh file may hold several."""
     kind = _one_of(node, _SHAPE_KEYS)
     with error_context(kind):
         is_name = kind in _NAMED and isinstance(node[kind], str)
         values = node[kind] if is_name else mapping(node[kind], "it")
-        shape, source = _shape(kind, values, find_file)
-    return Part(shape, pose, source)
+        if kind == "mesh":
+            parts = read_mesh_node(values, find_file)
+        elif kind == "solid":
+            parts = read_solid_node(values, find_file)
+        else:
+            parts = [Part(*_shape(kind, values, find_file))]
+    return parts if pose is None else [replace(part, pose=pose) for part in parts]
 
 
 def _one_of(node: Node, keys: Sequence[str]) -> str:
@@ -159,28 +173,25 @@ def _one_of(node: Node, keys: Sequence[str]) -> str:
     return given[0]
 
 
-def _shape(kind: str, values: Node, find_file: FindFile) -> tuple[Shape, Source | SensedSource | None]:
-    """A shape from its key and values, and where it is from: a file, with the scale of a mesh or with further keys."""
-    if kind == "mesh":
-        return read_mesh(values, find_file)
-    if kind == "solid":
-        return read_solid(values, find_file)
+def _shape(kind: str, values: Node, find_file: FindFile) -> tuple[Shape, None, SensedSource | None]:
+    """A shape from its key and values, without a pose, and the file that it is from, with further keys."""
     if kind in SENSED_KEYS:
-        return read_sensed(kind, values, find_file)
+        shape, source = read_sensed(kind, values, find_file)
+        return shape, None, source
     if kind == "hull":
-        return read_hull(values, find_file), None
+        return read_hull(values, find_file), None, None
     if kind == "box":
         check_keys(values, ("size",))
-        return Box(_three(values, "size")), None
+        return Box(_three(values, "size")), None, None
     if kind == "ellipsoid":
         check_keys(values, ("radii", "excess"))
-        return Ellipsoid(_three(values, "radii"), number(values.get("excess", ELLIPSOID_EXCESS), "excess")), None
+        return Ellipsoid(_three(values, "radii"), number(values.get("excess", ELLIPSOID_EXCESS), "excess")), None, None
     if kind == "half_space":
         check_keys(values, ("normal", "offset"))
-        return HalfSpace(_three(values, "normal"), number(values.get("offset", 0.0), "offset")), None
+        return HalfSpace(_three(values, "normal"), number(values.get("offset", 0.0), "offset")), None, None
     make, keys = SIZED[kind]
     check_keys(values, keys)
-    return make(*(number(required(values, key), key) for key in keys)), None
+    return make(*(number(required(values, key), key) for key in keys)), None, None
 
 
 def _three(values: Node, key: str) -> tuple[float, float, float]:

@@ -1,30 +1,42 @@
 """Shapes of a scene's meshes: their hulls, or the solids that they are.
 
-In: a file's keys `mesh`, `hull` and `solid`, or triangles in MoveIt's messages. Out: `Hull` or `Solid`. Where a whole
-scene is read with its meshes as solids, those that are not closed keep their hulls, with a warning, since a body inside
-them would not collide; `solid:` in a scene file takes any mesh.
+In: a file's keys `mesh`, `hull` and `solid`, or triangles in MoveIt's messages. Out: `Hull` or `Solid`; of a mesh file a
+part for each of its objects, named as in the file. Where a whole scene is read with its meshes as solids, those that
+are not closed keep their hulls, with a warning, since a body inside them would not collide; `solid:` in a scene file
+takes any mesh.
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.mesh_files import corners_of_file
-from plannercheck.bodies.meshes import hull_of_triangles, load_mesh
+from plannercheck.bodies.hull_excess import hull_excess
+from plannercheck.bodies.mesh_files import (
+    MeshFile,
+    MeshObject,
+    MeshUnits,
+    checked_units,
+    mesh_hint,
+    named_file,
+    read_mesh,
+)
+from plannercheck.bodies.meshes import hull_of_triangles
+from plannercheck.bodies.objects import Part
 from plannercheck.bodies.shapes import Hull
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import BROKEN_FILE, Node, check_keys, number, numbers, required, sequence, text
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.scenes.scene_paths import FindFile, MeshKind
 
-Source = tuple[Path, Any]
+# What a scene file may say of a mesh file beside its name.
+_MESH_KEYS = ("file", "scale", "object", "mesh_units")
 
 
 def shape_of_triangles(points: Floats, triangles: NDArray[np.int64], meshes: MeshKind) -> Hull | Solid:
@@ -35,12 +47,66 @@ def shape_of_triangles(points: Floats, triangles: NDArray[np.int64], meshes: Mes
     return _closed_or_hull(Solid(points, triangles), hull, "a mesh of the scene")
 
 
-def shape_of_file(path: Path, scale: float | Sequence[float], meshes: MeshKind) -> Hull | Solid:
-    """The shape of a mesh file; `scale` takes its unit to m."""
-    if meshes == "hull":
-        return load_mesh(path, scale)
-    solid = Solid(*corners_of_file(path, scale))
-    return solid if solid.is_closed else _closed_or_hull(solid, Hull(solid.vertices), f"mesh file {str(path)!r}")
+def mesh_parts(path: Path, keys: Mapping[str, Any], kind: MeshKind) -> list[Part]:
+    """The parts of a mesh file: one for each of its objects.
+
+    Args:
+        path: The file.
+        keys: What a scene's file says beside its name: scale, object, mesh_units.
+        kind: What its objects are taken as.
+
+    Raises:
+        PlannercheckError: If the file can't be read, or has no object of that name.
+    """
+    units: MeshUnits | None = keys.get("mesh_units")
+    mesh = read_mesh(path, keys.get("scale", 1.0), checked_units(units) or "file")
+    several = len(mesh.objects) > 1
+    if "object" in keys:
+        mesh = _one_object(mesh, keys["object"])
+    _warn_of(mesh, units is None, kind)
+    parts = []
+    for each in mesh.objects:
+        with named_file(path):
+            shape = _shape(each, kind, mesh)
+        own = {"object": each.name} if several else {}
+        parts.append(Part(shape, None, (path, {**keys, **own}), each.name if several else ""))
+    return parts
+
+
+def source_mesh(path: Path, keys: Mapping[str, Any]) -> MeshFile:
+    """The mesh that a part of a scene is made of; arguments as of `mesh_parts`."""
+    mesh = read_mesh(path, keys.get("scale", 1.0), checked_units(keys.get("mesh_units")) or "file")
+    return _one_object(mesh, keys["object"]) if "object" in keys else mesh
+
+
+def _one_object(mesh: MeshFile, name: str) -> MeshFile:
+    chosen = tuple(each for each in mesh.objects if each.name == name)
+    if not chosen:
+        with named_file(mesh.path):
+            raise unknown_name("object", name, [each.name for each in mesh.objects])
+    return MeshFile(mesh.path, chosen, mesh.conversion)
+
+
+def _shape(each: MeshObject, kind: MeshKind, mesh: MeshFile) -> Hull | Solid:
+    if kind == "hull":
+        return Hull(each.points)
+    solid = Solid(each.points, each.triangles)
+    return solid if solid.is_closed else _closed_or_hull(solid, Hull(each.points), f"mesh file {str(mesh.path)!r}")
+
+
+def _warn_of(mesh: MeshFile, is_default: bool, kind: MeshKind) -> None:
+    """Warns of a mesh that is unusually large, whose unit MoveIt ignores, or whose hull is much larger than it is."""
+    said = [hint] if (hint := mesh_hint(mesh.points)) else []
+    if mesh.conversion and is_default:
+        said.append(
+            f"is converted to metres, z up, as its format says: {mesh.conversion}; MoveIt's planning scene would take "
+            "its numbers as metres: mesh_units: metre does so, mesh_units: file says that converting is meant"
+        )
+    if kind == "hull":
+        large = [words for each in mesh.objects if (words := hull_excess(MeshFile(mesh.path, (each,), "")))]
+        said += [f"{large[0]}: `solid` takes the mesh as it is"] if large else []
+    for words in said:
+        warnings.warn(f"mesh file {str(mesh.path)!r}: {words}", RuntimeWarning, stacklevel=5)
 
 
 def _closed_or_hull(solid: Solid, hull: Hull, what: str) -> Hull | Solid:
@@ -50,14 +116,13 @@ def _closed_or_hull(solid: Solid, hull: Hull, what: str) -> Hull | Solid:
     return hull
 
 
-def read_mesh(values: Node, find_file: FindFile) -> tuple[Hull | Solid, Source]:
-    """The shape of the key `mesh`, with its file and scale."""
-    path, factors = _file_and_scale(values, find_file)
-    return shape_of_file(path, factors, find_file.meshes), (path, factors)
+def read_mesh_node(values: Node, find_file: FindFile) -> list[Part]:
+    """The parts of the key `mesh`."""
+    return mesh_parts(*_file_and_keys(values, find_file), find_file.meshes)
 
 
-def read_solid(values: Node | str, find_file: FindFile) -> tuple[Solid, Source | None]:
-    """The shape of the key `solid`: a file's name, its mapping, or vertices and triangles."""
+def read_solid_node(values: Node | str, find_file: FindFile) -> list[Part]:
+    """The parts of the key `solid`: a file's name, its mapping, or vertices and triangles."""
     given = {"file": values} if isinstance(values, str) else values
     if "vertices" in given or "triangles" in given:
         check_keys(given, ("vertices", "triangles"))
@@ -65,9 +130,8 @@ def read_solid(values: Node | str, find_file: FindFile) -> tuple[Solid, Source |
         rows = [numbers(row, f"triangles row {k}", 3) for k, row in enumerate(corners)]
         if any(not corner.is_integer() for row in rows for corner in row):
             raise PlannercheckError("triangles must be whole numbers, indices of vertices")
-        return Solid(_rows(points), np.array(rows, dtype=np.float64).reshape(-1, 3).astype(np.int64)), None
-    path, factors = _file_and_scale(given, find_file)
-    return Solid.load(path, factors), (path, factors)
+        return [Part(Solid(_rows(points), np.array(rows, dtype=np.float64).reshape(-1, 3).astype(np.int64)))]
+    return mesh_parts(*_file_and_keys(given, find_file), "solid")
 
 
 def read_hull(values: Node, find_file: FindFile) -> Hull:
@@ -83,11 +147,19 @@ def read_hull(values: Node, find_file: FindFile) -> Hull:
     return Hull(_rows(sequence(values["vertices"], "'vertices'")))
 
 
-def _file_and_scale(values: Node, find_file: FindFile) -> Source:
-    check_keys(values, ("file", "scale"))
-    scale = values.get("scale", 1.0)
-    factors = numbers(scale, "scale", 3) if isinstance(scale, list) else number(scale, "scale")
-    return find_file(text(required(values, "file"), "file")), factors
+def _file_and_keys(values: Node, find_file: FindFile) -> tuple[Path, dict[str, Any]]:
+    """The path of a mesh file, and what is said beside its name."""
+    check_keys(values, _MESH_KEYS)
+    keys: dict[str, Any] = {}
+    if "scale" in values:
+        scale = values["scale"]
+        keys["scale"] = numbers(scale, "scale", 3) if isinstance(scale, list) else number(scale, "scale")
+    if "object" in values:
+        keys["object"] = text(values["object"], "object")
+    units = checked_units(values.get("mesh_units", find_file.mesh_units))
+    if units is not None:
+        keys["mesh_units"] = units
+    return find_file(text(required(values, "file"), "file")), keys
 
 
 def _rows(rows: Sequence[Any]) -> Floats:

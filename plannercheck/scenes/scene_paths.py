@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, TypeAlias
 
+from plannercheck.bodies.mesh_files import MeshUnits
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_files import folders_above, package_file, where_sought
 
@@ -26,11 +27,13 @@ class FindFile:
         folder: The folder of the scene file: relative paths start there.
         package_dirs: Folders that contain packages; they are searched before the folders above the scene.
         meshes: What the scene's meshes are taken as.
+        mesh_units: How mesh files are read that do not say so themselves; None for the format's default.
     """
 
     folder: Path
     package_dirs: Sequence[Path] = ()
     meshes: MeshKind = "hull"
+    mesh_units: MeshUnits | None = None
 
     def __call__(self, address: str) -> Path:
         """The path of a file by its address."""

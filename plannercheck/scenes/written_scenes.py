@@ -6,7 +6,7 @@ In: a scene and a path. Out: the file, and files beside it for shapes that were 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -93,14 +93,11 @@ def _shape_node(part: Part, owner: str, beside: FilesBeside) -> Node:
     return {kind: {key: getattr(shape, key) for key in SIZED[kind][1]}}
 
 
-def _file_node(shape: Shape, file: Path, more: float | Sequence[float] | Mapping[str, Any], folder: Path) -> Node:
-    """The mapping of a shape from a file: of a mesh with its scale, of a sensed shape with its other keys."""
-    name = _relative(file, folder)
-    if isinstance(shape, PartSet):
-        assert isinstance(more, Mapping)
-        return {sensed_kind(shape): {"file": name, **more}}
-    kind = "solid" if isinstance(shape, Solid) else "mesh"
-    return {kind: {"file": name, "scale": np.asarray(more).tolist()}}
+def _file_node(shape: Shape, file: Path, more: Mapping[str, Any], folder: Path) -> Node:
+    """The mapping of a shape from a file, with its other keys."""
+    kind = sensed_kind(shape) if isinstance(shape, PartSet) else "solid" if isinstance(shape, Solid) else "mesh"
+    plain = {key: value if isinstance(value, str) else np.asarray(value).tolist() for key, value in more.items()}
+    return {kind: {"file": _relative(file, folder), **plain}}
 
 
 def _pose_node(pose: NDArray[np.float64]) -> Node:

@@ -9,22 +9,23 @@ from __future__ import annotations
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from plannercheck.bodies.core_polytopes import fans
 from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.height_fields import HeightField
+from plannercheck.bodies.mesh_files import MeshFile
 from plannercheck.bodies.polytope import prepared
 from plannercheck.bodies.shapes import Hull, Shape
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.package_files import folders_above
 from plannercheck.robots.description import RobotDescription, description_of
-from plannercheck.robots.urdf import bodies_of, built_geometry, read_geometry, read_model
+from plannercheck.robots.link_bodies import read_bodies
+from plannercheck.robots.loading import collision_meshes
+from plannercheck.robots.urdf import read_model
 
 Surface: TypeAlias = tuple[NDArray[np.float64], NDArray[np.int32]]
 
@@ -97,14 +98,12 @@ def delivered_meshes(robot: str | Path | RobotDescription) -> dict[str, Surface]
         PlannercheckError: If the robot is planar, or one of its files can't be read.
     """
     description = description_of(robot)
-    model = read_model(description.file, description.floating)
-    geometry = read_geometry(model, description.file, description.package_dirs)
-    meshes = {each.name: each.geometry for each in geometry.geometryObjects if hasattr(each.geometry, "tri_indices")}
+    meshes = collision_meshes(description)
     if not meshes:
         raise PlannercheckError(
             f"robot {description.name or description.urdf.stem!r} has no collision meshes: its bodies are simple shapes"
         )
-    return {name: _triangles(mesh) for name, mesh in meshes.items()}
+    return {name: _surface(mesh) for name, mesh in meshes.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,27 +138,21 @@ def visual_meshes(robot: str | Path | RobotDescription) -> tuple[Visual, ...]:
     description = description_of(robot)
     file = description.file
     model = read_model(file, description.floating)
-    folders = [str(folder) for folder in (*description.package_dirs, *folders_above(file.path))]
     try:
-        geometry = built_geometry(model, file, pin.VISUAL, folders)
-    except (ValueError, RuntimeError) as error:
-        warnings.warn(
-            f"URDF {file.path}: what its links look like is left out: {error!s:.200}", RuntimeWarning, stacklevel=2
-        )
+        shown = read_bodies(model, file, description.package_dirs, description.mesh_units, "visual")
+    except PlannercheckError as error:
+        warnings.warn(f"what its links look like is left out: {error!s:.200}", RuntimeWarning, stacklevel=2)
         return ()
-    pairs = zip(geometry.geometryObjects, bodies_of(model, geometry), strict=True)
     return tuple(
         Visual(
             body.name,
             str(body.link),
             body.pose,
-            _triangles(each.geometry) if hasattr(each.geometry, "tri_indices") else surface_of(body.shape, body.name),
+            surface_of(body.shape, body.name) if mesh is None else _surface(mesh),
         )
-        for each, body in pairs
+        for body, mesh in zip(shown.bodies, shown.meshes, strict=True)
     )
 
 
-def _triangles(mesh: Any) -> Surface:
-    """Of coal's mesh, its scale applied."""
-    rows = [[t[0], t[1], t[2]] for t in (mesh.tri_indices(k) for k in range(mesh.num_tris))]
-    return np.array(mesh.vertices(), dtype=np.float64), np.array(rows, dtype=np.int32).reshape(-1, 3)
+def _surface(mesh: MeshFile) -> Surface:
+    return mesh.points, mesh.triangles.astype(np.int32)

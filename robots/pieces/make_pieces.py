@@ -16,10 +16,10 @@ from plannercheck.bodies.convex_decomposition import made_pieces
 from plannercheck.bodies.piece_repair import hull_alone
 from plannercheck.bodies.pieces import Pieces, mesh_hash, packed
 from plannercheck.bodies.shipped_pieces import PIECES, RECIPE, file_name, shipped_pieces
-from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
+from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.robots.decomposed_links import is_concave
 from plannercheck.robots.description import description_of
-from plannercheck.robots.urdf import read_geometry
+from plannercheck.robots.loading import collision_meshes
 
 FOLDER = Path(__file__).resolve().parent
 # Meshes of too many triangles for CoACD, which makes them anew first: the resolution.
@@ -86,12 +86,11 @@ def concave_meshes(robot: str) -> dict[str, tuple[str, str, TriangleMesh]]:
 def meshes(robot: str) -> dict[str, tuple[str, str, TriangleMesh]]:
     """The same of all meshes."""
     loaded, description = pc.Robot.load(robot, geometry="hull"), description_of(robot)
-    geometry = read_geometry(loaded.model, description.file, description.package_dirs)
+    links = {body.name: str(body.link) for body in loaded.bodies}
     found: dict[bytes, tuple[str, tuple[str, str, TriangleMesh]]] = {}
-    for body, each in zip(loaded.bodies, geometry.geometryObjects, strict=True):
-        mesh = triangles_of_coal(each.geometry)
-        if mesh is not None:
-            found.setdefault(mesh_hash(mesh), (body.name, (str(body.link), Path(each.meshPath).name, mesh)))
+    for body, each in collision_meshes(description).items():
+        mesh = TriangleMesh.of(each.points, each.triangles)
+        found.setdefault(mesh_hash(mesh), (body, (links[body], each.path.name, mesh)))
     return dict(found.values())
 
 

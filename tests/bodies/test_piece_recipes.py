@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import json
-import warnings
 from itertools import combinations
 
 import numpy as np
@@ -17,11 +16,11 @@ from plannercheck.bodies.convex_decomposition import Decomposition, known_pieces
 from plannercheck.bodies.piece_recipes import pieces_by_recipe, recipe_text
 from plannercheck.bodies.pieces import mesh_hash
 from plannercheck.bodies.shipped_pieces import RECIPE, file_name, piece_files, shipped_pieces
-from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
+from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.cli.main import main
 from plannercheck.robots.description import description_of
 from plannercheck.robots.geometry_choices import of_hulls, of_known_pieces, of_meshes
-from plannercheck.robots.urdf import read_geometry
+from plannercheck.robots.loading import collision_meshes
 
 RECIPES = [file for file in piece_files() if file.suffix == RECIPE]
 REAL_COACD = convex_decomposition._coacd
@@ -37,12 +36,8 @@ def _no_coacd_and_no_cache(monkeypatch):
 @pytest.fixture(scope="module")
 def meshes():
     """TIAGo's, by name of the body."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        robot, description = pc.Robot.load("tiago"), description_of("tiago")
-    geometry = read_geometry(robot.model, description.file, description.package_dirs)
-    found = {each.name: triangles_of_coal(each.geometry) for each in geometry.geometryObjects}
-    return {name: mesh for name, mesh in found.items() if mesh is not None}
+    found = collision_meshes(description_of("tiago"))
+    return {name: TriangleMesh.of(mesh.points, mesh.triangles) for name, mesh in found.items()}
 
 
 def recipe_of(body, mesh):

@@ -16,10 +16,10 @@ from plannercheck.bodies.exact_coverage import uncovered
 from plannercheck.bodies.pieces import Pieces, mesh_hash, packed, unpacked
 from plannercheck.bodies.protrusion import filled, protrusion
 from plannercheck.bodies.shipped_pieces import PIECES, RECIPE, file_name, piece_files, shipped_pieces
-from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
+from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.robots.decomposed_links import is_concave
 from plannercheck.robots.description import description_of
-from plannercheck.robots.urdf import read_geometry
+from plannercheck.robots.loading import collision_meshes
 
 ROBOTS = ("ur3", "ur5", "ur10", "pr2", "kinova", "baxter", "tiago")
 FILES = piece_files()
@@ -37,13 +37,12 @@ def concave_meshes(name):
     """By name of the body, equal ones once."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        robot, description = pc.Robot.load(name), description_of(name)
-        geometry = read_geometry(robot.model, description.file, description.package_dirs)
+        meshes = collision_meshes(description_of(name))
     found = {}
-    for body, each in zip(robot.bodies, geometry.geometryObjects, strict=True):
-        mesh = triangles_of_coal(each.geometry)
-        if mesh is not None and is_concave(mesh):
-            found.setdefault(mesh_hash(mesh), (body.name, mesh))
+    for body, each in meshes.items():
+        mesh = TriangleMesh.of(each.points, each.triangles)
+        if is_concave(mesh):
+            found.setdefault(mesh_hash(mesh), (body, mesh))
     return dict(found.values())
 
 

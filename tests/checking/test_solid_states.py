@@ -10,12 +10,12 @@ import coal
 import numpy as np
 import pytest
 import trimesh
+from pinocchio_geometry import pinocchio_geometry
 
 import plannercheck as pc
 from plannercheck.checking.collision_matrix import collision_matrix
 from plannercheck.common.core import core
 from plannercheck.robots.description import description_of
-from plannercheck.robots.urdf import read_geometry
 from plannercheck.validation.fcl_agreement import compare_with_fcl
 from plannercheck.validation.fingerprint import content_hash
 
@@ -42,7 +42,8 @@ def test_states_against_coals_meshes(name):
     """Surfaces: where one body is wholly inside another, coal says that they are apart."""
     robot, description = every_link_solid(name), description_of(name)
     meshes = [
-        each.geometry for each in read_geometry(robot.model, description.file, description.package_dirs).geometryObjects
+        each.geometry
+        for each in pinocchio_geometry(robot.model, description.urdf, description.package_dirs).geometryObjects
     ]
     checker, hulls = pc.Checker(robot), pc.Checker(pc.Robot.load(name))
     q = robot.random_configurations(STATES, 1)

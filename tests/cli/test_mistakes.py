@@ -198,14 +198,14 @@ def test_meshes_in_millimetres(folder):
     (folder / "arm.urdf").write_text(urdf(MESH % "link.stl"))
     with pytest.warns(RuntimeWarning, match=r"is 300 m large: if it is in millimetres, scale it by 0.001 \(scale= in"):
         pc.Robot.from_urdf("arm.urdf")
-    with pytest.warns(RuntimeWarning, match="mesh file 'link.stl' is 300 m large"):
+    with pytest.warns(RuntimeWarning, match="mesh file 'link.stl': is 300 m large"):
         pc.Scene().add_mesh("part", "link.stl")
 
 
 def test_a_mesh_that_is_cut_short(folder):
     (folder / "link.stl").write_text(stl(TETRAHEDRON)[:40])
     (folder / "arm.urdf").write_text(urdf(MESH % "link.stl"))
-    with pytest.raises(pc.PlannercheckError, match=r"a collision mesh does not load: .*link.stl"):
+    with pytest.raises(pc.PlannercheckError, match=r"URDF arm.urdf: link 'base': mesh file '.*link.stl'"):
         pc.Robot.from_urdf("arm.urdf")
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+from pinocchio_geometry import pinocchio_geometry
 
 import plannercheck as pc
 from plannercheck.checking.reach_bounds import Chains
@@ -20,7 +21,7 @@ from plannercheck.checking.reach_screens import Screen
 from plannercheck.robots import kinematics
 from plannercheck.robots.self_pairs import self_pairs
 from plannercheck.robots.srdf import Srdf, read_srdf
-from plannercheck.robots.urdf import link_tree, read_geometry, read_model
+from plannercheck.robots.urdf import link_tree, read_model
 
 LOADING = Path(__file__).parents[1] / "benchmarks" / "loading.py"
 
@@ -161,9 +162,10 @@ def test_self_pairs_of_any_srdf_are_pinocchios(seed, tmp_path):
     )
     srdf.write_text(f'<robot name="tree{seed}">{rows}</robot>')
     model = read_model(urdf)
-    geometry = read_geometry(model, urdf, ())
+    geometry = pinocchio_geometry(model, urdf)
     robot = pc.Robot.from_urdf(urdf)
-    found = self_pairs(geometry, robot.bodies, Srdf(srdf, read_srdf(srdf)), link_tree(model), ())
+    joints = np.array([each.parentJoint for each in geometry.geometryObjects])
+    found = self_pairs(joints, robot.bodies, Srdf(srdf, read_srdf(srdf)), link_tree(model), ())
     geometry.addAllCollisionPairs()
     pin.removeCollisionPairs(model, geometry, str(srdf), False)
     assert found.tolist() == [[pair.first, pair.second] for pair in geometry.collisionPairs]

@@ -19,7 +19,6 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots import kinematics
 from plannercheck.robots.description import shipped_robots
 from plannercheck.robots.robot import Robot
-from plannercheck.robots.urdf import bodies_of
 
 SHIPPED = {"panda", "ur3", "ur5", "ur10", "kinova", "baxter", "pr2", "tiago", "talos", "xarm7", "go2", "g1"}
 
@@ -149,28 +148,6 @@ def test_primitives_keep_their_sizes(arm):
     assert shapes["upper_1"] == Sphere(0.2)
     assert shapes["lower_0"] == Sphere(0.4)
     assert [body.link for body in robot.bodies] == ["base", "upper", "upper", "lower", "tip"]
-
-
-def body_of(shape):
-    """The body of one of coal's shapes on a link."""
-    model, collection = pin.Model(), pin.GeometryModel()
-    frame = model.addBodyFrame("link", 0, pin.SE3.Identity(), -1)
-    collection.addGeometryObject(pin.GeometryObject("it", 0, frame, pin.SE3.Identity(), shape))
-    return bodies_of(model, collection)[0]
-
-
-def test_shapes_that_only_coal_knows():
-    assert body_of(coal.Capsule(0.1, 0.7)).shape == Capsule(0.1, 0.7)
-    assert body_of(coal.Cone(0.3, 0.8)).shape == Cone(0.3, 0.8)
-    assert body_of(coal.Ellipsoid(1.0, 2.0, 3.0)).shape == Ellipsoid((1.0, 2.0, 3.0))
-    with pytest.raises(PlannercheckError, match="'it' is a Plane; known are boxes"):
-        body_of(coal.Plane(np.array([0.0, 0.0, 1.0]), 0.0))
-
-
-def test_collision_shapes_that_urdfdom_drops_are_an_error(arm):
-    arm[0].write_text(URDF.replace('<sphere radius="0.4"/>', '<capsule radius="0.4" length="1"/>'))
-    with pytest.raises(PlannercheckError, match=r"0 of 1 .*link 'lower' could be read; .*Could not parse collision"):
-        Robot.from_urdf(arm[0])
 
 
 def test_meshes_come_with_their_scale(tmp_path):

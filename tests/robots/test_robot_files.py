@@ -11,10 +11,12 @@ from sample_robots import PANDA, PR2, PR2_SRDF, ROBOTS, SHARE, names_of, write_y
 
 from plannercheck.cli.main import main
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.robots.link_bodies import read_bodies
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.self_pairs import self_pairs
 from plannercheck.robots.srdf import Srdf, read_srdf
-from plannercheck.robots.urdf import read_geometry, read_model
+from plannercheck.robots.urdf import read_model
+from plannercheck.robots.urdf_file import UrdfFile
 
 
 @pytest.fixture(scope="module")
@@ -209,9 +211,9 @@ def test_an_srdf_is_parsed_once(use, arm, monkeypatch):
 
 def test_self_pairs_leave_nothing_else_out(arm):
     model = read_model(arm[0])
-    geometry = read_geometry(model, arm[0], ())
     robot = Robot.from_urdf(arm[0])
-    pairs = self_pairs(geometry, robot.bodies, Srdf(arm[1], read_srdf(arm[1])), robot.link_tree, ())
+    joints = read_bodies(model, UrdfFile.read(arm[0]), ()).joints
+    pairs = self_pairs(joints, robot.bodies, Srdf(arm[1], read_srdf(arm[1])), robot.link_tree, ())
     assert len(pairs) == 10 - 2 - 1  # of five bodies: two pairs on one joint each, one disabled
 
 

@@ -18,6 +18,7 @@ from plannercheck.scenes.motion_bench_maker import load_problems
 from plannercheck.scenes.moveit_request import motion_request, read_request
 from plannercheck.scenes.moveit_scene import read_planning_scene
 from plannercheck.scenes.scene import Scene
+from plannercheck.scenes.scene_paths import FindFile
 
 LISTS = """
 robot_model_name: panda
@@ -119,7 +120,7 @@ def scene_of(text, folder, **changes):
             node = node[int(key) if isinstance(node, list) else key]
         node[last] = value
     scene = Scene()
-    read_planning_scene(scene, document, folder)
+    read_planning_scene(scene, document, FindFile(folder))
     return scene
 
 

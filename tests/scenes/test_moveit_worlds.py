@@ -9,6 +9,7 @@ import yaml
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.scenes.moveit_scene import read_planning_scene
 from plannercheck.scenes.scene import Scene
+from plannercheck.scenes.scene_paths import FindFile
 
 # A world with an object as MotionBenchMaker writes it, in lists, and one as `ros2 topic echo` does.
 REAL = """
@@ -49,7 +50,7 @@ def test_worlds_and_objects_alone_are_what_they_are_in_a_scene(tmp_path, end):
     """`moveit_msgs/PlanningSceneWorld` and `CollisionObject`; `ros2 topic echo` ends messages with dashes."""
     world = yaml.safe_load(REAL)
     whole = Scene()
-    read_planning_scene(whole, {"world": world}, tmp_path)
+    read_planning_scene(whole, {"world": world}, FindFile(tmp_path))
     (tmp_path / "w.yaml").write_text(REAL + end)
     found = Scene.load(tmp_path / "w.yaml")
     assert found.name == "w"

@@ -8,9 +8,9 @@ from __future__ import annotations
 import coal
 import numpy as np
 import pinocchio as pin
+from pinocchio_geometry import pinocchio_geometry
 
 from plannercheck.robots.description import find_description, read_description
-from plannercheck.robots.urdf import read_geometry
 
 
 class CoalHulls:
@@ -24,7 +24,7 @@ class CoalHulls:
     def __init__(self, robot, pairs):
         self.robot, self.pairs = robot, pairs
         description = read_description(find_description(robot.name))
-        self._geometry = read_geometry(robot.model, description.urdf, description.package_dirs)
+        self._geometry = pinocchio_geometry(robot.model, description.urdf, description.package_dirs)
         _replace_meshes_by_hulls(self._geometry)
         for a, b in pairs.tolist():
             self._geometry.addCollisionPair(pin.CollisionPair(a, b))

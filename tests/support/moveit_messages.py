@@ -5,12 +5,15 @@ In: names of frames, poses as position and quaternion x, y, z, w. Out: nodes of 
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pinocchio as pin
 import yaml
 
 from plannercheck.scenes.moveit_scene import read_planning_scene
 from plannercheck.scenes.scene import Scene
+from plannercheck.scenes.scene_paths import FindFile
 
 STATE = {
     "panda_joint1": 0.3,
@@ -72,7 +75,7 @@ def scene_of(*objects, transforms=EXPORTED, state=None, **more):
         **more,
     }
     scene = Scene()
-    read_planning_scene(scene, yaml.safe_load(yaml.safe_dump(document)), None)
+    read_planning_scene(scene, yaml.safe_load(yaml.safe_dump(document)), FindFile(Path()))
     return scene
 
 

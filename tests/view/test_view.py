@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from browser import BROWSER, browser_flags
+from pinocchio_geometry import pinocchio_geometry
 
 from plannercheck.cli.main import main
 from plannercheck.common.errors import PlannercheckError
@@ -23,7 +24,7 @@ from plannercheck.planar.robot import Robot as PlanarRobot
 from plannercheck.planar.scene import Scene as PlanarScene
 from plannercheck.robots.description import find_description, read_description
 from plannercheck.robots.robot import Robot
-from plannercheck.robots.urdf import read_geometry, read_model
+from plannercheck.robots.urdf import read_model
 from plannercheck.scenes.scene import Scene
 from plannercheck.view import along_path, delivered_meshes, picture, serve, write_page
 from plannercheck.view.model import COLLIDING, COLOURS
@@ -54,7 +55,7 @@ def drawn(checker, rows):
 def test_poses_are_pinocchios(checker, rows, drawn):
     description = read_description(find_description("panda"))
     model = read_model(description.urdf)
-    geometry = read_geometry(model, description.urdf, description.package_dirs)
+    geometry = pinocchio_geometry(model, description.urdf, description.package_dirs)
     for frame, q in enumerate(rows):
         placements = pin.GeometryData(geometry)
         pin.updateGeometryPlacements(model, model.createData(), geometry, placements, checker.robot.expand(q))

@@ -1,0 +1,66 @@
+"""How much larger than its mesh a hull is, cheaply: for warnings where a hull was taken by default.
+
+In: a mesh file's objects. Out: a sentence if the hull is more than twice as large as the closed mesh, or fills the room
+between objects that are apart; else nothing. The hull of the farthest points along some directions is inside the hull,
+so that its volume is a lower bound.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from plannercheck.bodies.mesh_files import MeshFile
+from plannercheck.bodies.pieces import hull_volume
+from plannercheck.bodies.triangle_meshes import TriangleMesh
+from plannercheck.common.array_types import Floats
+from plannercheck.common.errors import PlannercheckError
+
+# A hull is worth a warning from this multiple of its mesh's volume on.
+LARGE = 2.0
+
+# Directions along which farthest points are taken: the bound of a ball's volume is 12 % low then.
+_DIRECTIONS = 64
+
+
+def hull_excess(mesh: MeshFile) -> str:
+    """Words on a hull that is much larger than its mesh; empty if the hull is not, or if an open mesh has no volume."""
+    if len(mesh.objects) > 1 and _are_apart([each.points for each in mesh.objects]):
+        names = ", ".join(repr(each.name) for each in mesh.objects[:3])
+        return f"its {len(mesh.objects)} objects ({names}) are apart, and the hull fills the room between them"
+    points, triangles = mesh.points, mesh.triangles
+    volume = _enclosed(points, triangles)
+    if np.prod(np.ptp(points, axis=0)) <= LARGE * volume:
+        return ""
+    ratio = _least_hull_volume(points) / max(volume, np.finfo(float).tiny)
+    if ratio <= LARGE or TriangleMesh.of(points, triangles).volume in (None, 0.0):
+        return ""
+    return f"the hull is {ratio:.1f} times as large as the mesh"
+
+
+def _enclosed(points: Floats, triangles: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> float:
+    """The volume, m³, that the triangles enclose if they are closed."""
+    a, b, c = (points[triangles[:, k]] - points[0] for k in range(3))
+    return abs(float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum())) / 6
+
+
+def _least_hull_volume(points: Floats) -> float:
+    """A lower bound of the hull's volume, m³."""
+    number = np.arange(_DIRECTIONS)
+    height = 1 - (2 * number + 1) / _DIRECTIONS
+    angle, radius = np.pi * (3 - np.sqrt(5)) * number, np.sqrt(1 - height**2)
+    directions = np.stack([radius * np.cos(angle), radius * np.sin(angle), height])
+    farthest = np.unique((points @ directions).argmax(axis=0))
+    try:
+        return hull_volume(points[farthest])
+    except PlannercheckError:  # flat, or too few points
+        return 0.0
+
+
+def _are_apart(objects: list[Floats]) -> bool:
+    """Whether the objects' boxes do not all hang together."""
+    low, high = (np.array([side(each, axis=0) for each in objects]) for side in (np.min, np.max))
+    meet = np.all((low[:, None] <= high[None]) & (low[None] <= high[:, None]), axis=2)
+    reached = meet[0]
+    for _ in objects:
+        reached = np.any(meet[reached], axis=0)
+    return not reached.all()
