@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.ply_files import check_ply
 from plannercheck.bodies.triangle_meshes import TriangleMesh, corners_of_coal, triangles_of_coal
 from plannercheck.common.array_types import Floats, Ints64
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.package_data import is_file
 
 # No link or object is as large as this, m; meshes in millimetres are, from 2 cm on.
@@ -32,6 +32,16 @@ _NO_FACES = "it has no faces: a cloud of points is no mesh"
 
 # What Git keeps in place of a large file.
 _LFS_POINTER = b"version https://git-lfs"
+
+
+def checked_units(value: object) -> MeshUnits | None:
+    """What is asked for as `mesh_units`; None for nothing."""
+    for units in get_args(MeshUnits):
+        if value == units:
+            return units  # type: ignore[no-any-return]
+    if value is None:
+        return None
+    raise unknown_name("kind of mesh_units", str(value), get_args(MeshUnits))
 
 
 def load_triangles(path: str | Path, scale: float | Sequence[float] = 1.0) -> TriangleMesh | None:
@@ -147,7 +157,7 @@ def _loaded(path: Path) -> Any:
 
 # TEMPORARY until the reader is merged
 from dataclasses import dataclass  # noqa: E402
-from typing import Literal, TypeAlias, get_args  # noqa: E402
+from typing import Literal, TypeAlias, get_args, get_args  # noqa: E402
 
 from plannercheck.common.errors import unknown_name  # noqa: E402
 
