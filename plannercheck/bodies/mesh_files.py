@@ -1,37 +1,117 @@
-"""Mesh files, through coal's loader (stl, dae, obj, ply and whatever else assimp reads).
+"""Mesh files: STL, OBJ, PLY, OFF, Collada and glTF, in doubles, with all objects where the file's scene puts them.
 
-In: a path and a scale. Out: the mesh's points in m, and its triangles.
+In: a path, a scale, and whether the file's own unit and axes count. Out: `MeshFile`. A file is read as its format defines
+it, or refused with the place that is wrong: readers are strict, because a face that is passed over is a hole in a body.
 """
 
 from __future__ import annotations
 
-import re
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from plannercheck.bodies.ply_files import check_ply
-from plannercheck.bodies.triangle_meshes import TriangleMesh, corners_of_coal, triangles_of_coal
+from plannercheck.bodies.collada_files import objects_of_collada
+from plannercheck.bodies.gltf_files import Y_UP, scene_of_gltf
+from plannercheck.bodies.mesh_objects import NO_FACES, RawObject
+from plannercheck.bodies.mesh_poses import turned
+from plannercheck.bodies.obj_files import objects_of_obj
+from plannercheck.bodies.off_files import objects_of_off
+from plannercheck.bodies.ply_meshes import objects_of_ply
+from plannercheck.bodies.stl_files import objects_of_stl
+from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.package_data import is_file
 
+MeshUnits: TypeAlias = Literal["file", "metre"]
+
+# Formats whose numbers have neither a unit nor axes of their own.
+_PLAIN = {".stl": objects_of_stl, ".obj": objects_of_obj, ".ply": objects_of_ply, ".off": objects_of_off}
+_WITH_AXES = (".dae", ".gltf", ".glb")
+
 # No link or object is as large as this, m; meshes in millimetres are, from 2 cm on.
 _LARGEST_USUAL_MESH = 20.0
 
-# Formats that may write vertices as text, one a line, and a vertex that is no number.
-_WITH_LINES = (".obj", ".stl")
-_NO_NUMBER = re.compile(rb"^[ \t]*(v(?:ertex)?[ \t][^\r\n]*\bnan\b[^\r\n]*)", re.IGNORECASE | re.MULTILINE)
-
-_NO_FACES = "it has no faces: a cloud of points is no mesh"
-
 # What Git keeps in place of a large file.
 _LFS_POINTER = b"version https://git-lfs"
+
+
+@dataclass(frozen=True, eq=False)
+class MeshObject:
+    """One object of a mesh file.
+
+    Attributes:
+        name: Its name in the file, made unique within the file; "" where the file names none.
+        points: (n, 3) m, scaled, posed by the file's scene graph.
+        triangles: (m, 3) indices of points, in the file's order, degenerate ones included.
+    """
+
+    name: str
+    points: Floats
+    triangles: Ints64
+
+
+@dataclass(frozen=True, eq=False)
+class MeshFile:
+    """What a mesh file holds.
+
+    Attributes:
+        path: The file.
+        objects: At least one, each with at least one triangle.
+        conversion: How the readings "file" and "metre" differ, in words; "" if they are the same.
+    """
+
+    path: Path
+    objects: tuple[MeshObject, ...]
+    conversion: str
+
+    @cached_property
+    def points(self) -> Floats:
+        """The points (n, 3) of all objects, m."""
+        return self.objects[0].points if len(self.objects) == 1 else np.concatenate([o.points for o in self.objects])
+
+    @cached_property
+    def triangles(self) -> Ints64:
+        """The triangles (m, 3) of all objects, as indices of `points`."""
+        counts = [len(each.points) for each in self.objects]
+        shifts = np.cumsum([0, *counts[:-1]])
+        return np.concatenate([each.triangles + shift for each, shift in zip(self.objects, shifts, strict=True)])
+
+
+def read_mesh(path: str | Path, scale: float | Sequence[float] = 1.0, units: MeshUnits = "file") -> MeshFile:
+    """Reads a mesh file.
+
+    Args:
+        path: The file; its ending tells the format.
+        scale: One factor, or one along each axis of the result.
+        units: "file" for metres with z up by what the file says of its unit and axes; "metre" for its numbers as metres
+            along x, y and z and without the transform of the scene's root, as MoveIt's planning scene has it.
+
+    Raises:
+        PlannercheckError: If the file is missing, is not of its format, or has no triangles.
+    """
+    factors = _checked_scale(scale)
+    if units not in ("file", "metre"):
+        raise PlannercheckError(f"units of a mesh must be 'file' or 'metre', not {units!r}")
+    with named_file(path):
+        objects, conversion = _read(Path(path), units)
+        if not objects:
+            raise PlannercheckError(NO_FACES)
+        names = _unique([each.name for each in objects])
+        return MeshFile(
+            Path(path),
+            tuple(
+                MeshObject(name, _scaled(each.points, factors), each.triangles)
+                for name, each in zip(names, objects, strict=True)
+            ),
+            conversion,
+        )
 
 
 def checked_units(value: object) -> MeshUnits | None:
@@ -46,11 +126,7 @@ def checked_units(value: object) -> MeshUnits | None:
 
 def load_triangles(path: str | Path, scale: float | Sequence[float] = 1.0) -> TriangleMesh | None:
     """The triangles of a mesh file that `load_mesh` reads, scaled to m."""
-    import coal  # slow to import, and only meshes need it
-
-    check_mesh(Path(path))
-    mesh = triangles_of_coal(coal.MeshLoader().load(str(path), np.ones(3)))
-    return None if mesh is None else TriangleMesh.of(mesh.points * _checked_scale(scale), mesh.triangles)
+    return TriangleMesh.of(*corners_of_file(path, scale))
 
 
 def points_of_file(path: str | Path, scale: float | Sequence[float] = 1.0) -> Floats:
@@ -59,9 +135,7 @@ def points_of_file(path: str | Path, scale: float | Sequence[float] = 1.0) -> Fl
     Raises:
         PlannercheckError: If the file is missing or is no mesh.
     """
-    factors = _checked_scale(scale)
-    with named_file(path):
-        return np.array(_loaded(Path(path)).vertices(), dtype=np.float64) * factors
+    return read_mesh(path, scale).points
 
 
 def corners_of_file(path: str | Path, scale: float | Sequence[float] = 1.0) -> tuple[Floats, Ints64]:
@@ -70,12 +144,8 @@ def corners_of_file(path: str | Path, scale: float | Sequence[float] = 1.0) -> t
     Raises:
         PlannercheckError: If the file is missing, is no mesh, or has no triangles.
     """
-    factors = _checked_scale(scale)
-    with named_file(path):
-        found = corners_of_coal(_loaded(Path(path)))
-        if found is None or not len(found[1]):
-            raise PlannercheckError(_NO_FACES)
-    return found[0] * factors, found[1]
+    mesh = read_mesh(path, scale)
+    return mesh.points, mesh.triangles
 
 
 @contextmanager
@@ -97,32 +167,12 @@ def warn_of_size(path: str | Path, points: Floats, stacklevel: int) -> None:
 
 
 def check_mesh(path: Path) -> None:
-    """Raises for a file that would crash the libraries that read it, or that is a pointer of Git LFS."""
-    try:
-        with path.open("rb") as file:
-            start = file.read(len(_LFS_POINTER))
-    except OSError:
-        return  # the reader will say why
-    if start == _LFS_POINTER:
-        raise PlannercheckError("is a Git LFS pointer, not the mesh itself: `git lfs pull` fetches it")
-    if path.suffix.lower() == ".ply":
-        check_ply(path)
-    if path.suffix.lower() in _WITH_LINES:
-        _check_numbers(path)
+    """Raises for a file that can't be read, in place of the library that reads it for a robot."""
+    if path.suffix.lower() in (*_PLAIN, *_WITH_AXES) and is_file(path):
+        _read(path, "metre")
 
 
-def _check_numbers(path: Path) -> None:
-    """Raises for a vertex in words: coal builds a box about it, and complains on the terminal."""
-    content = path.read_bytes()
-    if not any(word in content for word in (b"nan", b"NaN", b"NAN")):
-        return
-    found = _NO_NUMBER.search(content)
-    if found is not None:
-        line = content.count(b"\n", 0, found.start()) + 1
-        raise PlannercheckError(f"line {line}: vertex {found.group(1).decode(errors='replace')!r:.80} is no number")
-
-
-def mesh_hint(points: NDArray[np.float64]) -> str:
+def mesh_hint(points: Floats) -> str:
     """A sentence about points (n, 3) in m that are unusually far apart; empty if they are not."""
     size = float(np.ptp(points, axis=0).max(initial=0))
     if size <= _LARGEST_USUAL_MESH:
@@ -130,7 +180,71 @@ def mesh_hint(points: NDArray[np.float64]) -> str:
     return f"is {size:.4g} m large: if it is in millimetres, scale it by 0.001"
 
 
-def _checked_scale(scale: float | Sequence[float]) -> NDArray[np.float64]:
+def _read(path: Path, units: MeshUnits) -> tuple[list[RawObject], str]:
+    """The objects of a file, in m, and how the units differ."""
+    ending = path.suffix.lower()
+    content = _content(path)
+    if ending in _PLAIN:
+        return _PLAIN[ending](content), ""
+    if ending == ".dae":
+        objects, axes = objects_of_collada(content)
+        return objects if units == "metre" else _in_metres(objects, axes.turn, axes.metres), axes.words
+    if ending in _WITH_AXES:
+        scene = scene_of_gltf(path, content)
+        root = "its root node has a transform and " if scene.root_moves else ""
+        conversion = f"{root}its y axis points up, as glTF defines"
+        return scene.without_root if units == "metre" else _in_metres(scene.objects, Y_UP, 1.0), conversion
+    readable = ", ".join((*_PLAIN, *_WITH_AXES))
+    raise PlannercheckError(f"is of a format that is not read ({ending or 'no ending'}): convert it to one of {readable}")
+
+
+def _content(path: Path) -> bytes:
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise PlannercheckError(f"can't be read: {error.strerror or error}") from None
+    if content.startswith(_LFS_POINTER):
+        raise PlannercheckError("is a Git LFS pointer, not the mesh itself: `git lfs pull` fetches it")
+    return content
+
+
+def _in_metres(objects: list[RawObject], turn: Floats, metres: float) -> list[RawObject]:
+    """Objects turned to z up and then scaled from their unit to m."""
+    same = (turn == np.eye(3)).all()
+    return [
+        RawObject(
+            each.name, _scaled(each.points if same else turned(turn, each.points), np.full(3, metres)), each.triangles
+        )
+        for each in objects
+    ]
+
+
+def _scaled(points: Floats, factors: Floats) -> Floats:
+    if (factors == 1).all():
+        return points
+    with np.errstate(over="ignore"):
+        scaled = points * factors
+    if not np.isfinite(scaled).all():
+        raise PlannercheckError("has points that its scale moves beyond all doubles")
+    return scaled
+
+
+def _unique(names: list[str]) -> list[str]:
+    """Names with a number after those that come again; nameless objects stay so."""
+    taken, found = set(names), []
+    seen: set[str] = set()
+    counts: dict[str, int] = {}
+    for name in names:
+        unique = name
+        while name and unique in seen or (unique != name and unique in taken):
+            counts[name] = counts.get(name, 1) + 1
+            unique = f"{name}_{counts[name]}"
+        seen.add(unique)
+        found.append(unique)
+    return found
+
+
+def _checked_scale(scale: float | Sequence[float]) -> Floats:
     """Three factors, finite and not zero (a negative one mirrors the mesh)."""
     try:
         factors = np.broadcast_to(np.asarray(scale, dtype=np.float64), (3,))
@@ -139,63 +253,3 @@ def _checked_scale(scale: float | Sequence[float]) -> NDArray[np.float64]:
     if not (np.isfinite(factors).all() and factors.all()):
         raise PlannercheckError(f"mesh scale must be finite and not zero, not {scale!r}")
     return factors
-
-
-def _loaded(path: Path) -> Any:
-    """Coal's mesh of a file."""
-    import coal  # slow to import, and only meshes need it
-
-    check_mesh(path)
-    try:
-        return coal.MeshLoader().load(str(path), np.ones(3))
-    except Exception as error:  # coal raises several unrelated types
-        reason = " ".join(str(error).partition("message:")[2].split()) or str(error)
-        if "No meshes remain" in reason:
-            reason = _NO_FACES
-        raise PlannercheckError(f"can't be read as a mesh: {reason:.400}") from None
-
-
-# TEMPORARY until the reader is merged
-from dataclasses import dataclass  # noqa: E402
-from typing import Literal, TypeAlias, get_args, get_args  # noqa: E402
-
-from plannercheck.common.errors import unknown_name  # noqa: E402
-
-MeshUnits: TypeAlias = Literal["file", "metre"]
-
-
-def checked_units(value: Any) -> MeshUnits | None:
-    """What is asked for as `mesh_units`; None for nothing."""
-    for units in get_args(MeshUnits):
-        if value == units:
-            return units  # type: ignore[no-any-return]
-    if value is None:
-        return None
-    raise unknown_name("kind of mesh_units", str(value), get_args(MeshUnits))
-
-
-@dataclass(frozen=True, eq=False)
-class MeshObject:
-    name: str
-    points: Floats
-    triangles: Ints64
-
-
-@dataclass(frozen=True, eq=False)
-class MeshFile:
-    path: Path
-    objects: tuple[MeshObject, ...]
-    conversion: str
-
-    @property
-    def points(self) -> Floats:
-        return self.objects[0].points
-
-    @property
-    def triangles(self) -> Ints64:
-        return self.objects[0].triangles
-
-
-def read_mesh(path: str | Path, scale: float | Sequence[float] = 1.0, units: MeshUnits = "file") -> MeshFile:
-    points, triangles = corners_of_file(path, scale)
-    return MeshFile(Path(path), (MeshObject("", points, triangles),), "")

@@ -8,50 +8,20 @@ formats they find such faults themselves.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.bodies.ply_headers import PlyElement, PlyProperty, header_of_ply
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, shortened
 
-# The most bytes of a header; a valid one takes some hundred.
-_LONGEST_HEADER = 1 << 16
-
-_TYPES = {
-    **dict.fromkeys(("char", "int8"), "i1"),
-    **dict.fromkeys(("uchar", "uint8"), "u1"),
-    **dict.fromkeys(("short", "int16"), "i2"),
-    **dict.fromkeys(("ushort", "uint16"), "u2"),
-    **dict.fromkeys(("int", "int32"), "i4"),
-    **dict.fromkeys(("uint", "uint32"), "u4"),
-    **dict.fromkeys(("float", "float32"), "f4"),
-    **dict.fromkeys(("double", "float64"), "f8"),
-}
-_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _INDICES = ("vertex_indices", "vertex_index")
 _FEWEST_CORNERS = 3
 # The element of organised clouds: which vertex each place of the scan has. PCL writes it.
 _SCAN = "range_grid"
 _AXES = ("x", "y", "z")
-
-
-@dataclass(frozen=True)
-class _Property:
-    """A property: a number, or, with a type of its count, a list."""
-
-    name: str
-    kind: str
-    count: str | None = None
-
-
-@dataclass(frozen=True)
-class _Element:
-    name: str
-    rows: int
-    properties: list[_Property]
 
 
 def check_ply(path: Path) -> None:
@@ -87,7 +57,7 @@ def points_of_ply(path: Path) -> Floats:
     return np.array(rows, dtype=np.float64).reshape(-1, len(_AXES))
 
 
-def _checked(path: Path, exactly: bool = False) -> tuple[bytes, str, list[_Element], int]:
+def _checked(path: Path, exactly: bool = False) -> tuple[bytes, str, list[PlyElement], int]:
     """The content of a complete file, its byte order ("" for text), its elements, and where they begin.
 
     Args:
@@ -98,7 +68,7 @@ def _checked(path: Path, exactly: bool = False) -> tuple[bytes, str, list[_Eleme
         content = path.read_bytes()
     except OSError as error:
         raise PlannercheckError(f"can't be read: {error.strerror or error}") from None
-    order, elements, body = _header(content)
+    order, elements, body = header_of_ply(content)
     vertices = [element for element in elements if element.name == "vertex"]
     if len(vertices) != 1 or not {*_AXES} <= {each.name for each in vertices[0].properties if not each.count}:
         raise PlannercheckError("a PLY file needs one element 'vertex' with x, y and z")
@@ -111,40 +81,8 @@ def _checked(path: Path, exactly: bool = False) -> tuple[bytes, str, list[_Eleme
     return content, order, elements, body
 
 
-def _header(content: bytes) -> tuple[str, list[_Element], int]:
-    """The byte order ("" for text), the elements, and where they begin."""
-    end = content.find(b"end_header", 0, _LONGEST_HEADER)
-    after = content.find(b"\n", end)
-    if not content.startswith(b"ply") or end < 0 or after < 0 or content[end + 10 : after].strip():
-        raise PlannercheckError("is no PLY file: it must have a header from 'ply' to 'end_header'")
-    lines = [line.split() for line in content[:end].decode("latin-1").splitlines()[1:]]
-    lines = [words for words in lines if words and words[0] not in ("comment", "obj_info")]
-    if not lines or lines[0][0] != "format" or lines[0][1:] not in [[order, "1.0"] for order in _ORDERS]:
-        raise PlannercheckError(f"a PLY file must say its format, {', '.join(_ORDERS)}, and version 1.0")
-    elements: list[_Element] = []
-    for words in lines[1:]:
-        if words[0] == "element" and len(words) == 3 and words[2].isdecimal() and len(words[2]) < 16:
-            elements.append(_Element(words[1], int(words[2]), []))
-        elif words[0] == "property" and elements:
-            elements[-1].properties.append(_property(words[1:]))
-        else:
-            raise PlannercheckError(f"its PLY header has a line {shortened(' '.join(words))!r}")
-    names = [(element.name, each.name) for element in elements for each in element.properties]
-    if len(set(names)) < len(names) or len({element.name for element in elements}) < len(elements):
-        raise PlannercheckError("its PLY header has an element or a property twice")
-    return _ORDERS[lines[0][1]], elements, after + 1
-
-
-def _property(words: list[str]) -> _Property:
-    if len(words) == 2 and words[0] in _TYPES:
-        return _Property(words[1], _TYPES[words[0]])
-    if len(words) == 4 and words[0] == "list" and words[1] in _TYPES and words[2] in _TYPES:
-        return _Property(words[3], _TYPES[words[2]], _TYPES[words[1]])
-    raise PlannercheckError(f"its PLY header has a property {shortened(' '.join(words))!r}")
-
-
 def _words(
-    content: bytes, body: int, order: str, elements: list[_Element], exactly: bool
+    content: bytes, body: int, order: str, elements: list[PlyElement], exactly: bool
 ) -> Iterator[tuple[str, NDArray[np.float64]]]:
     """Of a text, the indices of vertices in each element; raises for rows that are not whole."""
     lines = [line for line in content[body:].decode("latin-1").splitlines() if line.strip()]
@@ -161,7 +99,7 @@ def _words(
         raise PlannercheckError(f"{len(lines) - at} lines follow the rows that its header says")
 
 
-def _indices_of_line(line: str, element: _Element) -> list[float]:
+def _indices_of_line(line: str, element: PlyElement) -> list[float]:
     """The indices of vertices in a row of text."""
     try:
         values, found = [float(word) for word in line.split()], []
@@ -180,7 +118,7 @@ def _indices_of_line(line: str, element: _Element) -> list[float]:
 
 
 def _numbers(
-    content: bytes, at: int, order: str, elements: list[_Element], exactly: bool
+    content: bytes, at: int, order: str, elements: list[PlyElement], exactly: bool
 ) -> Iterator[tuple[str, NDArray[np.int64]]]:
     """The same of bytes. Rows of one length, as those of triangles are, are read at once."""
     for element in elements:
@@ -209,7 +147,7 @@ def _numbers(
         raise PlannercheckError(f"{len(content) - at} bytes follow the rows that its header says")
 
 
-def _lengths(content: bytes, at: int, order: str, element: _Element) -> dict[int, int]:
+def _lengths(content: bytes, at: int, order: str, element: PlyElement) -> dict[int, int]:
     """How long the lists of the row that begins there are, by the property's number."""
     lengths: dict[int, int] = {}
     for k, each in enumerate(element.properties):
@@ -228,12 +166,12 @@ def _lengths(content: bytes, at: int, order: str, element: _Element) -> dict[int
     return lengths
 
 
-def _least(element: _Element, each: _Property) -> int:
+def _least(element: PlyElement, each: PlyProperty) -> int:
     """Numbers that a list must have: a face needs three corners; a place of a scan has a vertex or none."""
     return _FEWEST_CORNERS if each.name in _INDICES and element.name != _SCAN else 0
 
 
-def _row_type(order: str, element: _Element, lengths: dict[int, int]) -> np.dtype[np.void]:
+def _row_type(order: str, element: PlyElement, lengths: dict[int, int]) -> np.dtype[np.void]:
     fields: list[tuple[str, str, tuple[int, ...]]] = []
     for k, each in enumerate(element.properties):
         if each.count is not None:
@@ -242,5 +180,5 @@ def _row_type(order: str, element: _Element, lengths: dict[int, int]) -> np.dtyp
     return np.dtype(fields)
 
 
-def _cut_short(element: _Element) -> PlannercheckError:
+def _cut_short(element: PlyElement) -> PlannercheckError:
     return PlannercheckError(f"is cut short: element {shortened(element.name)!r} must have {element.rows} rows")
