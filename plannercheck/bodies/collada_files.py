@@ -76,7 +76,9 @@ def objects_of_collada(content: bytes) -> tuple[list[RawObject], ColladaAxes]:
         node, outer, path = stack.pop()
         count += 1
         if count > _MOST_NODES or len(path) > _DEEPEST:
-            raise PlannercheckError(f"has more than {_MOST_NODES} nodes in its scene, or {_DEEPEST} inside of each other")
+            raise PlannercheckError(
+                f"has more than {_MOST_NODES} nodes in its scene, or {_DEEPEST} inside of each other"
+            )
         pose = composed(outer, _pose(node))
         below = _nodes(node)
         for each in node:

@@ -19,7 +19,15 @@ from plannercheck.common.errors import PlannercheckError, shortened
 
 # What a viewer must understand, and what only concerns how surfaces look; the first one is read.
 _UNDERSTOOD = ("KHR_mesh_quantization",)
-_LOOKS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_", "KHR_xmp", "ADOBE_materials_")
+_LOOKS = (
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_",
+    "KHR_lights_",
+    "KHR_xmp",
+    "ADOBE_materials_",
+)
 
 _POINTS, _LINES, _TRIANGLES, _STRIP, _FAN = 0, (1, 2, 3), 4, 5, 6
 
@@ -137,9 +145,7 @@ def _pose(node: Table) -> Floats:
     return pose
 
 
-def _object(
-    node: Table, pose: Floats, buffers: Buffers, meshes: dict[int, tuple[Floats, Ints64]]
-) -> list[RawObject]:
+def _object(node: Table, pose: Floats, buffers: Buffers, meshes: dict[int, tuple[Floats, Ints64]]) -> list[RawObject]:
     index = node.integer("mesh")
     mesh = node.root().pick("meshes", index)
     if "skin" in node.items:

@@ -195,7 +195,9 @@ def _read(path: Path, units: MeshUnits) -> tuple[list[RawObject], str]:
         conversion = f"{root}its y axis points up, as glTF defines"
         return scene.without_root if units == "metre" else _in_metres(scene.objects, Y_UP, 1.0), conversion
     readable = ", ".join((*_PLAIN, *_WITH_AXES))
-    raise PlannercheckError(f"is of a format that is not read ({ending or 'no ending'}): convert it to one of {readable}")
+    raise PlannercheckError(
+        f"is of a format that is not read ({ending or 'no ending'}): convert it to one of {readable}"
+    )
 
 
 def _content(path: Path) -> bytes:
@@ -236,7 +238,7 @@ def _unique(names: list[str]) -> list[str]:
     counts: dict[str, int] = {}
     for name in names:
         unique = name
-        while name and unique in seen or (unique != name and unique in taken):
+        while (name and unique in seen) or (unique != name and unique in taken):
             counts[name] = counts.get(name, 1) + 1
             unique = f"{name}_{counts[name]}"
         seen.add(unique)

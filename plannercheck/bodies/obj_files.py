@@ -22,7 +22,9 @@ from plannercheck.common.errors import PlannercheckError
 _PASSED_OVER = frozenset(
     b"vn vt vp s mg usemtl mtllib usemap maplib p l bevel c_interp d_interp lod shadow_obj trace_obj".split()
 )
-_SURFACES = frozenset(b"surf curv curv2 cstype deg bmat step parm trim hole scrv sp end con bzp bsp cdc cdp res".split())
+_SURFACES = frozenset(
+    b"surf curv curv2 cstype deg bmat step parm trim hole scrv sp end con bzp bsp cdc cdp res".split()
+)
 
 _JOINED = re.compile(rb"(?:[^\n]*\\\n)+[^\n]*")
 _COMMENT = re.compile(rb"#[^\n]*")
@@ -150,7 +152,9 @@ def _bad_face(said: _Statements) -> PlannercheckError:
     for line, rest in zip(said.face_lines, said.faces, strict=True):
         corners = integers_of(_ATTRIBUTES.sub(b"", rest))
         if corners is None or len(corners) != len(rest.split()) or len(corners) < _LEAST:
-            return PlannercheckError(f"line {line}: a face must have corners v, v/vt, v//vn or v/vt/vn, three or more, not {shown(rest)}")
+            return PlannercheckError(
+                f"line {line}: a face must have corners v, v/vt, v//vn or v/vt/vn, three or more, not {shown(rest)}"
+            )
     return PlannercheckError("has faces with corners that are run together")
 
 

@@ -191,7 +191,10 @@ def _layout(
     if at + size * rows <= len(content):
         steps = np.arange(rows, dtype=np.int64) * size
         alike = all(
-            (_gathered(content, order, each.count, start + steps - np.dtype(each.count).itemsize) == counts[each.name]).all()
+            (
+                _gathered(content, order, each.count, start + steps - np.dtype(each.count).itemsize)
+                == counts[each.name]
+            ).all()
             for each in element.properties
             if each.count is not None
             for start in [starts[each.name]]

@@ -22,7 +22,7 @@ class TriangleMesh(OwnsArrays):
 
     Attributes:
         points: (n, 3) m, each once.
-        triangles: (m, 3) indices of points, without triangles of no area.
+        triangles: (m, 3) indices of points, without those that have a corner twice.
     """
 
     points: Floats
@@ -30,11 +30,13 @@ class TriangleMesh(OwnsArrays):
 
     @staticmethod
     def of(points: Floats, triangles: Ints | Ints64) -> TriangleMesh:
-        """Merges equal points (n, 3), m, of triangles (m, 3)."""
+        """Merges equal points (n, 3), m, of triangles (m, 3); the result does not depend on the order of either."""
         merged, index = np.unique(points, axis=0, return_inverse=True)
         corners = np.asarray(index, dtype=np.int64).reshape(-1)[triangles].reshape(-1, 3)
         a, b, c = corners.T
-        return TriangleMesh(merged, corners[(a != b) & (b != c) & (c != a)])
+        corners = corners[(a != b) & (b != c) & (c != a)]
+        turned = np.take_along_axis(corners, (corners.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
+        return TriangleMesh(merged, turned[np.lexsort(turned.T[::-1])])
 
     @cached_property
     def is_watertight(self) -> bool:

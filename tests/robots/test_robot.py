@@ -6,15 +6,13 @@ import pickle
 import struct
 import time
 
-import coal
 import numpy as np
 import pinocchio as pin
 import pytest
 from coal_hulls import CoalHulls
-from sample_robots import PANDA, PANDA_SRDF, PR2, PR2_SRDF, ROBOTS, SHARE, URDF, names_of
+from sample_robots import PANDA, PANDA_SRDF, PR2, PR2_SRDF, ROBOTS, SHARE, names_of
 
-from plannercheck.bodies.ellipsoids import Ellipsoid
-from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Sphere
+from plannercheck.bodies.shapes import Box, Cylinder, Hull, Sphere
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots import kinematics
 from plannercheck.robots.description import shipped_robots
