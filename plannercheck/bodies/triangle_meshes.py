@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from plannercheck.common.array_types import Floats, Ints, Ints64
-from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.arrays import OwnsArrays, distinct_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +31,8 @@ class TriangleMesh(OwnsArrays):
     @staticmethod
     def of(points: Floats, triangles: Ints | Ints64) -> TriangleMesh:
         """Merges equal points (n, 3), m, of triangles (m, 3); the result does not depend on the order of either."""
-        merged, index = np.unique(points, axis=0, return_inverse=True)
-        corners = np.asarray(index, dtype=np.int64).reshape(-1)[triangles].reshape(-1, 3)
+        merged, index = distinct_rows(points)
+        corners = index[triangles].reshape(-1, 3)
         a, b, c = corners.T
         corners = corners[(a != b) & (b != c) & (c != a)]
         turned = np.take_along_axis(corners, (corners.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)

@@ -35,6 +35,20 @@ def read_only_copy(values: ArrayLike) -> NDArray[np.float64]:
     return copy
 
 
+def distinct_rows(rows: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """The rows (n, k) sorted, equal ones once, and (n,) the place of each row among them.
+
+    `np.unique` with an axis gives the same in four times the time, as it compares records.
+    """
+    order = np.lexsort(rows.T[::-1])
+    sorted_rows = rows[order]
+    is_first = np.ones(len(rows), dtype=bool)
+    is_first[1:] = (sorted_rows[1:] != sorted_rows[:-1]).any(axis=1)
+    places = np.empty(len(rows), dtype=np.int64)
+    places[order] = np.cumsum(is_first) - 1
+    return sorted_rows[is_first], places
+
+
 class OwnsArrays:
     """A base of frozen dataclasses whose arrays nobody can write to: those that somebody could are copied."""
 
