@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, TypeVar
+from typing import TypeVar, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,11 +19,12 @@ from plannercheck.bodies.meshes import load_mesh
 from plannercheck.bodies.objects import Part, Parts, SceneFrames, SceneObject, scene_object, unplaced
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Hull, Shape, Sphere
-from plannercheck.bodies.solids import Solid
+from plannercheck.bodies.solids import OPEN_MESHES, Solid
 from plannercheck.common.array_types import Bools
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, unknown_name, with_article
 from plannercheck.scenes.declared_states import DeclaredStates
+from plannercheck.scenes.scene_paths import MeshKind
 from plannercheck.scenes.sensor_frames import next_frame
 
 Contents = TypeVar("Contents", bound="SceneContents")
@@ -161,10 +162,15 @@ class SceneContents(DeclaredStates):
         pose: ArrayLike | None = None,
         scale: float | Sequence[float] = 1.0,
         *,
-        geometry: Literal["hull", "solid"] = "hull",
+        geometry: MeshKind = "hull",
     ) -> None:
-        """Adds the convex hull of a mesh file (stl, dae, obj, ply, ...), or a `Solid`; `scale` takes its unit to m."""
-        shape = Solid.load(path, scale) if geometry == "solid" else load_mesh(path, scale)
+        """Adds the convex hull of a mesh file (stl, dae, obj, ply, ...), or a `Solid`; `scale` takes its unit to m.
+
+        Caps close an open mesh of "solid"; with "triangles", an open mesh is its triangles alone.
+        """
+        if geometry not in get_args(MeshKind):
+            raise unknown_name("geometry", str(geometry), get_args(MeshKind))
+        shape = load_mesh(path, scale) if geometry == "hull" else Solid.load(path, scale, OPEN_MESHES[geometry])
         self.add(name, [Part(shape, None, (Path(path), scale))], pose)
 
     def move(self, name: str, pose: ArrayLike | None) -> None:

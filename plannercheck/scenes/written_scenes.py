@@ -79,7 +79,7 @@ def _shape_node(part: Part, owner: str, beside: FilesBeside) -> Node:
     if isinstance(shape, PartSet):
         return sensed_node(shape, owner, beside)
     if isinstance(shape, Solid):
-        return {"solid": {"vertices": shape.vertices.tolist(), "triangles": shape.triangles.tolist()}}
+        return {"solid": {"vertices": shape.vertices.tolist(), "triangles": shape.triangles.tolist(), **_open(shape)}}
     if isinstance(shape, Hull):
         return {"hull": {"vertices": shape.vertices.tolist()}}
     if isinstance(shape, Box):
@@ -99,8 +99,13 @@ def _file_node(shape: Shape, file: Path, more: float | Sequence[float] | Mapping
     if isinstance(shape, PartSet):
         assert isinstance(more, Mapping)
         return {sensed_kind(shape): {"file": name, **more}}
-    kind = "solid" if isinstance(shape, Solid) else "mesh"
-    return {kind: {"file": name, "scale": np.asarray(more).tolist()}}
+    node = {"file": name, "scale": np.asarray(more).tolist()}
+    return {"solid": node | _open(shape)} if isinstance(shape, Solid) else {"mesh": node}
+
+
+def _open(solid: Solid) -> Node:
+    """What an open mesh is taken as, unless that is the default."""
+    return {} if solid.open == "cap" else {"open": solid.open}
 
 
 def _pose_node(pose: NDArray[np.float64]) -> Node:

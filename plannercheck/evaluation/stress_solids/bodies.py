@@ -57,7 +57,7 @@ class Body:
         """What a user would give, without the inflation radius of a solid."""
         if self.is_convex:
             return Polytope(self.surface.points, inflation_radius=self.inflation_radius)
-        return Solid(self.surface.points, self.surface.triangles)
+        return Solid(self.surface.points, self.surface.triangles, "triangles")
 
     @cached_property
     def polytope(self) -> Polytope:
