@@ -86,6 +86,7 @@ def _anywhere(relation: str, rng: np.random.Generator) -> Draw:
 
 
 def _drawn_anywhere(family: str, relation: str, p: Body, r: Body, rng: np.random.Generator) -> Draw:
+    """Both bodies with centres about as far apart as they are large."""
     poses_p, poses_r = identities(_POSES), identities(_POSES)
     for k in range(_POSES):
         place = _place(rng)

@@ -125,10 +125,8 @@ def _between(drawn: Draw, truth: list[bool]) -> list[Outcome]:
         return [UNFIT] * len(truth)
     alone = decided(p.triangles_alone, drawn.poses_p, r.triangles_alone, drawn.poses_r) != 0
     hulls = decided(p.hull, drawn.poses_p, r.hull, drawn.poses_r) != 0
-    return [
-        shared == (few <= shared <= most)
-        for few, shared, most in zip(alone.tolist(), truth, hulls.tolist(), strict=True)
-    ]
+    rows = zip(alone.tolist(), truth, hulls.tolist(), strict=True)
+    return [shared == (few <= shared <= most) for few, shared, most in rows]
 
 
 def _points_near(body: Body, rng: np.random.Generator) -> Floats:

@@ -44,8 +44,9 @@ def _ragged_hole(given: Surface, rng: np.random.Generator) -> Surface:
     """With a hole, and without some of the triangles at its rim."""
     opened = _hole(given, rng)
     gone = np.setdiff1d(given.triangles, opened.triangles)
-    at_rim = np.isin(opened.triangles, given.triangles[np.isin(given.triangles, gone).any(axis=1)]).any(axis=1)
-    return _with(opened, ~at_rim | (rng.random(len(at_rim)) < 0.5))
+    beside = given.triangles[np.isin(given.triangles, gone).any(axis=1)]
+    is_beside = np.isin(opened.triangles, beside).any(axis=1)
+    return _with(opened, ~is_beside | (rng.random(len(opened.triangles)) < 0.5))
 
 
 def _without_some(given: Surface, rng: np.random.Generator) -> Surface:
