@@ -210,12 +210,16 @@ def test_turned_triangles_change_nothing_about_the_inside(some):
 
 
 @pytest.mark.parametrize("name", ["T-junctions along a rim", "gaps along a rim"])
-def test_slits_along_a_rim_do_not_close_its_mouth(name):
-    made, small = Solid(*NAMED[name]), pc.Sphere(0.1)
-    assert not pc.intersects(made, small, None, at(0, 0, 1))
-    assert not pc.intersects(made, small, None, at(0, 0, 1.95))
-    assert pc.intersects(made, small, None, at(0.9, 0, 1))  # in its wall
-    assert pc.intersects(made, pc.Polytope([[0.9, 0.01, 1]]))
+@pytest.mark.parametrize("is_inverted", [False, True])
+@pytest.mark.parametrize("axes", [[0, 1, 2], [1, 2, 0], [2, 0, 1]])
+def test_slits_along_a_rim_do_not_close_its_mouth(name, is_inverted, axes):
+    """Whichever edge comes first: with the axis along x, all edges of the rim come before those of the wall."""
+    points, triangles = NAMED[name]
+    made = Solid(points[:, axes], triangles[:, ::-1] if is_inverted else triangles)
+    small, places = pc.Sphere(0.1), np.array([[0, 0, 1], [0, 0, 1.95], [0.9, 0.01, 1]])[:, axes]
+    assert not pc.intersects(made, small, None, at(*places[0]))
+    assert not pc.intersects(made, small, None, at(*places[1]))
+    assert pc.intersects(made, pc.Polytope(places[2:]))  # in its wall
     assert made.caps.size < 0.3
 
 
