@@ -98,8 +98,8 @@ class SolidDistances:
 
     def __init__(self, solid: Solid) -> None:
         points, triangles = solid.used
-        # A triangle that occurs twice leaves edges without reverse: such a solid is its triangles alone.
-        surface = Solid(points, np.concatenate([triangles, triangles[:1]]))
+        # A triangle that occurs twice opens the mesh: the solid is then its triangles alone.
+        surface = Solid(points, np.concatenate([triangles, triangles[:1]]), "triangles")
         self._point, self._solid, self._surface = Polytope(np.zeros((1, 3))), _prepared(solid), _prepared(surface)
         self.size = float(np.ptp(points, axis=0).max())
 

@@ -1,30 +1,38 @@
 """Solids: bodies that are their meshes, not the hulls of these.
 
 In: vertices in m and triangles, or a mesh file. Out: `Solid`, immutable, one of the shapes of links and obstacles. The
-body is a closed set: the triangles and, if the mesh is closed, all points about which it winds. So meshes that cross
-themselves, nested shells, inverted orientations and T-junctions all have a meaning (docs/explanation/solids.md).
+body is a closed set: the triangles and, if the mesh is closed, all points about which it winds. Caps close an open mesh
+first (caps.py), unless its triangles alone or its hull are asked for. So meshes that cross themselves, nested shells,
+inverted orientations, holes and T-junctions all have a meaning (docs/explanation/solids.md).
 """
 
 from __future__ import annotations
 
 import hashlib
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.bodies.caps import Caps, closing, open_edges
+from plannercheck.bodies.core_polytopes import core_polytope
 from plannercheck.bodies.hull_equality import is_hull
 from plannercheck.bodies.mesh_files import corners_of_file, named_file, warn_of_size
 from plannercheck.common.array_types import Faces, Floats, Ints
 from plannercheck.common.arrays import read_only, read_only_copy, real_numbers, shown_array
 from plannercheck.common.core import core
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.public_names import set_module
+
+# What an open mesh is taken as: closed by caps, its triangles alone, or its convex hull.
+OpenMesh: TypeAlias = Literal["cap", "triangles", "hull"]
+# The same, by the kinds of geometry of robots and scenes that make solids.
+OPEN_MESHES: dict[str, OpenMesh] = {"solid": "cap", "triangles": "triangles"}
 
 
 @set_module("plannercheck")
@@ -32,60 +40,102 @@ from plannercheck.common.public_names import set_module
 class Solid:
     """A mesh as it is: its triangles, and what they enclose.
 
-    The set is the triangles and, if the mesh is closed, all points whose winding number is not 0; else the triangles
-    alone. Degenerate triangles are segments or points of it. Vertices that no triangle uses do not belong to it.
+    The set of a closed mesh is its triangles and all points whose winding number is not 0. Degenerate triangles are
+    segments or points of it. Vertices that no triangle uses do not belong to it. Of an open mesh, `open` says the set:
+
+    - "cap": triangles between given vertices are added until the mesh is closed. The set holds all given triangles, and
+      their hull holds the set.
+    - "triangles": the given triangles alone; a body inside does not collide.
+    - "hull": the convex hull of the given triangles.
 
     Attributes:
-        vertices: (n, 3) in m, read-only.
-        triangles: (k, 3) indices of vertices, read-only.
+        vertices: (n, 3) in m as given, read-only.
+        triangles: (k, 3) indices of vertices as given, without caps, read-only.
+        open: What an open mesh is taken as; it changes nothing about a closed one.
     """
 
     vertices: Floats
     triangles: NDArray[np.integer[Any]]
+    open: OpenMesh = "cap"
 
     def __post_init__(self) -> None:
         vertices = _checked_vertices(self.vertices)
         object.__setattr__(self, "vertices", vertices)
         object.__setattr__(self, "triangles", _checked_triangles(self.triangles, len(vertices)))
+        if not isinstance(self.open, str) or self.open not in get_args(OpenMesh):
+            raise unknown_name("way to take an open mesh", str(self.open), get_args(OpenMesh))
 
     @classmethod
-    def load(cls, path: str | Path, scale: float | Sequence[float] = 1.0) -> Solid:
+    def load(cls, path: str | Path, scale: float | Sequence[float] = 1.0, open: OpenMesh = "cap") -> Solid:
         """Loads a mesh file (stl, dae, obj, ply and whatever else coal reads); equal points become one.
 
         Args:
             path: The file.
             scale: One factor, or one along each axis, from the file's unit to m.
+            open: What an open mesh is taken as, see the class.
 
         Returns:
-            The solid; a warning says so if it is not closed.
+            The solid; a warning says so if the mesh is open.
 
         Raises:
             PlannercheckError: If the file is missing or no mesh, or has no triangles.
         """
-        points, triangles = corners_of_file(path, scale)
-        with named_file(path):
-            solid = cls(*_merged(points, triangles))
-        warn_of_size(path, points, stacklevel=2)
-        if not solid.is_closed:
-            warnings.warn(f"mesh file {str(path)!r} {OPEN_WORDS}", RuntimeWarning, stacklevel=2)
+        solid = solid_of_file(path, scale, open)
+        warn_of_size(path, solid.vertices, stacklevel=2)
+        if solid.is_open:
+            words = open_meshes({f"mesh file {str(path)!r}": solid})
+            warnings.warn(words, RuntimeWarning, stacklevel=2)
         return solid
 
     @cached_property
     def used(self) -> tuple[Floats, Ints]:
-        """The mesh without unused vertices, equal ones merged: points (m, 3) in m, and the triangles in their order."""
+        """The mesh of the set, which caps or the hull may have closed: points (m, 3) in m, and triangles.
+
+        Equal vertices are merged, unused ones left out; given triangles come first, in their order. A flat hull, whose
+        triangles are not known, has the given ones.
+        """
+        points, triangles = self._mesh
+        if self.open == "cap" and self._closing is not None:
+            triangles = np.concatenate([triangles, self._closing[0]])
+        elif self.open == "hull" and self.is_open:
+            hull = core_polytope(points)
+            if hull.dimension == _SPACE:
+                points, triangles = _merged(points, hull.source()[hull.triangles()])
+        return read_only(points), read_only(triangles)
+
+    @cached_property
+    def is_open(self) -> bool:
+        """Whether the given mesh is open: some directed edge occurs more often than its reverse.
+
+        Vertices with equal coordinates are one vertex (-0 is 0).
+        """
+        return len(open_edges(self._mesh[1])) > 0
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the set has an inside: of an open mesh, unless it is taken as its triangles alone."""
+        return not self.is_open or self.open != "triangles"
+
+    @property
+    def kind(self) -> Literal["closed", "capped", "hull", "open"]:
+        """What the set is: a closed mesh, or an open one with caps, as its hull, or as its triangles alone."""
+        return _KINDS[self.open] if self.is_open else "closed"
+
+    @property
+    def caps(self) -> Caps | None:
+        """What the given mesh lacks to be closed: loops of open edges, and the size of their caps; None if nothing."""
+        return None if self._closing is None else self._closing[1]
+
+    @cached_property
+    def _mesh(self) -> tuple[Floats, Ints]:
+        """The given mesh without unused vertices, equal ones merged."""
         points, triangles = _merged(self.vertices, self.triangles)
         return read_only(points), read_only(triangles)
 
     @cached_property
-    def is_closed(self) -> bool:
-        """Whether the directed edges cancel, each one occurring as often as its reverse.
-
-        Vertices with equal coordinates are one vertex (-0 is 0).
-        """
-        points, triangles = self.used
-        a, b = triangles.astype(np.int64)[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).T
-        forth, back = a * len(points) + b, b * len(points) + a
-        return np.array_equal(np.sort(forth), np.sort(back))
+    def _closing(self) -> tuple[Ints, Caps] | None:
+        """The triangles that close an open mesh, and what they close."""
+        return closing(*self._mesh) if self.is_open else None
 
     @cached_property
     def equals_hull(self) -> bool:
@@ -93,7 +143,7 @@ class Solid:
 
         Of solids without volume, only those of which one triangle holds all count as their hulls.
         """
-        return is_hull(*self.used, self.is_closed)
+        return self.kind == "hull" or is_hull(*self.used, self.is_closed)
 
     @cached_property
     def core(self) -> Any:
@@ -102,24 +152,45 @@ class Solid:
 
     @cached_property
     def digest(self) -> bytes:
-        """A hash of the set: equal for solids of the same triangles."""
+        """A hash of the set: equal for solids of the same triangles, caps included."""
         points, triangles = self.used
-        return hashlib.sha256(points.tobytes() + triangles.tobytes()).digest()
+        kind = b"hull" if self.kind == "hull" else b""
+        return hashlib.sha256(points.tobytes() + triangles.tobytes() + kind).digest()
 
     def vertices_and_faces(self, excess: float = 0.0) -> tuple[Floats, Faces | None]:
         """The points (m, 3) in m of its hull, exact whatever the excess; the hull's faces have to be computed."""
         return self.used[0], None
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Solid, (self.vertices, self.triangles)
+        return Solid, (self.vertices, self.triangles, self.open)
 
     def __repr__(self) -> str:
-        kind = "closed" if self.is_closed else "open"
-        return f"Solid({len(self.vertices)} vertices, {len(self.triangles)} triangles, {kind})"
+        return f"Solid({len(self.vertices)} vertices, {len(self.triangles)} triangles, {self.kind})"
 
 
-# What warnings say of a mesh that is not closed.
-OPEN_WORDS = "is not closed: it is taken as its triangles alone, and a body inside it does not collide"
+_KINDS: dict[OpenMesh, Literal["capped", "open", "hull"]] = {"cap": "capped", "triangles": "open", "hull": "hull"}
+_CLOSURES = {
+    "capped": "caps close open meshes",
+    "hull": "open meshes are their hulls",
+    "open": "open meshes are their triangles alone, and a body inside does not collide",
+}
+_SPACE = 3
+
+
+def solid_of_file(path: str | Path, scale: float | Sequence[float], open: OpenMesh) -> Solid:
+    """As `Solid.load`, without its warnings."""
+    points, triangles = corners_of_file(path, scale)
+    with named_file(path):
+        return Solid(*_merged(points, triangles), open)
+
+
+def open_meshes(solids: Mapping[str, Solid]) -> str:
+    """What is done about open meshes of solids by name, with the sizes of their caps; empty if all are closed."""
+    words = []
+    for kind, closure in _CLOSURES.items():
+        found = [f"{name} ({solid.caps})" for name, solid in solids.items() if solid.kind == kind]
+        words += [f"{closure}: {', '.join(found)}"] if found else []
+    return "; ".join(words)
 
 
 def _merged(points: Floats, triangles: NDArray[Any]) -> tuple[Floats, Ints]:

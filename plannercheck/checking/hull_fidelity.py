@@ -30,6 +30,6 @@ def largest_filling(polytope: Polytope, mesh: TriangleMesh, seed: int = 0) -> fl
     generator = np.random.default_rng(seed)
     chosen = corners[generator.choice(len(corners), _SURFACE_POINTS, p=areas / areas.sum())]
     weights = generator.dirichlet(np.ones(3), _SURFACE_POINTS)
-    solid = Polytope(mesh.points).of_solid(Solid(mesh.points, mesh.triangles))
+    solid = Polytope(mesh.points).of_solid(Solid(mesh.points, mesh.triangles, "triangles"))
     points = np.einsum("nk,nki->ni", weights, chosen)
     return max(distance(Polytope(each[None]), solid).distance for each in points)

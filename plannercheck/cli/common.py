@@ -9,7 +9,7 @@ import argparse
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 import numpy as np
 
@@ -45,7 +45,10 @@ def add_scene_argument(parser: argparse.ArgumentParser, note: str = "default: em
     """Adds --scene."""
     parser.add_argument("--scene", help=f"name of a shipped scene, or a scene file, MoveIt's as well; {note}")
     parser.add_argument(
-        "--scene-meshes", choices=("hull", "solid"), default="hull", help="what meshes of the scene are; default: hull"
+        "--scene-meshes",
+        choices=get_args(MeshKind),
+        default="hull",
+        help="what meshes of the scene are; open ones are closed by caps (solid) or not (triangles); default: hull",
     )
 
 

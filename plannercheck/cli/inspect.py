@@ -18,7 +18,7 @@ from plannercheck.bodies.pieces import polytope_volume
 from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
-from plannercheck.bodies.solids import Solid
+from plannercheck.bodies.solids import Solid, open_meshes
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.checking.hull_fidelity import largest_filling
 from plannercheck.checking.input_hints import always_hint
@@ -186,7 +186,7 @@ def _geometry(checker: Checker, body: GeometryObject) -> str:
     if isinstance(shape, Solid):
         if shape.equals_hull:
             return "solid (its hull)"
-        return "solid" if shape.is_closed else "surface (open)"
+        return {"closed": "solid", "open": "surface (open)"}.get(shape.kind, f"solid ({shape.kind})")
     is_piece = body.name.rpartition("/")[0] in checker.robot.pieces
     return "piece" if is_piece else type(shape).__name__.lower()
 
@@ -245,8 +245,9 @@ def _show_meshes(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
     is_open = [name for name, mesh in meshes.items() if mesh.volume is None and name in names]
     if is_open:
         print(f"\nopen meshes, whose volume means nothing (not watertight): {', '.join(is_open)}")
-    if checker.robot.open_links:
-        print(f"links whose meshes are not closed, so they keep their hulls: {', '.join(checker.robot.open_links)}")
+    words = open_meshes({body.name: body.shape for body in checker.bodies if isinstance(body.shape, Solid)})
+    if words:
+        print(words)
     for name, pieces in checker.robot.pieces.items():
         volume = pieces.mesh_volume
         times = (

@@ -2,8 +2,9 @@
 
 In: what the command is asked for. Out: a table. A state that is valid by the meshes and not by other bodies is refused
 because these fill hollows. One that is valid by pieces may collide by the meshes, if a body is within another mesh but
-between its pieces, which hold only its triangles. Verdicts by meshes are exact; open meshes are their triangles alone.
-Of pieces, those are taken that come with plannercheck or are cached: CoACD is not run for this.
+between its pieces, which hold only its triangles. Verdicts by meshes are exact. Caps close open meshes; one more row
+takes these as their triangles alone. Of pieces, those are taken that come with plannercheck or are cached: CoACD is not
+run for this.
 """
 
 from __future__ import annotations
@@ -11,11 +12,11 @@ from __future__ import annotations
 import argparse
 import warnings
 
-from plannercheck.bodies.solids import Solid
+from plannercheck.bodies.solids import Solid, open_meshes
 from plannercheck.cli.common import padding_of, percentage, scene_of, table
 from plannercheck.cli.robot_options import described
 from plannercheck.motions.checker import Checker
-from plannercheck.robots.geometry_choices import of_hulls, of_known_pieces, of_meshes
+from plannercheck.robots.geometry_choices import of_hulls, of_known_pieces, of_meshes, of_triangles
 from plannercheck.robots.robot import Robot
 
 
@@ -26,6 +27,8 @@ def show_geometries(options: argparse.Namespace) -> None:
     robots = {"hulls": of_hulls(description), "pieces": pieces, "meshes": of_meshes(description)}
     if not pieces.pieces:
         del robots["pieces"]
+    if robots["meshes"].open_links:
+        robots["triangles"] = of_triangles(description)
     checkers = {name: _checker(robot, options) for name, robot in robots.items()}
     q = robots["hulls"].random_configurations(options.states, options.seed)
     valid = {name: checker.check_states(q) for name, checker in checkers.items()}
@@ -40,15 +43,11 @@ def show_geometries(options: argparse.Namespace) -> None:
         print(
             f"as pieces, {names} keep their hulls: their pieces are not shipped, --geometry pieces makes them by CoACD"
         )
-    surfaces = [body.name for body in robots["meshes"].bodies if _is_open(body.shape)]
-    if surfaces:
-        print(f"as meshes, these are open, so their triangles alone: {', '.join(surfaces)}")
+    solids = {body.name: body.shape for body in robots["meshes"].bodies if isinstance(body.shape, Solid)}
+    if words := open_meshes(solids):
+        print(f"as meshes, {words}")
     if (valid["meshes"] & ~valid["hulls"]).any():
         print("--geometry solid takes meshes as they are, --geometry pieces is closer than hulls")
-
-
-def _is_open(shape: object) -> bool:
-    return isinstance(shape, Solid) and not shape.is_closed
 
 
 def _checker(robot: Robot, options: argparse.Namespace) -> Checker:

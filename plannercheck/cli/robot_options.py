@@ -48,7 +48,8 @@ def add_urdf_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--geometry",
         metavar="KIND",
-        help="what meshes of links are: hull (default), pieces or solid; or by link: LINK=solid,LINK=pieces",
+        help="what meshes of links are: hull (default), pieces, solid, or triangles, which leaves open meshes open; "
+        "or by link: LINK=solid,LINK=pieces",
     )
     parser.add_argument(
         "--mesh-units",

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from plannercheck.bodies.solids import Solid
+from plannercheck.bodies.solids import Solid, open_meshes
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.checking.verdicts import ValidityReport
 from plannercheck.cli.common import percentage, table
@@ -63,9 +63,7 @@ def as_json(outcome: Outcome) -> dict[str, Any]:
     }
     solids = _solids(outcome.checker)
     if solids:
-        values["solids"] = {name: "closed" if solid.is_closed else "open" for name, solid in solids.items()}
-    if kept := _open_links(outcome.checker):
-        values["open_links_as_hulls"] = list(kept)
+        values["solids"] = {name: solid.kind for name, solid in solids.items()}
     if outcome.agreement is not None:
         values["fcl"] = {**_agreement_counts(outcome.agreement), "passed": outcome.agreement.passed}
     if outcome.certification is not None:
@@ -78,12 +76,8 @@ def show_table(outcome: Outcome) -> None:
     checker, report = outcome.checker, outcome.report
     print(f"{checker.robot.name} in {checker.scene.name}, {len(checker.pairs)} pairs of bodies")
     solids = _solids(checker)
-    is_open = [name for name, solid in solids.items() if not solid.is_closed]
     if solids:
-        alone = f"; not closed, so their triangles alone: {', '.join(is_open)}" if is_open else ""
-        print(f"solids: {len(solids)} bodies{alone}")
-    if kept := _open_links(checker):
-        print(f"links whose meshes are not closed, so they keep their hulls: {', '.join(kept)}")
+        print("; ".join(filter(None, (f"solids: {len(solids)} bodies", open_meshes(solids)))))
     counts = [("configurations", report.states), ("valid", report.valid), ("invalid", report.invalid)]
     if outcome.limits != "ignore":
         counts.append(("beyond limits", report.beyond_limits))
@@ -106,11 +100,6 @@ def _solids(checker: AnyChecker) -> dict[str, Solid]:
     if not isinstance(checker, Checker):
         return {}
     return {body.name: body.shape for body in checker.bodies if isinstance(body.shape, Solid)}
-
-
-def _open_links(checker: AnyChecker) -> tuple[str, ...]:
-    """The links that keep their hulls although solids are asked for."""
-    return checker.robot.open_links if isinstance(checker, Checker) else ()
 
 
 def _show_pairs(report: ValidityReport) -> None:

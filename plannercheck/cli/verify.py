@@ -10,13 +10,14 @@ import argparse
 import json
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, described, given_options
 from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs import Proof, Verification, load_proofs
 from plannercheck.proofs.verify import model_confirmed
+from plannercheck.scenes.scene_paths import MeshKind
 
 _EPILOG = """\
 Exit codes: 0 all motions proved, 1 some are not, 2 bad input, such as a file that is no proof.
@@ -36,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_urdf_arguments(parser)
     parser.add_argument("--scene", help="with --robot: confirm the obstacles, too; default: the empty scene")
     parser.add_argument(
-        "--scene-meshes", choices=("hull", "solid"), default="hull", help="what meshes of the scene are; default: hull"
+        "--scene-meshes", choices=get_args(MeshKind), default="hull", help="what meshes of the scene are; default: hull"
     )
     parser.add_argument("--format", choices=("table", "json"), default="table", help="format of what is printed")
 

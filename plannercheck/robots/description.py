@@ -11,7 +11,7 @@ In: a name or a path. Out: `RobotDescription`, all that `Robot` is built from, w
     group: arm                 # an SRDF group, or {name: arm, joints: [joint1, ...]}; default: all joints
     reference: {joint1: 0.5}   # optional, values of joints in rad or m; others are neutral
     held: {finger: 0.04}       # optional, the same for joints outside the group
-    geometry: hull             # optional, what meshes are taken as: hull, pieces or solid, or {link3: solid, ...}
+    geometry: hull             # optional, what meshes are: hull, pieces, solid, triangles, or {link3: solid, ...}
     mesh_units: metre          # optional, metre reads mesh files as MoveIt does, file converts as their formats say
     convex_decomposition:      # optional, makes links of convex pieces by CoACD (pip install 'plannercheck[coacd]')
       links: [link3, link4]    # optional, default: all whose hulls are more than 5 % larger than their meshes

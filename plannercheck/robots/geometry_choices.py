@@ -1,8 +1,7 @@
 """One robot by its hulls, by its convex pieces and by its meshes, for comparing them.
 
-In: a robot's description, whatever geometry it asks for. Out: the robot with all links alike. Open meshes are their
-triangles alone, not their hulls as for geometry="solid". Of pieces, those are taken that come with plannercheck or are
-cached: CoACD is not run.
+In: a robot's description, whatever geometry it asks for. Out: the robot with all links alike. Of pieces, those are
+taken that come with plannercheck or are cached: CoACD is not run.
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from plannercheck.bodies.convex_decomposition import Decomposition, known_pieces
-from plannercheck.bodies.shapes import Hull
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.robots.decomposed_links import is_concave
 from plannercheck.robots.description import RobotDescription
@@ -27,9 +25,13 @@ def of_hulls(description: RobotDescription) -> Robot:
 
 
 def of_meshes(description: RobotDescription) -> Robot:
-    """The robot with all meshes as solids."""
-    links = [str(body.link) for body in of_hulls(description).bodies if isinstance(body.shape, Hull)]
-    return _with_geometry(description, dict.fromkeys(links, "solid"))
+    """The robot with all meshes as solids, open ones closed by caps."""
+    return _with_geometry(description, "solid")
+
+
+def of_triangles(description: RobotDescription) -> Robot:
+    """The robot with all meshes as solids, open ones as their triangles alone."""
+    return _with_geometry(description, "triangles")
 
 
 def of_known_pieces(description: RobotDescription) -> tuple[Robot, tuple[str, ...]]:

@@ -1,8 +1,8 @@
 """Which geometry the meshes of links have: their hulls, convex pieces, or the solids that they are.
 
 In: a robot's bodies with the hulls of their meshes, their pairs, the meshes, and what is asked for. Out: bodies and
-pairs with that geometry. Meshes that are not closed keep their hulls unless their link is named, since a body inside
-such a mesh would not collide.
+pairs with that geometry. "solid" and "triangles" differ for open meshes: caps close these, or they are their triangles
+alone, and a body inside them does not collide.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from plannercheck.bodies.convex_decomposition import Decomposition
 from plannercheck.bodies.mesh_files import MeshFile
 from plannercheck.bodies.pieces import Pieces
 from plannercheck.bodies.shapes import GeometryObject
-from plannercheck.bodies.solids import OPEN_WORDS, Solid
+from plannercheck.bodies.solids import OPEN_MESHES, Solid, open_meshes
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.decomposed_links import Pairs, decomposed
 
-GeometryKind: TypeAlias = Literal["hull", "pieces", "solid"]
+GeometryKind: TypeAlias = Literal["hull", "pieces", "solid", "triangles"]
 Geometry: TypeAlias = GeometryKind | Mapping[str, GeometryKind]
 
 KINDS: tuple[GeometryKind, ...] = get_args(GeometryKind)
@@ -63,8 +63,8 @@ def with_geometry(
         decomposition: Which links to decompose, and how.
 
     Returns:
-        Bodies, pairs of them, the pieces by name of the body that they replace, and the links that keep their hulls
-        although solids are asked for, since their meshes are not closed.
+        Bodies, pairs of them, the pieces by name of the body that they replace, and the links that are solids of open
+        meshes.
     """
     kinds = dict(geometry) if isinstance(geometry, Mapping) else {}
     known = {str(body.link) for body in bodies}
@@ -72,45 +72,38 @@ def with_geometry(
         if link not in known:
             raise unknown_name("link with a geometry", link, sorted(known))
     wanted = geometry if isinstance(geometry, str) else None
-    kept: tuple[str, ...] = ()
-    if wanted == "solid" or "solid" in kinds.values():
-        bodies, kept = _with_solids(bodies, meshes, kinds, wanted == "solid")
+    is_open: tuple[str, ...] = ()
+    if not OPEN_MESHES.keys().isdisjoint((wanted, *kinds.values())):
+        bodies, is_open = _with_solids(bodies, meshes, kinds, wanted)
     options = decomposition if wanted in (None, "pieces") else None
     if options is None and wanted == "pieces":
         options = Decomposition()
     if options is None and "pieces" not in kinds.values():
-        return bodies, pairs, {}, kept
-    return *decomposed(bodies, pairs, meshes, options, kinds), kept
+        return bodies, pairs, {}, is_open
+    return *decomposed(bodies, pairs, meshes, options, kinds), is_open
 
 
 def _with_solids(
     bodies: tuple[GeometryObject, ...],
     meshes: Sequence[MeshFile | None],
     kinds: Mapping[str, GeometryKind],
-    all_links: bool,
+    wanted: GeometryKind | None,
 ) -> tuple[tuple[GeometryObject, ...], tuple[str, ...]]:
-    """The bodies, those of chosen links as solids, of which equal meshes share one; the links that keep their hulls."""
-    found, kept, known = [], [], dict[bytes, Solid]()
+    """The bodies, those of chosen links as solids, of which equal meshes share one; and the links of open meshes."""
+    found, known, is_open = [], dict[bytes, Solid](), dict[GeometryObject, Solid]()
     for body, mesh in zip(bodies, meshes, strict=True):
-        named = kinds.get(str(body.link))
-        if mesh is None or not (named == "solid" or all_links):
+        taken = OPEN_MESHES.get(str(kinds.get(str(body.link), wanted)))
+        if taken is None or mesh is None:
             found.append(body)
             continue
-        solid = Solid(mesh.points, mesh.triangles)
+        solid = Solid(mesh.points, mesh.triangles, taken)
         solid = known.setdefault(solid.digest, solid)
-        if not solid.is_closed and named is None:
-            kept.append(str(body.link))
-            found.append(body)
-            continue
-        if not solid.is_closed:
-            warnings.warn(f"link {body.link!r}: its mesh {mesh.path} {OPEN_WORDS}", RuntimeWarning, stacklevel=7)
+        if solid.is_open:
+            is_open[body] = solid
         found.append(replace(body, shape=solid))
-    links = tuple(dict.fromkeys(kept))
-    if links:
-        warnings.warn(
-            f"meshes of {', '.join(links)} are not closed, so they keep their hulls: name a link, "
-            f"geometry={{{links[0]!r}: 'solid'}} or --geometry {links[0]}=solid, to take the triangles alone",
-            RuntimeWarning,
-            stacklevel=7,
-        )
-    return tuple(found), links
+    if is_open:
+        link = next(iter(is_open)).link
+        words = open_meshes({body.name: solid for body, solid in is_open.items()})
+        choices = f"geometry={{{link!r}: 'triangles'}} or 'hull', --geometry {link}=triangles"
+        warnings.warn(f"{words}. To take a link otherwise, name it: {choices}", RuntimeWarning, stacklevel=7)
+    return tuple(found), tuple(dict.fromkeys(str(body.link) for body in is_open))

@@ -58,7 +58,7 @@ class RobotParts:
         joints: The joints of the group, in order; None for the whole robot.
         carried: Objects that links carry.
         pieces: The pieces of decomposed bodies, by name of the body.
-        open_links: Links that keep their hulls although solids are asked for, since their meshes are not closed.
+        open_links: Links that are solids of open meshes: capped, or their triangles alone.
         memory: What has been computed of robots with these files.
     """
 

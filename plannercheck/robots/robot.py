@@ -59,7 +59,7 @@ class Robot(PosedRobot):
         carried: Objects that links carry.
         pieces: The pieces of decomposed bodies, by name of the body.
         disabled_pairs: Pairs of links that the robot's YAML leaves out, with reasons.
-        open_links: Links that keep their hulls although solids are asked for, since their meshes are not closed.
+        open_links: Links that are solids of open meshes: capped, or their triangles alone.
         reference: (nq,) the group's reference configuration, rad and m.
         model: Pinocchio's model.
     """
@@ -91,9 +91,10 @@ class Robot(PosedRobot):
             name_or_path: A name from robots/ such as "panda", one of the package robot_descriptions such as
                 "panda_description", or the path of a YAML description, of a URDF or of a .xacro.
             decomposition: How to split concave links into convex pieces, with CoACD; None follows the YAML.
-            geometry: What meshes are taken as: "hull", convex "pieces" or "solid", or a mapping of links to these; None
-                follows the YAML, which has hulls by default. Meshes that are not closed keep their hulls, with a
-                warning, unless their link is named.
+            geometry: What meshes are taken as: "hull"; convex "pieces"; "solid", whose open meshes are closed by caps;
+                "triangles", where open meshes are their triangles alone; or a mapping of links to these; None
+                follows the YAML, which has hulls by default. One warning names the open meshes, and the sizes of
+                their caps.
             mesh_units: How mesh files are read: "metre" takes their numbers as MoveIt's planning scene does, "file"
                 converts them to metres, z up, as their format says. None follows the YAML, which has "metre" by
                 default, with a warning where the two differ.

@@ -6,10 +6,11 @@ allowed collisions. Contents can be changed at any time, in place.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
+from typing import TypeVar, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +20,7 @@ from plannercheck.bodies.mesh_files import MeshUnits, checked_units
 from plannercheck.bodies.objects import Part, Parts, SceneFrames, SceneObject, scene_object, unplaced
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Hull, Shape, Sphere
+from plannercheck.bodies.solids import OPEN_MESHES, Solid, open_meshes
 from plannercheck.common.array_types import Bools
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, unknown_name, with_article
@@ -174,15 +176,19 @@ class SceneContents(DeclaredStates):
             path: The file.
             pose: (4, 4) of the object's frame in the world, m; None is the identity.
             scale: One factor, or one along each axis, from the file's unit to m.
-            geometry: "hull" or "solid".
+            geometry: "hull"; "solid", whose open meshes are closed by caps; or "triangles", where open meshes are their
+                triangles alone.
             mesh_units: As for `Scene.load`.
         """
-        keys = {"scale": scale, "mesh_units": checked_units(mesh_units)}
-        self.add(
-            name,
-            mesh_parts(Path(path), {key: value for key, value in keys.items() if value is not None}, geometry),
-            pose,
-        )
+        if geometry not in get_args(MeshKind):
+            raise unknown_name("geometry", str(geometry), get_args(MeshKind))
+        units = checked_units(mesh_units)
+        keys = {"scale": scale} if units is None else {"scale": scale, "mesh_units": units}
+        parts = mesh_parts(Path(path), keys, OPEN_MESHES.get(geometry))
+        words = open_meshes({f"mesh file {str(path)!r}": each.shape for each in parts if isinstance(each.shape, Solid)})
+        if words:
+            warnings.warn(words, RuntimeWarning, stacklevel=2)
+        self.add(name, parts, pose)
 
     def move(self, name: str, pose: ArrayLike | None) -> None:
         """Moves an object with all its parts, in place; checkers that were built before keep it where it was.

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.objects import Part
 from plannercheck.bodies.shapes import Box, Cone, Cylinder, Shape, Sphere, checked_pose
+from plannercheck.bodies.solids import OPEN_MESHES
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.transforms import identity, is_identity
@@ -149,7 +150,9 @@ def _meshes(node: Node, find_file: FindFile) -> list[Part]:
         if "resource" in node:
             keys = {"scale": numbers(node["dimensions"], "dimensions", 3)} if node.get("dimensions") else {}
             units = {"mesh_units": find_file.mesh_units or "metre"}
-            return mesh_parts(find_file(text(node["resource"], "resource")), keys | units, find_file.meshes)
+            return mesh_parts(
+                find_file(text(node["resource"], "resource")), keys | units, OPEN_MESHES.get(find_file.meshes)
+            )
         rows = sequence(required(node, "vertices"), "'vertices'")
         vertices = np.array([vector(row, "vertices", "xyz") for row in rows]).reshape(-1, 3)
         return [Part(shape_of_triangles(vertices, _triangles(node), find_file.meshes))]

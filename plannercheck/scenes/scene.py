@@ -31,7 +31,8 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
                                                # mesh_units: file or metre, see Scene.load
       - name: mug
         solid: {file: mug.stl, scale: 0.001}   # the mesh as it is, concave; or solid: mug.stl, or vertices and
-                                               # triangles, three indices of vertices each
+                                               # triangles, three indices of vertices each; open: cap, triangles or
+                                               # hull says what an open mesh is taken as
       - name: camera                           # what sensors see; these may be the name of a file alone, of which an
         cloud: {file: frame.ply, radius: 0.01} # npz may hold the other keys, too; ply, pcd, npy, npz, xyz, txt, csv;
                                                # invalid: drop leaves points out that are NaN
@@ -73,6 +74,7 @@ from pathlib import Path
 from typing import get_args
 
 from plannercheck.bodies.mesh_files import MeshUnits, checked_units
+from plannercheck.bodies.solids import Solid, open_meshes
 from plannercheck.common.errors import unknown_name
 from plannercheck.common.package_data import is_file, is_folder, is_planar_file, shipped_folder
 from plannercheck.common.public_names import set_module
@@ -111,8 +113,9 @@ class Scene(SceneContents):
                 in YAML (recognised by their keys); MoveIt's text format (`.scene`); or the bare name of a shipped
                 scene, e.g. "bookshelf".
             package_dirs: Folders in which `package://` meshes are searched, before the folders above the file.
-            meshes: What meshes are taken as: their hulls, or "solid". Those that are not closed keep their hulls, with
-                a warning. A file's `solid:` is one anyway.
+            meshes: What meshes are taken as: their hulls; "solid", whose open meshes are closed by caps; or
+                "triangles", where open meshes are their triangles alone. A file's `solid:` is one anyway. One warning
+                names the solids of open meshes.
             mesh_units: How mesh files are read that do not say so: "file" converts them to metres, z up, as their
                 format says; "metre" takes their numbers as MoveIt's planning scene does. Default: "file" for our own
                 format, with a warning where the two differ, "metre" for MoveIt's messages.
@@ -127,6 +130,10 @@ class Scene(SceneContents):
         hint = scale_hint(scene)
         if hint:
             warnings.warn(f"scene file {str(file)!r}: {hint}", RuntimeWarning, stacklevel=2)
+        bodies = (body for item in (*scene.objects, *scene.attached) for body in item.bodies)
+        words = open_meshes({body.name: body.shape for body in bodies if isinstance(body.shape, Solid)})
+        if words:
+            warnings.warn(f"scene file {str(file)!r}: {words}. {_OPEN_HINT}", RuntimeWarning, stacklevel=2)
         return scene
 
     def save(self, path: str | Path) -> None:
@@ -142,6 +149,9 @@ class Scene(SceneContents):
 
     def _repr_html_(self) -> str:
         return scene_html(self)
+
+
+_OPEN_HINT = "meshes='triangles', or open: triangles or hull of a file's solid, takes open meshes otherwise"
 
 
 def shipped_scenes() -> list[str]:

@@ -1,9 +1,9 @@
 """Shapes of a scene's meshes: their hulls, or the solids that they are.
 
 In: a file's keys `mesh`, `hull` and `solid`, or triangles in MoveIt's messages. Out: `Hull` or `Solid`; of a mesh file a
-part for each of its objects, named as in the file. Where a whole scene is read with its meshes as solids, those that
-are not closed keep their hulls, with a warning, since a body inside them would not collide; `solid:` in a scene file
-takes any mesh.
+part for each of its objects, named as in the file. Caps close open meshes of a scene that is read with its meshes as
+solids, or these are their triangles alone; a `solid:` of a scene file says which by its key `open`. `Scene.load` warns of
+open meshes.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from plannercheck.bodies.hull_excess import hull_excess
 from plannercheck.bodies.mesh_files import (
     MeshFile,
-    MeshObject,
     MeshUnits,
     checked_units,
     mesh_hint,
@@ -29,7 +28,7 @@ from plannercheck.bodies.mesh_files import (
 from plannercheck.bodies.meshes import hull_of_triangles
 from plannercheck.bodies.objects import Part
 from plannercheck.bodies.shapes import Hull
-from plannercheck.bodies.solids import Solid
+from plannercheck.bodies.solids import OPEN_MESHES, OpenMesh, Solid
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import BROKEN_FILE, Node, check_keys, number, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -41,19 +40,18 @@ _MESH_KEYS = ("file", "scale", "object", "mesh_units")
 
 def shape_of_triangles(points: Floats, triangles: NDArray[np.int64], meshes: MeshKind) -> Hull | Solid:
     """The shape of a mesh: points (n, 3), m, and triangles (k, 3), which a hull does not need."""
-    hull = hull_of_triangles(points, triangles)
     if meshes == "hull" or not len(triangles):
-        return hull
-    return _closed_or_hull(Solid(points, triangles), hull, "a mesh of the scene")
+        return hull_of_triangles(points, triangles)
+    return Solid(points, triangles, OPEN_MESHES[meshes])
 
 
-def mesh_parts(path: Path, keys: Mapping[str, Any], kind: MeshKind) -> list[Part]:
+def mesh_parts(path: Path, keys: Mapping[str, Any], taken: OpenMesh | None) -> list[Part]:
     """The parts of a mesh file: one for each of its objects.
 
     Args:
         path: The file.
         keys: What a scene's file says beside its name: scale, object, mesh_units.
-        kind: What its objects are taken as.
+        taken: What an open mesh of a solid is taken as; None for hulls.
 
     Raises:
         PlannercheckError: If the file can't be read, or has no object of that name.
@@ -63,11 +61,11 @@ def mesh_parts(path: Path, keys: Mapping[str, Any], kind: MeshKind) -> list[Part
     several = len(mesh.objects) > 1
     if "object" in keys:
         mesh = _one_object(mesh, keys["object"])
-    _warn_of(mesh, units is None, kind)
+    _warn_of(mesh, units is None, taken is None)
     parts = []
     for each in mesh.objects:
         with named_file(path):
-            shape = _shape(each, kind, mesh)
+            shape = Hull(each.points) if taken is None else Solid(each.points, each.triangles, taken)
         own = {"object": each.name} if several else {}
         parts.append(Part(shape, None, (path, {**keys, **own}), each.name if several else ""))
     return parts
@@ -87,14 +85,7 @@ def _one_object(mesh: MeshFile, name: str) -> MeshFile:
     return MeshFile(mesh.path, chosen, mesh.conversion)
 
 
-def _shape(each: MeshObject, kind: MeshKind, mesh: MeshFile) -> Hull | Solid:
-    if kind == "hull":
-        return Hull(each.points)
-    solid = Solid(each.points, each.triangles)
-    return solid if solid.is_closed else _closed_or_hull(solid, Hull(each.points), f"mesh file {str(mesh.path)!r}")
-
-
-def _warn_of(mesh: MeshFile, is_default: bool, kind: MeshKind) -> None:
+def _warn_of(mesh: MeshFile, is_default: bool, are_hulls: bool) -> None:
     """Warns of a mesh that is unusually large, whose unit MoveIt ignores, or whose hull is much larger than it is."""
     said = [hint] if (hint := mesh_hint(mesh.points)) else []
     if mesh.conversion and is_default:
@@ -102,36 +93,31 @@ def _warn_of(mesh: MeshFile, is_default: bool, kind: MeshKind) -> None:
             f"is converted to metres, z up, as its format says: {mesh.conversion}; MoveIt's planning scene would take "
             "its numbers as metres: mesh_units: metre does so, mesh_units: file says that converting is meant"
         )
-    if kind == "hull":
+    if are_hulls:
         large = [words for each in mesh.objects if (words := hull_excess(MeshFile(mesh.path, (each,), "")))]
         said += [f"{large[0]}: `solid` takes the mesh as it is"] if large else []
     for words in said:
         warnings.warn(f"mesh file {str(mesh.path)!r}: {words}", RuntimeWarning, stacklevel=5)
 
 
-def _closed_or_hull(solid: Solid, hull: Hull, what: str) -> Hull | Solid:
-    if solid.is_closed:
-        return solid
-    warnings.warn(f"{what} is not closed, so it keeps its hull", RuntimeWarning, stacklevel=2)
-    return hull
-
-
 def read_mesh_node(values: Node, find_file: FindFile) -> list[Part]:
     """The parts of the key `mesh`."""
-    return mesh_parts(*_file_and_keys(values, find_file), find_file.meshes)
+    return mesh_parts(*_file_and_keys(values, find_file), OPEN_MESHES.get(find_file.meshes))
 
 
 def read_solid_node(values: Node | str, find_file: FindFile) -> list[Part]:
     """The parts of the key `solid`: a file's name, its mapping, or vertices and triangles."""
     given = {"file": values} if isinstance(values, str) else values
+    taken: Any = text(given.get("open", "cap"), "open")
     if "vertices" in given or "triangles" in given:
-        check_keys(given, ("vertices", "triangles"))
+        check_keys(given, ("vertices", "triangles", "open"))
         points, corners = (sequence(required(given, key), f"'{key}'") for key in ("vertices", "triangles"))
         rows = [numbers(row, f"triangles row {k}", 3) for k, row in enumerate(corners)]
         if any(not corner.is_integer() for row in rows for corner in row):
             raise PlannercheckError("triangles must be whole numbers, indices of vertices")
-        return [Part(Solid(_rows(points), np.array(rows, dtype=np.float64).reshape(-1, 3).astype(np.int64)))]
-    return mesh_parts(*_file_and_keys(given, find_file), "solid")
+        indices = np.array(rows, dtype=np.float64).reshape(-1, 3).astype(np.int64)
+        return [Part(Solid(_rows(points), indices, taken))]
+    return mesh_parts(*_file_and_keys(given, find_file, "open"), taken)
 
 
 def read_hull(values: Node, find_file: FindFile) -> Hull:
@@ -147,9 +133,9 @@ def read_hull(values: Node, find_file: FindFile) -> Hull:
     return Hull(_rows(sequence(values["vertices"], "'vertices'")))
 
 
-def _file_and_keys(values: Node, find_file: FindFile) -> tuple[Path, dict[str, Any]]:
+def _file_and_keys(values: Node, find_file: FindFile, *more: str) -> tuple[Path, dict[str, Any]]:
     """The path of a mesh file, and what is said beside its name."""
-    check_keys(values, _MESH_KEYS)
+    check_keys(values, (*_MESH_KEYS, *more))
     keys: dict[str, Any] = {}
     if "scale" in values:
         scale = values["scale"]

@@ -15,8 +15,8 @@ from plannercheck.bodies.mesh_files import MeshUnits
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_files import folders_above, package_file, where_sought
 
-# What the meshes of a scene are taken as.
-MeshKind: TypeAlias = Literal["hull", "solid"]
+# What the meshes of a scene are taken as. Caps close open meshes of "solid"; open ones of "triangles" stay open.
+MeshKind: TypeAlias = Literal["hull", "solid", "triangles"]
 
 
 @dataclass(frozen=True)

@@ -79,7 +79,7 @@ def _shape_node(part: Part, owner: str, beside: FilesBeside) -> Node:
     if isinstance(shape, PartSet):
         return sensed_node(shape, owner, beside)
     if isinstance(shape, Solid):
-        return {"solid": {"vertices": shape.vertices.tolist(), "triangles": shape.triangles.tolist()}}
+        return {"solid": {"vertices": shape.vertices.tolist(), "triangles": shape.triangles.tolist(), **_open(shape)}}
     if isinstance(shape, Hull):
         return {"hull": {"vertices": shape.vertices.tolist()}}
     if isinstance(shape, Box):
@@ -97,7 +97,13 @@ def _file_node(shape: Shape, file: Path, more: Mapping[str, Any], folder: Path) 
     """The mapping of a shape from a file, with its other keys."""
     kind = sensed_kind(shape) if isinstance(shape, PartSet) else "solid" if isinstance(shape, Solid) else "mesh"
     plain = {key: value if isinstance(value, str) else np.asarray(value).tolist() for key, value in more.items()}
-    return {kind: {"file": _relative(file, folder), **plain}}
+    closure = _open(shape) if isinstance(shape, Solid) else {}
+    return {kind: {"file": _relative(file, folder), **plain, **closure}}
+
+
+def _open(solid: Solid) -> Node:
+    """What an open mesh is taken as, unless that is the default."""
+    return {} if solid.open == "cap" else {"open": solid.open}
 
 
 def _pose_node(pose: NDArray[np.float64]) -> Node:

@@ -1,7 +1,7 @@
 """What convex pieces bring and cost beside hulls and the meshes themselves: valid states, and time a state.
 
 Run: python tests/benchmarks/decomposition.py ur5 ur10 ... Links whose pieces neither come with plannercheck nor are
-cached keep their hulls. Verdicts by meshes are exact, open meshes being their triangles alone. Times are CPU µs a
+cached keep their hulls. Verdicts by meshes are exact, open meshes being closed by caps. Times are CPU µs a
 state, by turns.
 """
 

@@ -98,7 +98,7 @@ def test_solids_are_pickled_and_shown():
         assert other.digest == made.digest
         assert not other.vertices.flags.writeable
     assert repr(made) == "Solid(8 vertices, 12 triangles, closed)"
-    assert repr(Solid(TETRAHEDRON, TRIANGLES[1:])) == "Solid(4 vertices, 3 triangles, open)"
+    assert repr(Solid(TETRAHEDRON, TRIANGLES[1:])) == "Solid(4 vertices, 3 triangles, capped)"
     assert Solid(TETRAHEDRON, TRIANGLES[1:]).digest != Solid(TETRAHEDRON, TRIANGLES).digest
     assert Solid(np.vstack([TETRAHEDRON, [9, 9, 9]]), TRIANGLES).digest == Solid(TETRAHEDRON, TRIANGLES).digest
 
@@ -133,8 +133,8 @@ def test_files_that_are_no_solids_are_refused(tmp_path):
 
 def test_an_open_file_is_told(tmp_path):
     trimesh.Trimesh(CUBE.vertices, CUBE.faces[2:]).export(tmp_path / "open.stl")
-    with pytest.warns(RuntimeWarning, match=r"open\.stl.*is not closed"):
-        assert not Solid.load(tmp_path / "open.stl").is_closed
+    with pytest.warns(RuntimeWarning, match=r"caps close open meshes: .*open\.stl"):
+        assert Solid.load(tmp_path / "open.stl").is_open
 
 
 # Closed meshes.
@@ -149,11 +149,11 @@ def test_closed_is_what_directed_edges_say():
     assert Solid(*hollow()).is_closed
     assert Solid(*joined((points, corners), (points + 0.3, corners))).is_closed  # they cross
     assert Solid(*joined((points, corners), (points, corners))).is_closed  # each edge twice
-    assert not Solid(points, corners[1:]).is_closed
-    assert not Solid(points, np.vstack([corners, corners[:1]])).is_closed
+    assert Solid(points, corners[1:]).is_open
+    assert Solid(points, np.vstack([corners, corners[:1]])).is_open
     flipped = corners.copy()
     flipped[3] = flipped[3, ::-1]
-    assert not Solid(points, flipped).is_closed
+    assert Solid(points, flipped).is_open
 
 
 def test_minus_zero_is_zero():
@@ -164,7 +164,7 @@ def test_minus_zero_is_zero():
 def test_a_t_junction_is_closed_by_a_degenerate_triangle():
     points = np.vstack([TETRAHEDRON, [[0.5, 0, 0]]])  # in the middle of the edge from 0 to 1
     split = np.array([[0, 2, 4], [4, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    assert not Solid(points, split).is_closed
+    assert Solid(points, split).is_open
     mended = Solid(points, np.vstack([split, [[0, 4, 1]]]))
     assert mended.is_closed
     assert mended.equals_hull
@@ -208,7 +208,7 @@ def test_convex_meshes_are_their_hulls(name):
             assert made.equals_hull == fractions_say(made.used[0], made.used[1])
             assert shift or made.equals_hull
     assert not Solid(points, np.vstack([corners, corners[:, ::-1]])).equals_hull  # it winds around nothing
-    assert not Solid(points, corners[1:]).equals_hull
+    assert not Solid(points, corners[1:], "triangles").equals_hull
 
 
 @pytest.mark.parametrize("make", [hollow, angle, lambda: hollow(1.0), lambda: joined(hollow(), hollow())])
@@ -293,7 +293,7 @@ def test_a_body_inside_collides_and_in_a_hollow_does_not():
     assert pc.intersects(pc.Hull(made.vertices), small)
     inverted = Solid(made.vertices, made.triangles[:, ::-1])
     assert pc.intersects(inverted, small, None, at(0.75, 0, 0))
-    is_open = Solid(CUBE.vertices, CUBE.faces[1:])
+    is_open = Solid(CUBE.vertices, CUBE.faces[1:], "triangles")
     assert not pc.intersects(is_open, small)
     assert pc.intersects(is_open, small, at(1, 0, 0))
 

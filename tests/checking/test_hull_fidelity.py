@@ -68,7 +68,9 @@ def test_geometries_are_those_that_are_asked_for_whatever_a_yaml_says():
     description = replace(description_of("ur10"), geometry="solid", decomposition=pc.Decomposition(threshold=0.5))
     assert not any(isinstance(body.shape, pc.Solid) for body in geometry_choices.of_hulls(description).bodies)
     meshes = [body for body in geometry_choices.of_meshes(description).bodies if isinstance(body.shape, pc.Solid)]
-    assert [body.link for body in meshes if not body.shape.is_closed] == ["forearm_link"]
+    assert [body.link for body in meshes if body.shape.kind == "capped"] == ["forearm_link"]
+    alone = [body for body in geometry_choices.of_triangles(description).bodies if isinstance(body.shape, pc.Solid)]
+    assert [body.link for body in alone if body.shape.kind == "open"] == ["forearm_link"]
     assert len(meshes) == 7
     pieces, unknown = geometry_choices.of_known_pieces(description)
     assert set(pieces.pieces) == {"upper_arm_link_0", "forearm_link_0"}
@@ -78,10 +80,11 @@ def test_geometries_are_those_that_are_asked_for_whatever_a_yaml_says():
 def rows_of_geometries(shown):
     lines = shown.splitlines()
     first = next(k for k, line in enumerate(lines) if line.startswith("links are"))
-    return {line.split()[0]: line.split() for line in lines[first + 1 : first + 4]}, "\n".join(lines[first + 4 :])
+    rows = [line.split() for line in lines[first + 1 :] if line.startswith(("hulls", "pieces", "meshes", "triangles"))]
+    return {row[0]: row for row in rows}, "\n".join(lines[first + 1 + len(rows) :])
 
 
-@pytest.mark.filterwarnings("ignore:link")
+@pytest.mark.filterwarnings("ignore:.*open meshes")
 def test_states_by_hulls_pieces_and_meshes(capsys, monkeypatch):
     monkeypatch.setattr(convex_decomposition, "_coacd", None)  # it would fail
     assert main(["inspect", "--robot", "ur10", "--fidelity", "--states", "1000"]) == 0
@@ -89,7 +92,8 @@ def test_states_by_hulls_pieces_and_meshes(capsys, monkeypatch):
     robots = {
         "hulls": pc.Robot.load("ur10"),
         "pieces": pc.Robot.load("ur10", geometry="pieces"),
-        "meshes": pc.Robot.load("ur10", geometry={b.link: "solid" for b in pc.Robot.load("ur10").bodies}),
+        "meshes": pc.Robot.load("ur10", geometry="solid"),
+        "triangles": pc.Robot.load("ur10", geometry="triangles"),
     }
     q = robots["hulls"].random_configurations(1000, 0)
     valid = {name: pc.Checker(robot).check_states(q) for name, robot in robots.items()}

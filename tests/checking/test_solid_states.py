@@ -29,7 +29,7 @@ STATES = 1500
 def every_link_solid(name):
     links = {str(body.link): "solid" for body in pc.Robot.load(name).bodies}
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # of meshes that are not closed
+        warnings.simplefilter("ignore", RuntimeWarning)  # of open meshes
         return pc.Robot.load(name, geometry=links)
 
 

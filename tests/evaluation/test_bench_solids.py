@@ -180,7 +180,7 @@ def test_triangles_command(compiled, tmp_path, capsys):
 def test_fidelity_command(compiled, tmp_path, capsys):
     assert main(["bench", "fidelity", "--robot", "ur5", "baxter", "--states", "60", "--output", str(tmp_path)]) == 0
     rows = read(tmp_path / "solid_fidelity.csv")
-    assert [row["robot"] for row in rows] == ["ur5", "baxter", "baxter"]  # whose torso is open
+    assert [row["robot"] for row in rows] == ["ur5", "baxter", "baxter", "baxter"]  # whose torso is open
     for row in rows:
         assert float(row["valid"]) == pytest.approx(float(row["valid_hulls"]) + float(row["filling"]))
         assert [row["refused_apart"], row["missed"]] == ["0", "0"]

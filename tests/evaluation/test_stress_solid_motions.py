@@ -22,7 +22,7 @@ from plannercheck.evaluation.stress_motions.solid_draws import SETTINGS, solid_d
 from plannercheck.evaluation.stress_motions.subjects import SpaceSubject, subject_of
 from plannercheck.evaluation.stress_motions.tables import lines
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*not closed")
+pytestmark = pytest.mark.filterwarnings("ignore:.*open meshes")
 
 FREE_BODIES = "key in lock", "hook in ring"
 

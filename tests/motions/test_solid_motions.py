@@ -29,7 +29,7 @@ def checker(tmp_path, radius: float, padding: float = 0.0) -> pc.Checker:
 @pytest.fixture(scope="module")
 def arm():
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # an open mesh keeps its hull
+        warnings.simplefilter("ignore", RuntimeWarning)  # of open meshes
         return pc.Checker(pc.Robot.load("ur10", geometry="solid"))
 
 

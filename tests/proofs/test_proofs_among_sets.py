@@ -124,7 +124,7 @@ def test_each_part_inside_of_a_solid_is_found(in_a_cavity):
 
 def test_solids_before_a_cloud_are_proved():
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # an open mesh keeps its hull
+        warnings.simplefilter("ignore", RuntimeWarning)  # of open meshes
         robot = pc.Robot.load("ur10", geometry={"upper_arm_link": "solid", "forearm_link": "solid"})
     rng = np.random.default_rng(0)
     scene = pc.Scene("sensed")

@@ -86,7 +86,7 @@ def test_motions_of_free_bodies_within_hulls_are_proved(robot, scene, path):
 
 def test_motions_of_an_arm_that_hulls_refuse_are_proved():
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # an open mesh keeps its hull
+        warnings.simplefilter("ignore", RuntimeWarning)  # of open meshes
         checker = pc.Checker(pc.Robot.load("ur10", geometry="solid"))
     start = checker.robot.random_configurations(60, seed=11)
     end = start + 0.1 * np.random.default_rng(1).normal(size=start.shape)
@@ -253,6 +253,25 @@ def carriage_in(triangles, path):
 def test_a_body_in_a_cavity_is_outside(in_a_cavity):
     assert in_a_cavity.verify()
     assert in_parts(in_a_cavity)
+
+
+@pytest.mark.filterwarnings("ignore:.*open meshes")
+@pytest.mark.parametrize("missing", [[0], [0, 1], [12, 17], [0, 1, 12, 13, 20]])
+def test_motions_among_capped_solids_are_proved(in_a_cavity, tmp_path, missing):
+    """A hollow cube without triangles of its outside or of its cavity; proofs hold the caps, also in files."""
+    checker = carriage_in(np.delete(HOLLOW, missing, axis=0), tmp_path / "carriage.urdf")
+    (proof,) = checker.certify_motions([[-1.0]], [[1.0]])
+    assert in_parts(proof)
+    proof.save(tmp_path / "proof.json")
+    (again,) = load_proofs(tmp_path / "proof.json")
+    assert again.verify()
+    checker.scene.save(tmp_path / "shell.yaml")
+    assert again.verify(str(tmp_path / "carriage.urdf"), str(tmp_path / "shell.yaml"))
+    opened = (tmp_path / "shell.yaml").read_text().replace("triangles:", "open: triangles\n    triangles:", 1)
+    (tmp_path / "shell.yaml").write_text(opened)
+    assert pc.Scene.load(tmp_path / "shell.yaml").bodies[0].shape.kind == "open"
+    found = again.verify(str(tmp_path / "carriage.urdf"), str(tmp_path / "shell.yaml"))
+    assert "shell" in found.fault
 
 
 def test_segments_and_points_wind_about_nothing(in_a_cavity, tmp_path):

@@ -81,11 +81,12 @@ def test_hulls_by_default(gripper):
 
 
 def test_solids_and_what_is_not_closed(gripper):
-    with pytest.warns(
-        RuntimeWarning, match=r"lid are not closed, so they keep.*'lid': 'solid'} or --geometry lid=solid"
-    ):
+    words = r"caps close open meshes: lid_0 \(1 loop of 3 edges, largest cap 1 m\).*'lid': 'triangles'.*lid=triangles"
+    with pytest.warns(RuntimeWarning, match=words) as caught:
         robot = robot_of(gripper, geometry="solid")
-    assert kinds(robot) == ["Solid", "Box", "Hull"]
+    assert len(caught) == 1
+    assert kinds(robot) == ["Solid", "Box", "Solid"]
+    assert robot.bodies[2].shape.equals_hull
     near = np.abs(HEIGHTS[:, 0] + 0.1) < 1e-9
     np.testing.assert_array_equal(pc.Checker(robot).check_states(HEIGHTS)[~near], FREE[~near])
     assert robot.open_links == ("lid",)
@@ -95,10 +96,15 @@ def test_solids_and_what_is_not_closed(gripper):
 
 
 def test_links_by_name(gripper):
-    with pytest.warns(RuntimeWarning, match=r"link 'lid': its mesh .*open\.obj is not closed: it is taken as its tri"):
-        robot = robot_of(gripper, geometry={"lid": "solid"})
-    assert kinds(robot) == ["Hull", "Box", "Solid"]
-    assert not robot.bodies[2].shape.is_closed
+    for kind, words, is_closed in (("solid", "caps close", True), ("triangles", "their triangles alone", False)):
+        with pytest.warns(RuntimeWarning, match=rf"{words}.*: lid_0 \(1 loop of 3 edges") as caught:
+            robot = robot_of(gripper, geometry={"lid": kind})
+        assert len(caught) == 1
+        assert kinds(robot) == ["Hull", "Box", "Solid"]
+        assert robot.bodies[2].shape.is_closed == is_closed
+        assert robot.open_links == ("lid",)
+    with pytest.warns(RuntimeWarning, match="their triangles alone"):
+        assert kinds(robot_of(gripper, geometry="triangles")) == ["Solid", "Box", "Solid"]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         robot = robot_of(gripper, geometry={"base": "solid", "finger": "solid", "lid": "hull"})
@@ -139,8 +145,8 @@ def test_yaml(gripper):
     assert kinds(pc.Robot.load(gripper / "solid.yaml")) == ["Solid", "Box", "Hull"]
     assert kinds(pc.Robot.load(gripper / "solid.yaml", geometry="hull")) == ["Hull", "Box", "Hull"]
     assert kinds(pc.Robot.load(gripper / "hull.yaml", geometry={"base": "solid"})) == ["Solid", "Box", "Hull"]
-    with pytest.warns(RuntimeWarning, match="meshes of lid"):
-        assert kinds(pc.Robot.load(gripper / "all.yaml")) == ["Solid", "Box", "Hull"]
+    with pytest.warns(RuntimeWarning, match="caps close open meshes: lid"):
+        assert kinds(pc.Robot.load(gripper / "all.yaml")) == ["Solid", "Box", "Solid"]
     for name in ("solid", "all"):
         description = read_description(gripper / f"{name}.yaml")
         written = description_text(description, ["slide"], "", gripper / "out.yaml")
@@ -153,7 +159,7 @@ def test_yaml(gripper):
         ("solids", "unknown geometry 'solids': did you mean 'solid'?"),
         ({"base": "sold"}, "unknown geometry of link 'base' 'sold'"),
         ({"bass": "solid"}, "unknown link with a geometry 'bass': did you mean 'base'?"),
-        (7, "geometry must be one of hull, pieces, solid, or a mapping"),
+        (7, "geometry must be one of hull, pieces, solid, triangles, or a mapping"),
         ({"base": None}, "geometry of link 'base' must be one of"),
         (["solid"], "geometry must be one of"),
     ],
@@ -183,8 +189,8 @@ def test_the_command_line(gripper, capsys):
     assert "of 50 random configurations:\nlinks are" in out
     assert main(["inspect", *robot, "--geometry", "solid", "--states", "50"]) == 0
     caught = capsys.readouterr()
-    assert "meshes of lid are not closed" in caught.err
-    says_open = "links whose meshes are not closed, so they keep their hulls: lid"
+    says_open = "caps close open meshes: lid_0 (1 loop of 3 edges, largest cap 1 m)"
+    assert says_open in caught.err
     assert says_open in caught.out
     np.save(gripper / "q.npy", HEIGHTS)
     assert main(["validate", *robot, "--geometry", "base=solid,lid=hull", str(gripper / "q.npy")]) == 1
@@ -195,10 +201,10 @@ def test_the_command_line(gripper, capsys):
     assert main(whole) == 1
     assert says_open in capsys.readouterr().out
     assert main([*whole, "--format", "json"]) == 1
-    assert json.loads(capsys.readouterr().out)["open_links_as_hulls"] == ["lid"]
-    command = ["validate", *robot, "--geometry", "base=solid,lid=solid", str(gripper / "q.npy")]
+    assert json.loads(capsys.readouterr().out)["solids"] == {"base_0": "closed", "lid_0": "capped"}
+    command = ["validate", *robot, "--geometry", "base=solid,lid=triangles", str(gripper / "q.npy")]
     assert main(command) == 1
-    assert "solids: 2 bodies; not closed, so their triangles alone: lid_0" in capsys.readouterr().out
+    assert "solids: 2 bodies; open meshes are their triangles alone" in capsys.readouterr().out
     assert main([*command, "--format", "json"]) == 1
     assert json.loads(capsys.readouterr().out)["solids"] == {"base_0": "closed", "lid_0": "open"}
     for wrong, says in (

@@ -17,6 +17,8 @@ TORUS = trimesh.creation.torus(1, 0.25, major_sections=12, minor_sections=6)
 POINTS, TRIANGLES = np.asarray(TORUS.vertices), np.asarray(TORUS.faces)
 SMALL = pc.Sphere(0.1)
 
+OPEN = {"vertices": POINTS.tolist(), "triangles": TRIANGLES[1:].tolist()}
+
 
 @pytest.fixture
 def folder(tmp_path):
@@ -82,6 +84,8 @@ def test_files_may_have_triangles_themselves(folder):
         ({"vertices": [[0, 0, 0]], "triangles": [[0, 0]]}, "triangles row 0"),
         ({"vertices": [[0, 0, 0]], "triangles": [[0, 0, 0]], "file": "a.stl"}, "file"),
         ({"fil": "ring.stl"}, "fil"),
+        ({"file": "ring.stl", "open": "caps"}, "unknown way to take an open mesh 'caps': did you mean 'cap'"),
+        ({"file": "ring.stl", "open": True}, "open"),
         (7, "solid"),
     ],
 )
@@ -90,20 +94,50 @@ def test_mistakes_are_named(folder, given, says):
         pc.Scene.load(written(folder, {"name": "ring", "solid": given}))
 
 
-def test_an_open_mesh_that_is_named_is_taken_with_a_warning(folder):
-    with pytest.warns(RuntimeWarning, match=r"open\.stl.*is not closed"):
-        scene = pc.Scene.load(written(folder, {"name": "ring", "solid": "open.stl"}))
-    assert not shape_of(scene).is_closed
+@pytest.mark.parametrize(
+    ("given", "words", "kind"),
+    [
+        ("open.stl", "caps close", "capped"),
+        ({"file": "open.stl", "open": "cap"}, "caps close", "capped"),
+        ({"file": "open.stl", "open": "triangles"}, "triangles alone", "open"),
+        ({"file": "open.stl", "open": "hull"}, "are their hulls", "hull"),
+        ({**OPEN, "open": "triangles"}, "triangles alone", "open"),
+        (OPEN, "caps close", "capped"),
+    ],
+)
+def test_an_open_mesh_is_taken_as_asked_with_one_warning(folder, given, words, kind):
+    path = written(folder, {"name": "ring", "solid": given}, {"name": "held", "solid": given})
+    with pytest.warns(RuntimeWarning, match=rf"{words}.*: ring \(1 loop of 3 edges.*, held \(") as caught:
+        scene = pc.Scene.load(path)
+    assert len(caught) == 1
+    assert shape_of(scene).kind == kind
+    scene.save(folder / "again.yaml")
+    with pytest.warns(RuntimeWarning, match=words):
+        again = pc.Scene.load(folder / "again.yaml")
+    assert shape_of(again).digest == shape_of(scene).digest
+    assert shape_of(again).open == shape_of(scene).open
+
+
+def test_add_mesh_takes_open_meshes_as_asked(folder):
+    scene = pc.Scene("rings")
+    for geometry, kind in (("solid", "capped"), ("triangles", "open")):
+        with pytest.warns(RuntimeWarning, match=r"open\.stl"):
+            scene.add_mesh(geometry, folder / "open.stl", geometry=geometry)
+        assert shape_of(scene, geometry).kind == kind
+    with pytest.raises(pc.PlannercheckError, match="unknown geometry 'solids': did you mean 'solid'"):
+        scene.add_mesh("other", folder / "open.stl", geometry="solids")
 
 
 def test_all_meshes_of_a_scene_may_be_solids(folder):
     objects = [{"name": "ring", "mesh": {"file": "ring.stl"}}, {"name": "open", "mesh": {"file": "open.stl"}}]
     path = written(folder, *objects, attached=[{"name": "held", "link": "hand", "mesh": {"file": "ring.stl"}}])
-    with pytest.warns(RuntimeWarning, match=r"open\.stl' is not closed, so it keeps its hull"):
-        scene = pc.Scene.load(path, meshes="solid")
-    assert has_a_hole(scene)
-    assert has_a_hole(scene, "held")
-    assert isinstance(shape_of(scene, "open"), pc.Hull)
+    for meshes, words, kind in (("solid", "caps close", "capped"), ("triangles", "triangles alone", "open")):
+        with pytest.warns(RuntimeWarning, match=rf"{words}.*: open \(1 loop of 3 edges") as caught:
+            scene = pc.Scene.load(path, meshes=meshes)
+        assert len(caught) == 1
+        assert has_a_hole(scene)
+        assert has_a_hole(scene, "held")
+        assert shape_of(scene, "open").kind == kind
     with pytest.raises(pc.PlannercheckError, match="unknown kind of meshes 'solids': did you mean 'solid'"):
         pc.Scene.load(path, meshes="solids")
 
@@ -139,8 +173,10 @@ def test_moveits_meshes_are_hulls_or_solids(folder):
         assert not has_a_hole(pc.Scene.load(path))
         assert has_a_hole(pc.Scene.load(path, meshes="solid"))
     path.write_text(yaml.safe_dump(message(TRIANGLES[1:])))
-    with pytest.warns(RuntimeWarning, match="a mesh of the scene is not closed, so it keeps its hull"):
-        assert isinstance(shape_of(pc.Scene.load(path, meshes="solid")), pc.Hull)
+    with pytest.warns(RuntimeWarning, match="caps close open meshes: ring"):
+        assert has_a_hole(pc.Scene.load(path, meshes="solid"))
+    with pytest.warns(RuntimeWarning, match="triangles alone"):
+        assert shape_of(pc.Scene.load(path, meshes="triangles")).kind == "open"
 
 
 def test_moveits_text_has_solids_as_meshes(folder):

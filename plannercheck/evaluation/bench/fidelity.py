@@ -20,6 +20,7 @@ from plannercheck.evaluation.bench.coal_loop import CoalLoop, Variant
 from plannercheck.evaluation.bench.other_libraries import coal_shape
 from plannercheck.evaluation.bench.solid_checkers import (
     checker_of_meshes,
+    checker_of_triangles,
     has_solids,
     is_nested,
     posed_pair,
@@ -34,7 +35,8 @@ _VARIANT = Variant(0, 0, 1)
 # States whose poses are held at once.
 _BLOCK = 1024
 
-CLOSED_ONLY, ALL_MESHES = "closed meshes as solids, open ones as hulls", "all meshes"
+# What open meshes are taken as; closed ones are what they are.
+CAPPED, TRIANGLES, HULLS = "open ones capped", "open ones as triangles", "open ones as hulls"
 
 
 @dataclass(frozen=True)
@@ -43,9 +45,9 @@ class FidelityRow:
 
     Attributes:
         robot: Its name.
-        geometry: `ALL_MESHES`, open ones being their triangles alone; or `CLOSED_ONLY`, as geometry="solid" loads them.
+        geometry: What open meshes are taken as: `CAPPED`, as geometry="solid" loads them, `TRIANGLES` or `HULLS`.
         solids: Bodies that are not tested as hulls.
-        open_meshes: Bodies whose meshes are not closed.
+        open_meshes: Bodies whose meshes are open.
         states: Number of states.
         valid_hulls: Part of them that is valid by hulls.
         valid: Part of them that is valid by meshes.
@@ -82,7 +84,7 @@ def measure(robot: str, states: int, seed: int) -> list[FidelityRow]:
         seed: Seed of the states.
 
     Returns:
-        A row for all meshes; if some are open, one more for the solids of the closed ones.
+        A row for meshes as solids; if some are open, one more for each other way to take these.
 
     Raises:
         PlannercheckError: If there is no compiler for the loop around coal.
@@ -90,9 +92,10 @@ def measure(robot: str, states: int, seed: int) -> list[FidelityRow]:
     checker = checker_of_meshes(robot)
     q = checker.robot.random_configurations(states, seed)
     by_hulls = with_hulls(checker).check_states(q)
-    rows = [_row(checker, ALL_MESHES, q, by_hulls)]
+    rows = [_row(checker, CAPPED, q, by_hulls)]
     if has_solids(checker, open_only=True):
-        rows.append(_row(with_hulls(checker, open_only=True), CLOSED_ONLY, q, by_hulls))
+        rows.append(_row(checker_of_triangles(robot), TRIANGLES, q, by_hulls))
+        rows.append(_row(with_hulls(checker, open_only=True), HULLS, q, by_hulls))
     return rows
 
 
@@ -103,7 +106,7 @@ def _row(checker: Checker, geometry: str, q: Floats, by_hulls: Bools) -> Fidelit
         checker.robot.name,
         geometry,
         sum(polytope is not None and polytope.solid is not None for polytope in checker.polytopes),
-        sum(isinstance(shape, Solid) and not shape.is_closed for shape in shapes),
+        sum(isinstance(shape, Solid) and shape.is_open for shape in shapes),
         len(q),
         float(by_hulls.mean()),
         float(valid.mean()),

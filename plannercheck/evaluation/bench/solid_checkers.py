@@ -18,18 +18,23 @@ from plannercheck.common.array_types import Bools, Floats, Ints64
 from plannercheck.common.core import core
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.description import description_of
-from plannercheck.robots.geometry_choices import of_meshes
+from plannercheck.robots.geometry_choices import of_meshes, of_triangles
 
 
 def checker_of_meshes(robot: str) -> Checker:
-    """A robot, by name or file, in no scene: all meshes as they are, open ones as their triangles alone."""
+    """A robot, by name or file, in no scene: all meshes as they are, open ones closed by caps."""
     return Checker(of_meshes(description_of(robot)))
+
+
+def checker_of_triangles(robot: str) -> Checker:
+    """A robot, by name or file, in no scene: all meshes as they are, open ones as their triangles alone."""
+    return Checker(of_triangles(description_of(robot)))
 
 
 def has_solids(checker: Checker, open_only: bool = False) -> bool:
     """Whether some pair is of a mesh as it is, be it that this is its hull; or of an open one."""
     shapes = [checker.bodies[k].shape for k in np.unique(checker.pairs).tolist()]
-    return any(isinstance(shape, Solid) and not (open_only and shape.is_closed) for shape in shapes)
+    return any(isinstance(shape, Solid) and not (open_only and not shape.is_open) for shape in shapes)
 
 
 def with_hulls(checker: Checker, open_only: bool = False) -> Checker:
@@ -37,7 +42,7 @@ def with_hulls(checker: Checker, open_only: bool = False) -> Checker:
     hulls = {}
     for k in np.unique(checker.pairs).tolist():
         body, polytope = checker.bodies[k], checker.polytopes[k]
-        if isinstance(body.shape, Solid) and polytope is not None and not (open_only and body.shape.is_closed):
+        if isinstance(body.shape, Solid) and polytope is not None and not (open_only and not body.shape.is_open):
             hulls[k] = as_hull(body, polytope)
     return substituted(checker, hulls)
 

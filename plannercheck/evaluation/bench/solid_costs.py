@@ -95,7 +95,7 @@ def measure(name: str, states: int, seed: int, rounds: int) -> list[SolidCostRow
 
 def _robots(name: str) -> dict[str, Robot]:
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # open meshes keep their hulls
+        warnings.simplefilter("ignore", RuntimeWarning)  # of open meshes
         return {_HULLS: Robot.load(name), _SOLIDS: Robot.load(name, geometry="solid")}
 
 

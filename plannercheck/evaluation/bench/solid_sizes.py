@@ -101,7 +101,7 @@ def measure(
     rows = []
     for shape, size in product(shapes, sizes):
         surface = SHAPES[shape](size, np.random.default_rng(_SEED))
-        solid = Solid(surface.points, surface.triangles)
+        solid = Solid(surface.points, surface.triangles, "triangles")
         ours, hull = built(partial(_prepared, solid)), built(partial(Polytope, solid.used[0]))
         bodies = ours.value, ours.value
         coal: Built[Callable[[Posed], Judge]] | None = None

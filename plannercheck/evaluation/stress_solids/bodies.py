@@ -7,7 +7,7 @@ their closed surfaces for the oracle, so a solid meets polytopes, balls, capsule
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -22,6 +22,7 @@ from plannercheck.evaluation.stress_solids import solid_families
 from plannercheck.evaluation.stress_solids.dented import dented
 from plannercheck.evaluation.stress_solids.solid_families import LARGE_FAMILIES, LATTICE_FAMILIES, SOLID_FAMILIES
 from plannercheck.evaluation.stress_solids.surfaces import Surface, octahedron, surface
+from plannercheck.evaluation.stress_solids.torn import torn
 from plannercheck.evaluation.stress_solids.variations import varied
 
 
@@ -34,12 +35,14 @@ class Body:
         surface: Its triangles; of a convex body those of its hull, counter-clockwise seen from outside.
         inflation_radius: All points within this distance belong to the body, m.
         is_convex: Whether the core has the hull, not a solid.
+        is_capped: Whether caps close the surface if it is open; else an open one is its triangles alone.
     """
 
     family: str
     surface: Surface
     inflation_radius: float = 0.0
     is_convex: bool = False
+    is_capped: bool = False
 
     @cached_property
     def size(self) -> float:
@@ -50,14 +53,31 @@ class Body:
     @cached_property
     def truth(self) -> Any:
         """The oracle's mesh."""
-        return compiled_oracle().Mesh(self.surface.points, self.surface.triangles, self.inflation_radius)
+        return compiled_oracle().Mesh(self.whole.points, self.whole.triangles, self.inflation_radius)
+
+    @cached_property
+    def whole(self) -> Surface:
+        """The surface with its caps."""
+        given = self.given
+        return surface(*given.used) if self.is_capped and isinstance(given, Solid) else self.surface
+
+    @property
+    def triangles_alone(self) -> Body:
+        """The same without caps."""
+        return replace(self, is_capped=False)
+
+    @property
+    def hull(self) -> Body:
+        """The hull of the same, as its closed surface; itself if that has no volume."""
+        found = Polytope(self.surface.used_points)
+        return replace(self, surface=surface(found.vertices, found.faces)) if found.dimension == _SPACE else self
 
     @cached_property
     def given(self) -> Solid | Polytope:
         """What a user would give, without the inflation radius of a solid."""
         if self.is_convex:
             return Polytope(self.surface.points, inflation_radius=self.inflation_radius)
-        return Solid(self.surface.points, self.surface.triangles)
+        return Solid(self.surface.points, self.surface.triangles, "cap" if self.is_capped else "triangles")
 
     @cached_property
     def polytope(self) -> Polytope:
@@ -109,8 +129,9 @@ CONVEX_FAMILIES: dict[str, Callable[[int, np.random.Generator], Surface]] = {
 }
 # Families whose coordinates are on the lattice, so that moves along axes keep contact exact.
 EXACT_FAMILIES = (*LATTICE_FAMILIES, "tetrahedron", "box", "octahedron", "point")
-# Solids that are nearly their hulls.
-DENTED = "dented"
+# Solids that are nearly their hulls, and those of open meshes that caps close.
+DENTED, TORN = "dented", "torn"
+_SPACE = 3
 # Inflation radii over the size: of solids, which are rarely inflated, and of convex bodies.
 _RADII = (0.5, 0.125, 2.0**-10, 0.01)
 _INFLATED_SOLIDS, _INFLATED_HULLS = 0.06, 0.4
@@ -130,6 +151,11 @@ def random_dented(n: int, size: float, rng: np.random.Generator) -> Body:
     """A solid that is nearly its hull, varied."""
     found, name = varied(dented(n, rng), rng)
     return Body(DENTED + name, found.scaled(size), _radius(_INFLATED_SOLIDS, rng) * size)
+
+
+def random_torn(n: int, size: float, rng: np.random.Generator) -> Body:
+    """A solid of an open mesh that caps close."""
+    return Body(TORN, torn(n, rng).scaled(size), _radius(_INFLATED_SOLIDS, rng) * size, is_capped=True)
 
 
 def random_convex(family: str, n: int, size: float, rng: np.random.Generator) -> Body:

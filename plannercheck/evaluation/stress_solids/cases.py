@@ -128,10 +128,12 @@ def _document_of(body: Body) -> dict[str, Any]:
         "triangles": body.surface.triangles.tolist(),
         "inflation_radius": body.inflation_radius.hex(),
         "is_convex": body.is_convex,
+        "is_capped": body.is_capped,
     }
 
 
 def _body_of(document: dict[str, Any]) -> Body:
     found = surface(_doubles(document["points"]), document["triangles"])
     radius = float.fromhex(document["inflation_radius"])
-    return Body(str(document["family"]), found, radius, bool(document["is_convex"]))
+    kinds = bool(document["is_convex"]), bool(document.get("is_capped", False))
+    return Body(str(document["family"]), found, radius, *kinds)

@@ -20,10 +20,12 @@ from plannercheck.evaluation.stress.random_cases import EXTREME_SIZES
 from plannercheck.evaluation.stress_solids.bodies import (
     CONVEX_FAMILIES,
     DENTED,
+    TORN,
     Body,
     random_convex,
     random_dented,
     random_solid,
+    random_torn,
 )
 from plannercheck.evaluation.stress_solids.common_frames import PARTNERS
 from plannercheck.evaluation.stress_solids.placing import OFFSETS, ROTATIONS, Place, around_contact, offset, turn
@@ -41,12 +43,13 @@ LARGEST = (10_000, 100_000)
 _LARGEST_WEIGHTS, _LARGE_SHARE = (0.95, 0.05), 0.002
 _ROBOT_SHARE, _CONVEX_SHARE = 0.01, 0.2
 CONTACT, ANYWHERE, INSIDE, EXTREME = "contact", "anywhere", "inside", "extreme scales"
-_RELATIONS = (CONTACT, ANYWHERE, INSIDE, EXTREME, *PARTNERS, DENTED)
+_RELATIONS = (CONTACT, ANYWHERE, INSIDE, EXTREME, *PARTNERS, DENTED, TORN)
 _PARTNER_WEIGHT = 0.2 / len(PARTNERS)
 _RELATION_WEIGHTS = (
-    *(0.59, 0.06, 0.14, 0.01),
+    *(0.54, 0.06, 0.14, 0.01),
     *[_PARTNER_WEIGHT] * (len(PARTNERS) - 1),
     *[_PARTNER_WEIGHT / 2] * 2,
+    0.05,
 )
 # Families for which whole numbers of thousands of digits take no longer than others for doubles.
 _FEW_TRIANGLES = ("tetrahedra", "triangle soup", "one triangle", "star", "nested boxes")
@@ -55,7 +58,7 @@ _FEW_TRIANGLES = ("tetrahedra", "triangle soup", "one triangle", "star", "nested
 _SMALLER_EXPONENTS, _DEPTHS = (-14, -10, -8, -7, -6), (0.005, 0.02, 0.05, 0.1)
 # Moments of contact of the same two bodies, and poses anywhere.
 _CONTACTS, _POSES = 2, 24
-FAMILY_NAMES = (*SOLID_FAMILIES, *CONVEX_FAMILIES, *PARTNERS, EXTREME, DENTED)
+FAMILY_NAMES = (*SOLID_FAMILIES, *CONVEX_FAMILIES, *PARTNERS, EXTREME, DENTED, TORN)
 Draw: TypeAlias = PosedPairs[Body]
 
 
@@ -79,12 +82,17 @@ def _in_contact(relation: str, rng: np.random.Generator) -> Draw:
 def _anywhere(relation: str, rng: np.random.Generator) -> Draw:
     """Centres about as far apart as the bodies are large: across, inside and beside each other."""
     p, r = _bodies(rng)
+    return _drawn_anywhere(p.family, relation, p, r, rng)
+
+
+def _drawn_anywhere(family: str, relation: str, p: Body, r: Body, rng: np.random.Generator) -> Draw:
+    """Both bodies with centres about as far apart as they are large."""
     poses_p, poses_r = identities(_POSES), identities(_POSES)
     for k in range(_POSES):
         place = _place(rng)
         shift = place.pose_r[:3, 3] + 0.6 * rng.uniform(0, max(p.size, r.size)) * random_directions(1, rng)[0]
         poses_p[k], poses_r[k] = (found[0] for found in place.poses(shift[None]))
-    return _drawn(p.family, relation, p, r, [(poses_p, poses_r)], (ANY_OFFSET,) * _POSES)
+    return _drawn(family, relation, p, r, [(poses_p, poses_r)], (ANY_OFFSET,) * _POSES)
 
 
 def _inside(relation: str, rng: np.random.Generator) -> Draw:
@@ -127,6 +135,20 @@ def dented_draw(relation: str, rng: np.random.Generator) -> Draw:
     return _drawn(relation, relation, p, r, poses, tuple(OFFSETS) * _CONTACTS)
 
 
+def torn_draw(relation: str, rng: np.random.Generator) -> Draw:
+    """A solid of an open mesh with caps, and another or a convex body: in contact, or across and inside each other."""
+    size = 2.0 ** float(rng.choice(_SIZE_EXPONENTS))
+    p, r = random_torn(_count(rng), size, rng), random_torn(_count(rng), size, rng)
+    if rng.random() < 2 * _CONVEX_SHARE:
+        r = _convex(size * 2.0 ** -int(rng.integers(5)), rng)
+    if rng.integers(2):
+        p, r = r, p
+    if rng.integers(2):
+        return _drawn_anywhere(relation, relation, p, r, rng)
+    poses = [around_contact(p, r, _place(rng), rng) for _ in range(_CONTACTS)]
+    return _drawn(relation, relation, p, r, poses, tuple(OFFSETS) * _CONTACTS)
+
+
 def _beside_triangle(body: Body, rng: np.random.Generator) -> Floats:
     """A point (3,) beside an inner point of a triangle, m."""
     a, b, c = body.surface.points[body.surface.triangles[rng.integers(len(body.surface.triangles))]]
@@ -159,6 +181,7 @@ _DRAWN: dict[str, Callable[[str, np.random.Generator], Draw]] = {
     INSIDE: _inside,
     EXTREME: _at_extreme_scales,
     DENTED: dented_draw,
+    TORN: torn_draw,
 }
 
 

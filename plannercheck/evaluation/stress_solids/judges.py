@@ -21,7 +21,8 @@ from plannercheck.evaluation.stress_solids.draws import Draw
 from plannercheck.evaluation.stress_solids.surfaces import surface
 
 BATCH, SWAPPED, PUBLIC, SINGLE, DISTANCE, POINTS = "batch", "swapped", "public", "single", "distance", "points"
-OURS = (BATCH, SWAPPED, PUBLIC, SINGLE, DISTANCE, POINTS)
+CAPS = "caps"
+OURS = (BATCH, SWAPPED, PUBLIC, SINGLE, DISTANCE, POINTS, CAPS)
 # What `plannercheck.distance` promises: its error over the distance, or over a part of the larger body's radius, for
 # which its size stands here; and in m.
 _DISTANCE_ERROR, _LEAST_OF_RADIUS, _SMALLEST_ERROR = 1e-9, 1e-3, 1e-319
@@ -38,8 +39,8 @@ def verdicts(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outc
         number: The draw's number, which chooses the method, and the pairs that are asked one by one.
 
     Returns:
-        Outcomes (k,) by contestant; of DISTANCE and POINTS, which are asked for more than verdicts, the truth if all
-        that they say is right, else not.
+        Outcomes (k,) by contestant; of DISTANCE, POINTS and CAPS, which are asked for more than verdicts, the truth if
+        all that they say is right, else not.
     """
     count = len(drawn.poses_p)
     method, single = method_of(number), some_of(count, number)
@@ -50,6 +51,7 @@ def verdicts(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outc
         SINGLE: limited(lambda: one_by_one(drawn, single), count),
         DISTANCE: limited(lambda: _distances(drawn, truth, single), count),
         POINTS: limited(lambda: _of_single_solids(drawn, truth, number), count),
+        CAPS: limited(lambda: _between(drawn, truth), count),
     }
 
 
@@ -109,8 +111,22 @@ def _solid_is_right(body: Body, rng: np.random.Generator) -> bool:
     told = (given.core.is_closed, given.core.components, given.is_closed)
     if told != (body.truth.is_closed, body.truth.components, body.truth.is_closed):
         return False
-    bare = Body(body.family, body.surface)
+    bare = replace(body, inflation_radius=0.0)
     return all(bool(given.core.contains(point)) == _contains(bare, point) for point in _points_near(body, rng))
+
+
+def _between(drawn: Draw, truth: list[bool]) -> list[Outcome]:
+    """Whether triangles without caps share a point only if the solids do, and these only if their hulls do.
+
+    The oracle decides all three.
+    """
+    p, r = drawn.p, drawn.r
+    if not (p.is_capped or r.is_capped):
+        return [UNFIT] * len(truth)
+    alone = decided(p.triangles_alone, drawn.poses_p, r.triangles_alone, drawn.poses_r) != 0
+    hulls = decided(p.hull, drawn.poses_p, r.hull, drawn.poses_r) != 0
+    rows = zip(alone.tolist(), truth, hulls.tolist(), strict=True)
+    return [shared == (few <= shared <= most) for few, shared, most in rows]
 
 
 def _points_near(body: Body, rng: np.random.Generator) -> Floats:

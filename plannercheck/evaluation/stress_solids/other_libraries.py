@@ -32,7 +32,7 @@ class FclMeshes:
     def _model(self, body: Body) -> Any:
         if body.inflation_radius:
             return "unfit"
-        points, triangles = body.surface.points, body.surface.triangles
+        points, triangles = body.whole.points, body.whole.triangles
         model = self._fcl.BVHModel()
         model.beginModel(len(points), len(triangles))
         model.addSubModel(points, triangles)
@@ -65,7 +65,7 @@ class CoalMeshes:
     def _model(self, body: Body) -> Any:
         if body.inflation_radius:
             return "unfit"
-        return coal_mesh(body.surface.points, body.surface.triangles)
+        return coal_mesh(body.whole.points, body.whole.triangles)
 
     def _collide(self, p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool:
         first, second = (self._coal.Transform3s(pose[:3, :3], pose[:3, 3]) for pose in (pose_p, pose_r))
