@@ -114,7 +114,9 @@ def _check_places(root: Element) -> None:
                 for inner in outer:
                     if inner.tag in _MISPLACED.get(str(outer.tag), ()):
                         name = shortened(element.get("name"))
-                        raise PlannercheckError(f"<{inner.tag}> stands within <{outer.tag}> of {kind} {name!r}, where none is read")
+                        raise PlannercheckError(
+                            f"<{inner.tag}> stands within <{outer.tag}> of {kind} {name!r}, where none is read"
+                        )
     for outer in root:
         if outer.tag == "collision":
             raise PlannercheckError("<collision> stands in no <link>, where none is read")
@@ -190,7 +192,7 @@ def _check_joint(name: str, joint: Element, version: tuple[int, ...]) -> None:
 def _check_axis(joint: Element, owner: str) -> None:
     axis = _axis(joint, owner)
     if axis is not None and not _SHORTEST_AXIS <= math.hypot(*axis) <= _LONGEST_AXIS:
-        raise PlannercheckError(f"the <axis> of {owner} must have a length, as xyz=\"0 0 1\" has, not xyz={_xyz(joint)}")
+        raise PlannercheckError(f'the <axis> of {owner} must have a length, as xyz="0 0 1" has, not xyz={_xyz(joint)}')
 
 
 def _check_plane(joint: Element, owner: str) -> None:
@@ -203,8 +205,8 @@ def _check_plane(joint: Element, owner: str) -> None:
     axis = _axis(joint, owner)
     if axis is not None and not (axis[0] == axis[1] == 0 and _SHORTEST_AXIS <= abs(axis[2]) <= _LONGEST_AXIS):
         raise PlannercheckError(
-            f"the planar {owner} has the normal xyz={_xyz(joint)}; it can only move in its own xy: turn its <origin> so "
-            'that z is the normal, and write <axis xyz="0 0 1"/>'
+            f"the planar {owner} has the normal xyz={_xyz(joint)}; it can only move in its own xy: turn its <origin> "
+            'so that z is the normal, and write <axis xyz="0 0 1"/>'
         )
 
 
@@ -242,8 +244,8 @@ def _check_tree(links: dict[str, Element], joints: dict[str, Element]) -> None:
         if child in above:
             other = above[child][1]
             raise PlannercheckError(
-                f"link {shortened(child)!r} is the child of joints {shortened(other)!r} and {shortened(name)!r}: a link "
-                "hangs on one"
+                f"link {shortened(child)!r} is the child of joints {shortened(other)!r} and {shortened(name)!r}: "
+                "a link hangs on one"
             )
         above[child] = parent, name
     roots = [link for link in links if link not in above]
@@ -260,7 +262,9 @@ def _check_tree(links: dict[str, Element], joints: dict[str, Element]) -> None:
             queue.append(child)
     loose = next((link for link in links if link not in hanging), None)
     if loose is not None:
-        raise PlannercheckError(f"link {shortened(loose)!r} hangs on itself, over joint {shortened(above[loose][1])!r} and others")
+        raise PlannercheckError(
+            f"link {shortened(loose)!r} hangs on itself, over joint {shortened(above[loose][1])!r} and others"
+        )
 
 
 def _end(name: str, joint: Element, tag: str, links: dict[str, Element]) -> str:
@@ -276,7 +280,7 @@ def _end(name: str, joint: Element, tag: str, links: dict[str, Element]) -> str:
 
 def _check_mimics(joints: dict[str, Element]) -> None:
     """Raises for joints that follow what can't be followed; a fixed joint follows nothing, whatever it says."""
-    followers = {name: tag for name, tag in _mimics(joints)}
+    followers = dict(_mimics(joints))
     for name, tag in followers.items():
         owner = f"joint {shortened(name)!r}"
         leader = tag.get("joint")
@@ -313,5 +317,7 @@ def _check_ends(name: str, followers: dict[str, Element]) -> None:
     while chain[-1] in followers:
         leader = followers[chain[-1]].get("joint", "")
         if leader in chain:
-            raise PlannercheckError(f"joint {shortened(name)!r} mimics itself: {' > '.join(map(shortened, [*chain, leader]))}")
+            raise PlannercheckError(
+                f"joint {shortened(name)!r} mimics itself: {' > '.join(map(shortened, [*chain, leader]))}"
+            )
         chain.append(leader)
