@@ -40,14 +40,8 @@ _ONCE = {
     "collision": ("origin", "geometry"),
 }
 
-# Where links, joints and collisions may not stand: readers pass over them there.
-_MISPLACED = {
-    "link": ("link", "joint"),
-    "joint": ("link", "joint", "collision"),
-    "collision": ("link", "joint", "collision"),
-    "visual": ("link", "joint", "collision"),
-    "inertial": ("link", "joint", "collision"),
-}
+# Within links and joints, these hold elements of other programs.
+_FOREIGN = ("gazebo", "sensor", "plugin")
 
 
 def check_robot(root: Element, path: Path) -> None:
@@ -108,18 +102,21 @@ def _version(root: Element) -> tuple[int, ...]:
 
 def _check_places(root: Element) -> None:
     """Raises for links, joints and collisions where every reader passes over them."""
-    for kind in ("link", "joint"):
-        for element in root.iterfind(kind):
-            for outer in element.iter():
-                for inner in outer:
-                    if inner.tag in _MISPLACED.get(str(outer.tag), ()):
-                        name = shortened(element.get("name"))
-                        raise PlannercheckError(
-                            f"<{inner.tag}> stands within <{outer.tag}> of {kind} {name!r}, where none is read"
-                        )
-    for outer in root:
-        if outer.tag == "collision":
+    for element in root:
+        if element.tag == "collision":
             raise PlannercheckError("<collision> stands in no <link>, where none is read")
+        if element.tag in ("link", "joint"):
+            name = f"{element.tag} {shortened(element.get('name'))!r}"
+            for part in element:
+                _check_nothing_within(part, name, placed=element.tag == "link" and part.tag == "collision")
+
+
+def _check_nothing_within(part: Element, name: str, placed: bool = False) -> None:
+    if not placed and part.tag in ("link", "joint", "collision"):
+        raise PlannercheckError(f"<{part.tag}> stands within {name}, where none is read")
+    if part.tag not in _FOREIGN:
+        for inner in part:
+            _check_nothing_within(inner, name)
 
 
 def _by_name(root: Element, kind: str) -> dict[str, Element]:
