@@ -13,7 +13,6 @@ import numpy as np
 import pinocchio as pin
 
 from plannercheck.common.array_types import Floats
-from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.joint_drives import split_joints
 from plannercheck.robots.configurations import ConfigurationMap
@@ -22,9 +21,6 @@ from plannercheck.robots.kinematics import JointTable, joint_placements
 # The kernel's kind of a prismatic joint (JointKind in cpp/robots/kinematics.hpp); kinds that take several numbers come
 # after it.
 _SLIDE = 8
-
-# How far an axis's length may be from 1: rounding, and off-unit rotations above it.
-_UNIT = 1e-6
 
 
 class JointAxis(NamedTuple):
@@ -142,7 +138,4 @@ def _axis(table: JointTable, joint: int, pose: pin.SE3) -> JointAxis:
     if kind > _SLIDE:
         return JointAxis(pose.translation.copy(), None)
     direction = pose.rotation @ table.axes[joint]
-    length = float(np.linalg.norm(direction))
-    if not abs(length - 1) <= _UNIT:  # a bound that is no number would let every motion pass
-        raise PlannercheckError(f"joint {joint + 1} has an axis of length {length:g}, where a unit vector must be")
-    return JointAxis(pose.translation.copy(), direction / length)
+    return JointAxis(pose.translation.copy(), direction / np.linalg.norm(direction))
