@@ -71,7 +71,7 @@ def read_model(urdf: Path | UrdfFile, floating: bool = False) -> pin.Model:
     root = [pin.JointModelFreeFlyer()] if floating else []
     try:
         with urdf_silence()():
-            model = pin.buildModelFromXML(file.native(), *root)
+            model = pin.buildModelFromXML(file.native, *root)
     except (ValueError, RuntimeError, IndexError) as error:
         reason = file.hint or foreign_elements(file.root) or wrong_order_of_imports()
         reason = reason or _one_line(file.messages(floating, ())) or _one_line(str(error))
@@ -118,7 +118,7 @@ def built_geometry(
     """Pinocchio's geometries of one kind; raises ValueError or RuntimeError where it does."""
     loader = coal.CachedMeshLoader(_BOUNDS)
     with urdf_silence()():
-        text = file.native(drawn=kind == pin.VISUAL)
+        text = file.drawn if kind == pin.VISUAL else file.native
         return pin.buildGeomFromUrdfString(model, text, kind, None, folders, loader)
 
 

@@ -24,6 +24,9 @@ _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", re.AS
 # No position or length is longer, m: squares and products of three stay far from the largest double.
 LARGEST_NUMBER = 1e60
 
+# A mimic's multiplier and offset; values of joints may be up to 1e15.
+_LARGEST_FACTOR = 1e12
+
 # Between these the square of an axis's length neither over- nor underflows.
 _SHORTEST_AXIS, _LONGEST_AXIS = 1e-100, 1e100
 
@@ -296,8 +299,8 @@ def _check_mimics(joints: dict[str, Element]) -> None:
         for key in ("multiplier", "offset"):
             if tag.get(key) is not None:
                 value = number(tag.get(key), f"{key} in the <mimic> of {owner}")
-                if abs(value) > LARGEST_NUMBER:
-                    raise PlannercheckError(f"{key} in the <mimic> of {owner} is beyond {LARGEST_NUMBER:g}: {value}")
+                if abs(value) > _LARGEST_FACTOR:
+                    raise PlannercheckError(f"{key} in the <mimic> of {owner} is beyond {_LARGEST_FACTOR:g}: {value}")
         _check_ends(name, followers)
 
 

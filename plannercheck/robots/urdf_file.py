@@ -14,6 +14,7 @@ import tempfile
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -144,13 +145,17 @@ class UrdfFile:
                 mesh.set("filename", str(found))
         return UrdfFile(self.path, ElementTree.tostring(root, encoding="unicode"), "", root)
 
-    def native(self, drawn: bool = False) -> str:
-        """The text that Pinocchio reads: what of links and joints it needs, masses where they are whole.
+    @cached_property
+    def native(self) -> str:
+        """The text that Pinocchio reads: what of links and joints it needs, masses where they are whole."""
+        return self._with(_READ)
 
-        Args:
-            drawn: Whether with the <visual> elements and the <material>s, which nothing but pictures needs.
-        """
-        tags = (*_READ, *_DRAWN) if drawn else _READ
+    @property
+    def drawn(self) -> str:
+        """The same with the <visual> elements and the <material>s, which nothing but pictures needs."""
+        return self._with((*_READ, *_DRAWN))
+
+    def _with(self, tags: Sequence[str]) -> str:
         robot = Element("robot", self.root.attrib)
         for part in self.root:
             if part.tag in tags:
@@ -161,7 +166,7 @@ class UrdfFile:
         """What urdfdom, Pinocchio and assimp say about the file; empty if that can't be found out."""
         with tempfile.TemporaryDirectory() as folder:
             written = Path(folder) / self.path.name
-            written.write_text(self.native(), encoding="utf-8")
+            written.write_text(self.native, encoding="utf-8")
             return native_messages(written, floating, folders).replace(str(written), str(self.path))
 
 

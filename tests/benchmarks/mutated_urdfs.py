@@ -64,7 +64,8 @@ SMALL = (
 <joint name="l" type="continuous"><parent link="c"/><child link="d"/><origin xyz="1 0 0"/><axis xyz="1 0 0"/></joint>
 <joint name="m" type="fixed"><parent link="d"/><child link="e"/></joint>
 <transmission name="t"><joint name="j"/></transmission></robot>""",
-    """<robot name="r" version="1.2"><link name="a"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+    """<robot name="r" version="1.2">
+<link name="a"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
 <link name="b"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
 <link name="c"><collision><geometry><sphere radius="1"/></geometry></collision></link>
 <joint name="p" type="planar"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>

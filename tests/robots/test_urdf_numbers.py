@@ -134,7 +134,7 @@ def test_three_numbers_are_three_numbers(tmp_path, key, text):
 
 def test_numbers_that_no_robot_has_are_refused(tmp_path):
     refused(tmp_path, urdf(origin='<origin xyz="0 0 1e61"/>'), "beyond 1e+60")
-    refused(tmp_path, _with_mimic('joint="j" multiplier="1e300"'), "beyond 1e+60")
+    refused(tmp_path, _with_mimic('joint="j" multiplier="1e13"'), "beyond 1e+12")
 
 
 @pytest.mark.parametrize("kind", ["revolute", "prismatic"])
