@@ -109,7 +109,7 @@ def joint_table(model: pin.Model, configurations: ConfigurationMap, frames: Sequ
 
 
 def _check_numbers(table: JointTable, model: pin.Model) -> None:
-    """Raises for numbers that are none, and for axes without length: a bound that is no number passes any comparison."""
+    """Raises for numbers that are none, and axes without length: a bound that is no number passes comparisons."""
     lengths = np.linalg.norm(table.axes, axis=1)
     faulty = ~np.isfinite(table.placements).all(axis=(1, 2))
     faulty |= (table.kinds <= _SLIDE) & ~(np.abs(lengths - 1) <= _UNIT)
