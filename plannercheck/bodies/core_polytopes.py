@@ -89,7 +89,7 @@ def _checked_points(vertices: ArrayLike, name: str) -> Floats:
         raise PlannercheckError(f"{name}: vertex {bad[0]} is {points[bad[0]].tolist()}, it must be finite")
     if len(points) == 0:
         raise PlannercheckError(f"{name} has no points, a body needs at least one")
-    if np.abs(points).max() > LARGEST_COORDINATE:
+    if not np.abs(points).max() <= LARGEST_COORDINATE:
         raise PlannercheckError(f"{name}: coordinates must be at most {LARGEST_COORDINATE:g} m in size")
     return points
 

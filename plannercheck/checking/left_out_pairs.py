@@ -8,8 +8,9 @@ leave out pairs:
    neighbours.
 3. robots/carried_objects.py: a carried object and the link that carries it, one of its touch links, or another object
    on that link.
-4. checking/pair_table.py: the checker has no self-collision, the scene allows the pair to collide, or the body is on a
-   link that is fixed to the world and the other one is an obstacle.
+4. checking/pair_table.py: the checker has no self-collision, the scene allows the pair to collide, the SRDF disables
+   the link by default and the other body is an obstacle or is carried, or the body is on a link that is fixed to the
+   world and the other one is an obstacle.
 5. checking/unreachable_pairs.py: lever arms prove that the bodies can't meet at any configuration within the limits.
 6. checking/pair_proofs.py: no joint of the group moves one body against the other, and they are apart.
 7. checking/compiled_tables.py: what 5 and 6 prove takes effect: configurations within the limits are judged by a table
@@ -64,7 +65,7 @@ def left_out_pairs(checker: StateChecker) -> tuple[LeftOut, ...]:
         ("robots/carried_objects.py", "objects on their links", of_carried - int((~is_own).sum())),
         (
             "checking/pair_table.py",
-            "allowed by the scene, or both fixed",
+            "allowed by scene or SRDF, or both fixed",
             len(robot.self_pairs) + of_obstacles - len(checker.pairs),
         ),
         ("checking/unreachable_pairs.py", "can't reach each other", int((apart & ~static).sum())),

@@ -1,8 +1,9 @@
 """The pair table: which bodies are tested against which.
 
 In: a robot and a scene. Out: indices into the robot's bodies followed by the scene's. Left out are pairs that the SRDF
-or the robot's YAML disables (they are no self pairs of the robot), pairs that an allowed collision matrix allows, and
-pairs of a body that is fixed to the world with an obstacle: these never change, so they are judged once (`static`).
+or the robot's YAML disables (they are no self pairs of the robot), pairs that an allowed collision matrix allows, pairs
+of links that the SRDF tests against nothing by default with obstacles and carried objects, and pairs of a body that is
+fixed to the world with an obstacle: these never change, so they are judged once (`static`).
 `left_out_pairs` lists all places where a pair may be left out.
 """
 
@@ -60,7 +61,11 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
         asked = np.flatnonzero(judged[own[:, 1]])
         allowed = [scene.is_allowed(labels[a], labels[b]) for a, b in own[asked].tolist()]
         own = np.delete(own, asked[np.array(allowed, dtype=bool)], axis=0)
-    kept = ~scene.allowed.table(labels, scene.body_objects)
+    idle = np.array([body.carried is None and body.link in robot.default_links for body in robot.bodies], dtype=bool)
+    if idle.any() and robot.carried:
+        carried = np.array([body.carried is not None for body in robot.bodies], dtype=bool)
+        own = own[~(idle[own] & carried[own[:, ::-1]]).any(axis=1)]
+    kept = ~scene.allowed.table(labels, scene.body_objects) & ~idle[:, None]
     fixed = robot.remembered("fixed", lambda: _on_fixed_links(robot))
     obstacles, static = _with_obstacles(kept & ~fixed[:, None]), _with_obstacles(kept & fixed[:, None])
     return PairTable(read_only(np.concatenate([own, obstacles])), read_only(static), len(own))

@@ -140,6 +140,7 @@ def _matrix(description: RobotDescription, options: argparse.Namespace) -> Colli
 
 
 def _declared(description: RobotDescription) -> list[DisabledPair]:
+    """The pairs that SRDF and YAML disable one by one; links that are disabled by default are no claim about pairs."""
     from_srdf = disabled_collisions(description.semantics.root) if description.semantics else []
     return [*from_srdf, *description.disabled_pairs]
 

@@ -13,6 +13,7 @@ the URDF.
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 
@@ -148,7 +149,8 @@ class _TreeComparison:
         elif joint.kind in ("turn", "slide"):
             factor, offset = (1.0, 0.0) if self._whole else self._followed(found)
             expected, given = (sign * factor, sign * offset), (joint.multipliers[0], joint.offsets[0])
-        if max(abs(a - b) for a, b in zip(expected, given, strict=True)) > _AGREEMENT * max(1.0, *map(abs, expected)):
+        limit = _AGREEMENT * max(1.0, *map(abs, expected))
+        if not all(abs(a - b) <= limit < math.inf for a, b in zip(expected, given, strict=True)):
             raise UnprovedError(f"joint {joint.name} takes its value by {given}, by the URDF it is {expected}")
 
     def _followed(self, found: UrdfJoint) -> tuple[float, float]:

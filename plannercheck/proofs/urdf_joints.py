@@ -93,15 +93,52 @@ def _joint(element: ElementTree.Element, urdf: str | Path) -> UrdfJoint:
     if parent is None or child is None:
         raise PlannercheckError(f"URDF {str(urdf)!r}: joint {name!r} has no parent or no child")
     try:
-        axis = _numbers(element, "axis", "xyz", (1.0, 0.0, 0.0))
-        placement = _placement(_numbers(element, "origin", "xyz"), _numbers(element, "origin", "rpy"))
+        axis = _axis(element)
+        placement = _placement(_numbers(element, "origin", "xyz"), _rotation(element))
         mimic = _mimic(element.find("mimic"))
     except ValueError as error:
         raise PlannercheckError(f"URDF {str(urdf)!r}: joint {name!r}: {error}") from None
-    length = float(np.linalg.norm(axis))
-    unit = axis / length if length > 0 else axis
+    unit = axis / math.hypot(*axis)
     links = parent.get("link", ""), child.get("link", "")
     return UrdfJoint(name, element.get("type", ""), *links, placement, unit, mimic)
+
+
+def _axis(element: ElementTree.Element) -> Floats:
+    """The axis as given, of any length.
+
+    Raises:
+        ValueError: If a joint that moves has none, or is planar and moves in another plane than its xy, the only one
+            that a proof knows. Without <axis>, a planar joint moves in xy for all readers.
+    """
+    kind = element.get("type")
+    axis = _numbers(element, "axis", "xyz", (0.0, 0.0, 1.0) if kind == "planar" else (1.0, 0.0, 0.0))
+    if kind in ("fixed", "floating"):
+        return np.array([1.0, 0.0, 0.0])
+    if not 1e-100 <= math.hypot(*axis) <= 1e100:
+        raise ValueError(f"its axis {axis.tolist()} has no direction")
+    if kind == "planar" and (axis[0] != 0 or axis[1] != 0):
+        raise ValueError(f"its plane is normal to {axis.tolist()}, and proofs know planes normal to z only")
+    return axis
+
+
+def _rotation(element: ElementTree.Element) -> Floats:
+    """(3, 3) by roll, pitch and yaw or by a quaternion, which is made a unit one."""
+    origin = element.find("origin")
+    text = None if origin is None else origin.get("quat_xyzw")
+    if text is None:
+        return _turned(_numbers(element, "origin", "rpy"))
+    values = [float(word) for word in text.split()]
+    length = math.hypot(*values)
+    if len(values) != 4 or not 0.5 <= length <= 2:
+        raise ValueError(f"<origin quat_xyzw={text!r:.80}> must be four numbers of length 1")
+    x, y, z, w = (value / length for value in values)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def _numbers(
@@ -121,14 +158,19 @@ def _mimic(element: ElementTree.Element | None) -> tuple[str, float, float] | No
     return element.get("joint", ""), float(element.get("multiplier", "1")), float(element.get("offset", "0"))
 
 
-def _placement(xyz: Floats, rpy: Floats) -> Floats:
-    """Turned about the fixed axes x, y, z by roll, pitch, yaw, in this order; then shifted."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+def _placement(xyz: Floats, rotation: Floats) -> Floats:
     out = np.eye(4)
-    out[:3, :3] = [
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ]
-    out[:3, 3] = xyz
+    out[:3, :3], out[:3, 3] = rotation, xyz
     return out
+
+
+def _turned(rpy: Floats) -> Floats:
+    """(3, 3) turned about the fixed axes x, y, z by roll, pitch, yaw, in this order."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )

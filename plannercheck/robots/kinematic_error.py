@@ -184,7 +184,7 @@ class KinematicRounding:
         """
         links = self._link_errors(lower, upper)
         errors = [(placement.on(links[link]), radius) for link, placement, radius in self._bodies]
-        if any(error.turn > _LARGEST_TURN for error, _ in errors):
+        if not all(error.turn <= _LARGEST_TURN for error, _ in errors):
             return math.inf
         return max((error.of_points(radius) * _REST + _UNDERFLOW for error, radius in errors), default=0.0)
 

@@ -16,6 +16,7 @@ import pinocchio as pin
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import read_only
 from plannercheck.common.core import core
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.configurations import COSINE, ConfigurationMap
 
 # The kernel's joint kinds (JointKind in cpp/robots/kinematics.hpp), by Pinocchio's name without "JointModel".
@@ -26,6 +27,9 @@ _SLIDES = ("PX", "PY", "PZ", "PrismaticUnaligned")
 _SLIDE = 8
 _OTHERS = {"Planar": 9, "Spherical": 10, "FreeFlyer": 11}
 _UNALIGNED = 3
+
+# How far an axis's length may be from 1; Pinocchio normalises axes, so more is no rounding.
+_UNIT = 1e-6
 
 # How a moving joint of one number moves its frame: it turns it about its origin, or slides it.
 TURNS, SLIDE = frozenset(_TURNS.values()), _SLIDE
@@ -98,9 +102,25 @@ def joint_table(model: pin.Model, configurations: ConfigurationMap, frames: Sequ
         np.array([frame.parentJoint - 1 for frame in link_frames], dtype=np.int32),
         _placements([frame.placement for frame in link_frames]),
     )
+    _check_numbers(table, model)
     for array in table[1:]:
         read_only(array)
     return table
+
+
+def _check_numbers(table: JointTable, model: pin.Model) -> None:
+    """Raises for numbers that are none, and axes without length: a bound that is no number passes comparisons."""
+    lengths = np.linalg.norm(table.axes, axis=1)
+    faulty = ~np.isfinite(table.placements).all(axis=(1, 2))
+    faulty |= (table.kinds <= _SLIDE) & ~(np.abs(lengths - 1) <= _UNIT)
+    faulty |= ~(np.isfinite(table.multipliers) & np.isfinite(table.offsets)).all(axis=1)
+    if faulty.any():
+        name = model.names[int(np.argmax(faulty)) + 1]
+        raise PlannercheckError(
+            f"joint {name!r} has an axis without length, or a place or multiplier that is no number"
+        )
+    if not np.isfinite(table.link_placements).all():
+        raise PlannercheckError("a link has a place on its joint that is no number")
 
 
 def compiled_kinematics(model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]) -> Any | None:

@@ -7,14 +7,11 @@ it reads no mesh: those are read here, in doubles, by `read_mesh`.
 
 from __future__ import annotations
 
-import copy
 import warnings
-import xml.etree.ElementTree as ElementTree
 from collections import Counter, defaultdict, deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from xml.etree.ElementTree import Element
 
 import numpy as np
 import pinocchio as pin
@@ -101,24 +98,10 @@ def _placements(
     """Of each element: Pinocchio's name for it, its pose (4, 4) on its link, the link, and the joint that moves it."""
     pinocchio_kind = pin.COLLISION if kind == "collision" else pin.VISUAL
     with urdf_silence()():
-        geometry = pin.buildGeomFromUrdfString(model, _of_balls(file.root, kind), pinocchio_kind)
+        geometry = pin.buildGeomFromUrdfString(model, file.text_with(kind), pinocchio_kind)
     for each in geometry.geometryObjects:
         frame = model.frames[each.parentFrame]
         yield each.name, frame.placement.actInv(each.placement).homogeneous, frame.name, each.parentJoint
-
-
-def _of_balls(root: Element, kind: ElementKind) -> str:
-    """The URDF's text with a ball for each element of a kind, and without the elements of the other kind."""
-    changed = copy.deepcopy(root)
-    for link in changed.iterfind("link"):
-        for other in link.findall("visual" if kind == "collision" else "collision"):
-            link.remove(other)
-        for element in link.iterfind(kind):
-            for part in list(element):
-                if part.tag != "origin":
-                    element.remove(part)
-            ElementTree.SubElement(ElementTree.SubElement(element, "geometry"), "sphere", radius="1")
-    return ElementTree.tostring(changed, encoding="unicode")
 
 
 def _check_complete(shapes: Mapping[str, deque[GeometryElement]], placed: list[str]) -> None:
@@ -159,7 +142,7 @@ class _Meshes:
         return path
 
     def warn(self) -> None:
-        """Warns of meshes that are unusually large, and of those whose unit may not be the one that they are read in."""
+        """Warns of meshes that are unusually large, and of those whose format has another unit or other axes."""
         for mesh in self._known.values():
             hint = mesh_hint(mesh.points)
             if hint:

@@ -33,7 +33,7 @@ from plannercheck.robots.planning_groups import explicit_group, srdf_group, usab
 from plannercheck.robots.reference_configuration import given_values, reference_of
 from plannercheck.robots.robot_memory import RobotMemory
 from plannercheck.robots.self_pairs import self_pairs
-from plannercheck.robots.srdf import DisabledPair, group_state, warn_about_ignored_elements
+from plannercheck.robots.srdf import DisabledPair, default_links, group_state, warn_about_ignored_elements
 from plannercheck.robots.urdf import Mimic, link_tree, read_model
 from plannercheck.robots.urdf_file import MJCF_ROOT
 from plannercheck.robots.urdf_hints import warn_of_odd_numbers
@@ -59,6 +59,7 @@ class RobotParts:
         carried: Objects that links carry.
         pieces: The pieces of decomposed bodies, by name of the body.
         open_links: Links that are solids of open meshes: capped, or their triangles alone.
+        default_links: Links that the SRDF leaves out of tests by default (<disable_default_collisions>).
         memory: What has been computed of robots with these files.
     """
 
@@ -75,6 +76,7 @@ class RobotParts:
     carried: tuple[SceneObject, ...] = ()
     pieces: Mapping[str, Pieces] = field(default_factory=dict)
     open_links: tuple[str, ...] = ()
+    default_links: tuple[str, ...] = ()
     memory: RobotMemory = field(default_factory=RobotMemory)
 
 
@@ -149,6 +151,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         pairs=pairs,
         pieces=pieces,
         open_links=open_links,
+        default_links=() if srdf is None else default_links(srdf.root),
         disabled_pairs=disabled,
         mimics=mimics,
         values=given_values(model, description.values or reference),

@@ -206,6 +206,11 @@ class Robot(PosedRobot):
         return self._map
 
     @property
+    def default_links(self) -> tuple[str, ...]:
+        """Links that the SRDF tests against nothing by default: not against obstacles, and few other links."""
+        return self._parts.default_links
+
+    @property
     def link_tree(self) -> LinkTree:
         """The links and the joints between them."""
         return self._parts.tree

@@ -1,8 +1,9 @@
 """Which of a robot's bodies are tested against each other.
 
 In: the joints that move the bodies, an SRDF, the tree of links, disabled pairs. Out: index pairs into the robot's bodies. With
-an SRDF they are exactly those that Pinocchio keeps: all pairs on different joints without the disabled ones. Without an
-SRDF, adjacent links are left out as well. Pairs that a robot's YAML disables are always left out.
+an SRDF they are all pairs on different joints, without those that MoveIt 2 leaves out by that SRDF: Pinocchio keeps the
+same pairs where the file has <disable_collisions> alone. Without an SRDF, adjacent links are left out as well. Pairs
+that a robot's YAML disables are always left out.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.errors import unknown_name
 from plannercheck.robots.link_tree import LinkTree
-from plannercheck.robots.srdf import DisabledPair, Srdf, disabled_collisions, disabled_link_names
+from plannercheck.robots.srdf import DisabledPair, Srdf, disabled_collisions, enabled_collisions, untested_pairs
 
 
 def self_pairs(
@@ -36,8 +37,9 @@ def self_pairs(
     first, second = first[apart], second[apart]
     kept = np.ones(len(first), dtype=bool)
     if srdf is not None:
-        named = (frozenset((pair.link_a, pair.link_b)) for pair in disabled_collisions(srdf.root))
-        kept &= ~_of_links(first, second, bodies, named)
+        untested = untested_pairs(srdf.root, tree.names)
+        kept &= ~_of_links(first, second, bodies, (frozenset((pair.link_a, pair.link_b)) for pair in untested))
+        _warn_of_one_joint(srdf, geometry, bodies)
         if kept.all():
             warnings.warn(
                 f"SRDF {srdf.path} disables no pair of links{_of_another(srdf, tree)}: adjacent ones, which usually "
@@ -68,9 +70,27 @@ def _of_links(
     return np.asarray(np.isin(low * len(number) + high, codes))
 
 
+def _warn_of_one_joint(srdf: Srdf, geometry: pin.GeometryModel, bodies: tuple[GeometryObject, ...]) -> None:
+    """Warns of enabled pairs that no joint moves against each other, which are left out all the same."""
+    joints = {body.link: each.parentJoint for body, each in zip(bodies, geometry.geometryObjects, strict=True)}
+    still = [
+        f"{pair.link_a} and {pair.link_b}"
+        for pair in enabled_collisions(srdf.root)
+        if pair.link_a != pair.link_b and joints.get(pair.link_a, -1) == joints.get(pair.link_b, -2)
+    ]
+    if still:
+        warnings.warn(
+            f"SRDF {srdf.path} enables collisions of links on one joint, which never move against each other and are "
+            f"not tested: {', '.join(still[:3])}",
+            RuntimeWarning,
+            stacklevel=7,
+        )
+
+
 def _of_another(srdf: Srdf, tree: LinkTree) -> str:
     """A hint if an SRDF names other links than the robot has; else empty."""
-    unknown = [name for name in disabled_link_names(srdf.root) if name not in tree.names]
+    named = dict.fromkeys(link for pair in disabled_collisions(srdf.root) for link in (pair.link_a, pair.link_b))
+    unknown = [name for name in named if name not in tree.names]
     return f" of this robot, but of {', '.join(unknown[:3])}, which it has not" if unknown else ""
 
 

@@ -1,7 +1,8 @@
 """Reads an SRDF: planning groups, named states, and pairs of links that are not tested.
 
 In: an SRDF and the tree of links. Out: for each group the joints that move it, in document order, group states, and
-disabled pairs. A file is parsed once (`Srdf`). A warning names elements that Pinocchio skips silently.
+disabled pairs. A file is parsed once (`Srdf`). Elements that name what the URDF does not have are passed over with a
+warning, as in MoveIt.
 """
 
 from __future__ import annotations
@@ -9,13 +10,13 @@ from __future__ import annotations
 import difflib
 import warnings
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element
 
-from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.input_limits import INPUT_LIMITS, check_xml
 from plannercheck.common.package_data import is_file
@@ -23,8 +24,12 @@ from plannercheck.common.package_data import is_file
 if TYPE_CHECKING:
     from plannercheck.robots.link_tree import LinkTree
 
-# Elements of newer SRDFs that change which pairs are tested, and that Pinocchio skips.
-_UNREAD = ("disable_default_collisions", "enable_collisions")
+# The elements that say which pairs of links are tested, and their attributes.
+_OF_LINKS = {
+    "disable_collisions": ("link1", "link2"),
+    "enable_collisions": ("link1", "link2"),
+    "disable_default_collisions": ("link",),
+}
 
 
 @dataclass(frozen=True)
@@ -85,12 +90,6 @@ def read_srdf(path: Path) -> Element:
 def group_names(root: Element) -> list[str]:
     """The SRDF's planning groups."""
     return [group.get("name", "") for group in root.findall("group")]
-
-
-def disabled_link_names(root: Element) -> list[str]:
-    """The links of its disabled pairs, each once."""
-    pairs = root.findall("disable_collisions")
-    return list(dict.fromkeys(pair.get(key, "") for pair in pairs for key in ("link1", "link2")))
 
 
 def group_joints(root: Element | None, name: str, tree: LinkTree) -> list[str]:
@@ -181,31 +180,80 @@ def _known_link(name: str, tree: LinkTree) -> str:
 
 
 def disabled_collisions(root: Element) -> list[DisabledPair]:
-    """The pairs of links that an SRDF disables, with the reasons it gives."""
-    pairs = (dict(each.attrib) for each in root.findall("disable_collisions"))
-    return [DisabledPair(p.get("link1", ""), p.get("link2", ""), p.get("reason", "")) for p in pairs]
+    """The pairs of links that <disable_collisions> names, with the reasons it gives."""
+    return _named_pairs(root, "disable_collisions")
+
+
+def default_links(root: Element) -> tuple[str, ...]:
+    """The links of <disable_default_collisions>: tested against nothing but what <enable_collisions> names."""
+    names = (each.get("link", "").strip() for each in root.findall("disable_default_collisions"))
+    return tuple(dict.fromkeys(name for name in names if name))
+
+
+def enabled_collisions(root: Element) -> list[DisabledPair]:
+    """The pairs of links that <enable_collisions> takes out of the defaults."""
+    return _named_pairs(root, "enable_collisions")
+
+
+def untested_pairs(root: Element, links: Sequence[str]) -> list[DisabledPair]:
+    """All pairs of links that an SRDF leaves out, as MoveIt 2 has it (AllowedCollisionMatrix of an srdf::Model).
+
+    Links of <disable_default_collisions> are left out against every other link, then <enable_collisions> takes pairs
+    back, and <disable_collisions> has the last word, whatever the order in the file.
+
+    Args:
+        root: The SRDF.
+        links: The robot's links.
+
+    Returns:
+        The pairs, each once.
+    """
+    found = {frozenset((pair.link_a, pair.link_b)): pair for pair in reversed(disabled_collisions(root))}
+    enabled = {frozenset((pair.link_a, pair.link_b)) for pair in enabled_collisions(root)}
+    for link in default_links(root):
+        for other in links:
+            both = frozenset((link, other))
+            if link in links and other != link and both not in enabled and both not in found:
+                found[both] = DisabledPair(link, other, "disable_default_collisions")
+    return list(found.values())
+
+
+def _named_pairs(root: Element, tag: str) -> list[DisabledPair]:
+    pairs = ({key: value.strip() for key, value in each.attrib.items()} for each in root.findall(tag))
+    return [
+        DisabledPair(p["link1"], p["link2"], p.get("reason", "")) for p in pairs if p.get("link1") and p.get("link2")
+    ]
 
 
 def warn_about_ignored_elements(srdf: Srdf, tree: LinkTree) -> None:
-    """Warns of links that the URDF does not have, as MoveIt does, and of elements that Pinocchio does not read."""
-    named = (link for pair in disabled_collisions(srdf.root) for link in (pair.link_a, pair.link_b))
-    unknown = sorted(set(named).difference(tree.names))
-    if unknown:
-        close = [match for name in unknown[:1] for match in difflib.get_close_matches(name, tree.names, 1)]
-        hint = f" (did you mean {close[0]!r} by {unknown[0]!r}?)" if close else ""
-        warnings.warn(
-            f"SRDF {srdf.path} disables collisions of links that the URDF does not know: {', '.join(unknown)}{hint}; "
-            "these entries change nothing",
-            RuntimeWarning,
-            stacklevel=6,
+    """Warns of links that the URDF does not have, and of elements that name none: MoveIt passes over both."""
+    known = set(tree.names)
+    nameless = 0
+    for tag, keys in _OF_LINKS.items():
+        elements = srdf.root.findall(tag)
+        named = [[each.get(key, "").strip() for key in keys] for each in elements]
+        unknown = sorted({name for names in named for name in names if name and name not in known})
+        nameless += sum("" in names for names in named)
+        if unknown:
+            close = [match for name in unknown[:1] for match in difflib.get_close_matches(name, tree.names, 1)]
+            hint = f" (did you mean {close[0]!r} by {unknown[0]!r}?)" if close else ""
+            _warn(
+                f"SRDF {srdf.path} has <{tag}> of links that the URDF does not know: "
+                f"{', '.join(map(shortened, unknown))}{hint}; these entries change nothing"
+            )
+    if nameless:
+        needed = "; ".join(f"{tag} needs {'= and '.join(keys)}=" for tag, keys in _OF_LINKS.items())
+        _warn(f"SRDF {srdf.path}: {nameless} elements that name no links change nothing: {needed}")
+    defaults = [link for link in default_links(srdf.root) if link in known]
+    if defaults:
+        _warn(
+            f"SRDF {srdf.path}: links of <disable_default_collisions> are tested neither against obstacles nor against "
+            f"links that <enable_collisions> does not name, as in MoveIt: {', '.join(defaults)}"
         )
-    unread = sorted({each.tag for each in srdf.root if each.tag in _UNREAD})
-    if unread:
-        warnings.warn(
-            f"SRDF {srdf.path}: {', '.join(unread)} are not read, only disable_collisions are",
-            RuntimeWarning,
-            stacklevel=6,
-        )
+
+
+def _warn(message: str) -> None:
+    warnings.warn(message, RuntimeWarning, stacklevel=7)
 
 
 def virtual_joints(root: Element) -> set[str]:

@@ -66,10 +66,10 @@ class UnitLengths(OwnsArrays):
     def check(self, rows: Floats) -> None:
         """Raises an error if a row of (n, nq) has a unit vector, or a chain of them, too far from length 1."""
         offs = [_off_unit(rows, start, stop) for start, stop in self.columns]
-        if len(rows) and any(off.max() > self.harmless for off in offs):
+        if len(rows) and not all(off.max() <= self.harmless for off in offs):
             chains = np.stack(offs, axis=1) @ self.parts.T + self.held
             row, chain = (int(k) for k in np.unravel_index(np.argmax(chains), chains.shape))
-            if chains[row, chain] > LINK_DEFECT:
+            if not chains[row, chain] <= LINK_DEFECT:
                 raise PlannercheckError(self._text(rows[row], row, chain, float(chains[row, chain])))
 
     def _text(self, row: Floats, index: int, chain: int, defect: float) -> str:
@@ -118,8 +118,8 @@ def unit_lengths(model: pin.Model, columns: Sequence[int], offsets: Floats, angl
             found.append((int(columns[first]), int(columns[first]) + stop - start))
             moving = np.hstack([moving, np.zeros((model.njoints, 1))])
             moving[joint, -1] = part
-    if held.max() > LINK_DEFECT:
-        joint = int(np.argmax(held > LINK_DEFECT))
+    if not held.max() <= LINK_DEFECT:
+        joint = int(np.argmax(~(held <= LINK_DEFECT)))
         raise PlannercheckError(
             f"what is held at joint {model.names[joint]!r} and before it is off rigid, |M^T M - 1| up to "
             f"{held[joint]:.3g}, accepted is {LINK_DEFECT:g}: give quaternions of length 1"
@@ -136,8 +136,8 @@ def _off_unit(rows: Floats, start: int, stop: int) -> Floats:
     """(n,) how far lengths are from 1."""
     length = np.linalg.norm(rows[:, start:stop], axis=1)
     off = np.abs(length - 1.0)
-    if off.max(initial=0.0) > UNIT_TOLERANCE:
-        row = int(np.argmax(off > UNIT_TOLERANCE))
+    if not off.max(initial=0.0) <= UNIT_TOLERANCE:
+        row = int(np.argmax(~(off <= UNIT_TOLERANCE)))
         kind = "a quaternion" if stop - start == 4 else "cosine and sine"
         raise PlannercheckError(
             f"columns {start} to {stop - 1} are {kind}, of length 1; in row {row} it is {length[row]}"

@@ -54,39 +54,16 @@ def read_model(urdf: Path | UrdfFile, floating: bool = False) -> pin.Model:
     root = [pin.JointModelFreeFlyer()] if floating else []
     try:
         with urdf_silence()():
-            if file.mended is None:
-                model = pin.buildModelFromUrdf(str(file.path), *root)
-            else:
-                model = pin.buildModelFromXML(file.mended, *root)
+            model = pin.buildModelFromXML(file.native, *root)
     except (ValueError, RuntimeError, IndexError) as error:
-        reason = file.hint or file.no_xml or foreign_elements(file.root) or wrong_order_of_imports()
+        reason = file.hint or foreign_elements(file.root) or wrong_order_of_imports()
         reason = reason or _one_line(file.messages(floating)) or _one_line(str(error))
         raise PlannercheckError(f"URDF {file.path} does not parse: {reason}") from None
-    _check_names(model, file.path)
-    _check_limits(model, file.path)
     return model
 
 
 def _file(urdf: Path | UrdfFile) -> UrdfFile:
     return UrdfFile.read(urdf) if isinstance(urdf, Path) else urdf
-
-
-def _check_names(model: pin.Model, urdf: Path) -> None:
-    """Raises for names that are no UTF-8; comments may hold any bytes."""
-    try:
-        _ = [*model.names, *(frame.name for frame in model.frames)]
-    except UnicodeDecodeError as error:
-        raise PlannercheckError(f"URDF {urdf}: the name of a link or joint is not UTF-8: {error.object!r}") from None
-
-
-def _check_limits(model: pin.Model, urdf: Path) -> None:
-    for name, joint in zip(model.names[1:], list(model.joints)[1:], strict=True):
-        entries = slice(joint.idx_q, joint.idx_q + joint.nq)
-        lower, upper = model.lowerPositionLimit[entries], model.upperPositionLimit[entries]
-        if not (lower <= upper).all():
-            raise PlannercheckError(
-                f"URDF {urdf}: joint {name!r} has a lower limit {lower.tolist()} above its upper one {upper.tolist()}"
-            )
 
 
 def link_tree(model: pin.Model) -> LinkTree:
@@ -107,7 +84,7 @@ def link_tree(model: pin.Model) -> LinkTree:
 def mimic_joints(urdf: Path | UrdfFile) -> dict[str, Mimic]:
     """The joints that a URDF lets follow others, by name; an MJCF file has none."""
     mimics: dict[str, Mimic] = {}
-    for joint in _file(urdf).root.iter("joint"):
+    for joint in _file(urdf).root.iterfind("joint"):
         tag = joint.find("mimic")
         if tag is not None:
             multiplier, offset = float(tag.get("multiplier", 1)), float(tag.get("offset", 0))

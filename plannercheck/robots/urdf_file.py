@@ -1,9 +1,9 @@
 """A URDF as text and as XML; some common faults of the XML are mended.
 
-In: a path. Out: `UrdfFile`. urdfdom and Python's XML reader fail on different faults: an XML declaration that is not at
-the beginning, undeclared prefixes, "--" within a comment, a <visual> whose material has no name (urdfdom then drops all
-bodies of the link). None of these concerns collisions, so both readers get a text without them. A file that both can
-read stays as it is.
+In: a path. Out: `UrdfFile`. Python's XML reader fails on an XML declaration that is not at the beginning, on undeclared
+prefixes, and on "--" within a comment. None of these concerns collisions, so it gets a text without them. What the XML
+says about links and joints is checked (`urdf_checks.py`). Pinocchio, and urdfdom under it, then get the links' masses
+and bodies and the joints alone: a faulty <visual> or mass, for which urdfdom drops the whole link, is not among them.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import tempfile
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -20,6 +21,7 @@ from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.file_kinds import file_kind, kind_unless_xml
 from plannercheck.common.input_limits import check_xml_text
 from plannercheck.common.package_data import is_file
+from plannercheck.robots.urdf_checks import check_robot, number, numbers
 from plannercheck.robots.urdf_messages import native_messages
 from plannercheck.robots.xacro import XACRO_SUFFIX, expanded, xacro_hint
 
@@ -37,7 +39,10 @@ _XACRO = re.compile(r"\{[^}]*\bxacro/?\}")
 MJCF_ROOT, SDF_ROOT = "mujoco", "sdf"
 
 # Attributes of an <inertia>.
-_MOMENTS = frozenset({"ixx", "ixy", "ixz", "iyy", "iyz", "izz"})
+_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+# The elements of links and joints that the model is made of.
+_READ = ("inertial", "origin", "parent", "child", "axis", "limit", "mimic")
 
 # Every XML reader knows these.
 _KNOWN_PREFIXES = frozenset({"xml", "xmlns"})
@@ -49,7 +54,8 @@ class UrdfFile:
 
     Attributes:
         path: The file.
-        mended: The text to read in place of the file; None to read the file itself.
+        mended: The text to read in place of the file: what a xacro expands to, or what is left of a file with faults;
+            None to read the file itself.
         fault: Why the file is no XML; empty if it is.
     """
 
@@ -60,7 +66,7 @@ class UrdfFile:
 
     @classmethod
     def read(cls, path: Path, arguments: Mapping[str, str] | None = None, folders: Sequence[Path] = ()) -> UrdfFile:
-        """Reads a file. If it is no XML, only `root` raises, since urdfdom reads some such files.
+        """Reads a file. If it is no XML, only `root` raises.
 
         Args:
             path: A URDF or a xacro.
@@ -71,7 +77,8 @@ class UrdfFile:
             The file.
 
         Raises:
-            PlannercheckError: If there is no such file, it is nested too deep, or a xacro can't be expanded.
+            PlannercheckError: If there is no such file, it is nested too deep, a xacro can't be expanded, or links and
+                joints can't be read as they are written.
         """
         if path.suffix == XACRO_SUFFIX:
             text = expanded(path, arguments or {}, folders)
@@ -79,8 +86,8 @@ class UrdfFile:
             check_xml_text(text.encode(), f"URDF {path}")
             if root is not None:
                 _check_links(root, path)
-                _check_named(root, path)
-            return cls(path, text if root is None else _mended(root) or text, fault, root)
+                _check_content(root, path)
+            return cls(path, text, fault, root)
         if arguments:
             raise PlannercheckError(f"URDF {path} is no .xacro, so that it takes no arguments: {', '.join(arguments)}")
         if not is_file(path):
@@ -95,16 +102,17 @@ class UrdfFile:
             content = plain.encode()
         check_xml_text(content, f"URDF {path}")
         if root is None:
+            _check_encoding(content, path)
             return cls(path, None, fault, None)
         _check_expanded(root, path)
-        _check_named(root, path)
-        return cls(path, _mended(root) or plain, "", root)
+        _check_content(root, path)
+        return cls(path, plain, "", root)
 
     @property
     def root(self) -> Element:
         """The XML's root."""
         if self._root is None:
-            raise PlannercheckError(f"URDF {self.path} is not well-formed XML: {self.fault}")
+            raise PlannercheckError(f"URDF {self.path} does not parse: {self.hint or self.no_xml}")
         return self._root
 
     @property
@@ -124,14 +132,44 @@ class UrdfFile:
             return ""
         return kind_unless_xml(self.path) or f"it is no XML ({self.fault})"
 
+    @cached_property
+    def native(self) -> str:
+        """The text that Pinocchio reads: what of links and joints it needs, masses where they are whole."""
+        return self.text_with("")
+
+    def text_with(self, kind: str) -> str:
+        """The same with the elements of a kind, "collision" or "visual": a ball at the origin of each."""
+        robot = Element("robot", self.root.attrib)
+        for part in self.root:
+            if part.tag in ("link", "joint"):
+                robot.append(_stripped(part, kind))
+        return ElementTree.tostring(robot, encoding="unicode")
+
     def messages(self, floating: bool) -> str:
         """What urdfdom and Pinocchio say about the file; empty if that can't be found out."""
-        if self.mended is None:
-            return native_messages(self.path, floating)
         with tempfile.TemporaryDirectory() as folder:
             written = Path(folder) / self.path.name
-            written.write_text(self.mended, encoding="utf-8")
+            written.write_text(self.native, encoding="utf-8")
             return native_messages(written, floating).replace(str(written), str(self.path))
+
+
+def _stripped(part: Element, kind: str) -> Element:
+    """A link or joint without elements that are not read, and without faulty masses."""
+    kept = Element(str(part.tag), part.attrib)
+    for inner in part:
+        if inner.tag == kind:
+            kept.append(_ball(inner))
+        elif inner.tag in _READ and not (inner.tag == "inertial" and _lacks(inner)):
+            kept.append(inner)
+    return kept
+
+
+def _ball(element: Element) -> Element:
+    """An element of the same kind and place, whose shape is a ball."""
+    ball = Element(str(element.tag))
+    ball.extend(element.iterfind("origin"))
+    ElementTree.SubElement(ElementTree.SubElement(ball, "geometry"), "sphere", radius="1")
+    return ball
 
 
 def _parsed(content: bytes | str) -> tuple[Element | None, str]:
@@ -173,6 +211,34 @@ def _check_links(root: Element, path: Path) -> None:
         )
 
 
+def _check_encoding(content: bytes, path: Path) -> None:
+    """Raises for a file that says nothing about its encoding, or UTF-8, and is none."""
+    declared = _ENCODING.match(content)
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")) or (declared is not None and declared[1].lower() not in _UTF8):
+        return
+    try:
+        _COMMENT.sub("", content.decode("utf-8-sig", "surrogateescape")).encode()
+    except UnicodeEncodeError as error:
+        line = error.object.count("\n", 0, error.start) + 1
+        raise PlannercheckError(
+            f"URDF {path} is not UTF-8 in line {line} (comments left out): save it so, or declare its encoding, as in "
+            '<?xml version="1.0" encoding="latin-1"?>'
+        ) from None
+
+
+def _check_content(root: Element, path: Path) -> None:
+    """Raises for what is no robot, and for links and joints that can't be read as they are written."""
+    _check_named(root, path)
+    if root.tag == "robot":
+        try:
+            check_robot(root, path)
+        except PlannercheckError:
+            hint = xacro_hint(path)
+            if not hint:
+                raise
+            raise PlannercheckError(f"URDF {path} does not parse: {hint}") from None
+
+
 def _check_named(root: Element, path: Path) -> None:
     """Raises for a robot without a name, which urdfdom does not take, and for what is no robot."""
     if root.tag in (MJCF_ROOT, SDF_ROOT):
@@ -190,21 +256,18 @@ def _check_named(root: Element, path: Path) -> None:
         raise PlannercheckError(f'URDF {path}: its <robot> has no name: write <robot name="...">')
 
 
-def _mended(root: Element) -> str | None:
-    """The text with a name for each material that is drawn, and without faulty masses; None if it has neither.
-
-    urdfdom leaves a link out whose mass it can't read. Masses decide nothing here, shapes do.
-    """
-    unnamed = [each for each in root.iterfind("link/visual/material") if each.get("name") is None]
-    for material in unnamed:
-        material.set("name", "")
-    faulty = [(link, each) for link in root.iterfind("link") for each in link.iterfind("inertial") if _lacks(each)]
-    for link, inertial in faulty:
-        link.remove(inertial)
-    return ElementTree.tostring(root, encoding="unicode") if unnamed or faulty else None
-
-
 def _lacks(inertial: Element) -> bool:
-    """Whether an <inertial> has no mass, or no moments of inertia."""
-    mass, moments = inertial.find("mass"), inertial.find("inertia")
-    return mass is None or moments is None or "value" not in mass.attrib or not moments.attrib.keys() >= _MOMENTS
+    """Whether an <inertial> has no mass, no moments of inertia, or numbers that are none: these decide no verdict."""
+    origin, mass, moments = (inertial.find(tag) for tag in ("origin", "mass", "inertia"))
+    if mass is None or moments is None:
+        return True
+    turned = {} if origin is None else {key: origin.get(key) for key in ("xyz", "rpy") if key in origin.attrib}
+    try:
+        number(mass.get("value"), "mass")
+        for key in _MOMENTS:
+            number(moments.get(key), key)
+        for text in turned.values():
+            numbers(text, 3, "origin")
+    except PlannercheckError:
+        return True
+    return False

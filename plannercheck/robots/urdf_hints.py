@@ -1,4 +1,4 @@
-"""Hints for what is probably a mistake in a URDF: degrees, missing limits, shapes and joints of other formats.
+"""Hints for what is probably a mistake in a URDF: degrees, missing limits, misspelt elements, shapes of other formats.
 
 In: a URDF. Out: warnings that name the file, the element and the number, and say what the number looks like; for a file
 that does not parse, the elements that no URDF has. Verdicts do not depend on them.
@@ -10,6 +10,7 @@ import math
 import sys
 import warnings
 from collections.abc import Iterator
+from difflib import get_close_matches
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -26,6 +27,24 @@ _LEAST_DEGREES, _MOST_DEGREES = 30.0, 720.0
 _SHAPES = ("box", "cylinder", "sphere", "mesh")
 _JOINTS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
+# By element, the elements within it that decide where bodies are; and the attributes of these. Only what looks like one
+# of them is warned of: files hold much for other programs.
+_PARTS = {
+    "link": ("inertial", "visual", "collision"),
+    "joint": ("origin", "parent", "child", "axis", "limit", "mimic"),
+    "collision": ("origin", "geometry"),
+}
+_ATTRIBUTES = {
+    "origin": ("xyz", "rpy", "quat_xyzw"),
+    "axis": ("xyz",),
+    "limit": ("lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"),
+    "mimic": ("joint", "multiplier", "offset"),
+}
+
+# From this ratio of difflib on, a name is taken for a misspelt one: "colision" and "Origin" are,
+# "collision_checking" is not.
+_ALIKE = 0.8
+
 # How many elements a warning names.
 _SHOWN = 3
 
@@ -36,6 +55,8 @@ def warn_of_odd_numbers(file: UrdfFile) -> None:
     _warn(file.path, list(_turned(root)), "look like degrees: rpy is in rad")
     _warn(file.path, list(_wide(root)), "look like degrees: limits are in rad")
     _warn(file.path, list(_unlimited(root)), "keep the joint at 0: give lower= and upper= in rad or m")
+    _warn(file.path, list(_flat(root)), 'moves in its xy, though the default normal is x: write <axis xyz="0 0 1"/>')
+    _warn(file.path, list(_unknown_parts(root)), "are not read")
 
 
 def foreign_elements(root: Element) -> str:
@@ -100,6 +121,34 @@ def _unlimited(root: Element) -> Iterator[str]:
         limit, has_limits = joint.find("limit"), joint.get("type") in ("revolute", "prismatic")
         if has_limits and limit is not None and not {"lower", "upper"} & limit.attrib.keys():
             yield f"limits that are not given of joint {joint.get('name', '')!r}"
+
+
+def _flat(root: Element) -> Iterator[str]:
+    """Planar joints whose plane is not given."""
+    for joint in root.iterfind("joint[@type='planar']"):
+        if joint.find("axis") is None:
+            yield f"joint {joint.get('name', '')!r}, which is planar without <axis>,"
+
+
+def _unknown_parts(root: Element) -> Iterator[str]:
+    """Misspelt elements and attributes of links, joints and collisions, and attributes that no reader knows."""
+    for kind in ("link", "joint"):
+        for owner in root.iterfind(kind):
+            for outer in (owner, *owner.iterfind("collision")):
+                for part in outer:
+                    name = f"{kind} {shortened(owner.get('name', ''))!r}"
+                    if _is_misspelt(str(part.tag), _PARTS[str(outer.tag)]):
+                        yield f"<{shortened(part.tag)}> of {name}"
+                    known = _ATTRIBUTES.get(str(part.tag))
+                    yield from (
+                        f"{shortened(key)}= in <{part.tag}> of {name}"
+                        for key in part.attrib
+                        if known and key not in known
+                    )
+
+
+def _is_misspelt(tag: str, known: tuple[str, ...]) -> bool:
+    return tag not in known and bool(get_close_matches(tag.lower(), known, 1, _ALIKE))
 
 
 def _numbers(text: str) -> list[float]:

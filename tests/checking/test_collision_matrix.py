@@ -167,10 +167,8 @@ def test_srdfs_that_name_unknown_links_are_said(tmp_path):
     description = description_of("panda")
     root = ElementTree.parse(description.srdf).getroot()
     ElementTree.SubElement(root, "disable_collisions", link1="panda_link8", link2="panda_lnk3", reason="Never")
-    ElementTree.SubElement(root, "disable_default_collisions", link="panda_link1")
     (tmp_path / "typo.srdf").write_bytes(ElementTree.tostring(root))
     with pytest.warns(RuntimeWarning) as caught:
         pc.Robot.from_urdf(description.urdf, tmp_path / "typo.srdf", example_robot_data())
     texts = " ".join(str(each.message) for each in caught)
     assert "links that the URDF does not know: panda_lnk3 (did you mean 'panda_link3'" in texts
-    assert "disable_default_collisions are not read" in texts

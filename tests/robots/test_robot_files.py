@@ -108,7 +108,7 @@ def test_a_malformed_urdf_is_named_and_nothing_is_printed(capfd):
 
 def test_names_that_are_no_text(arm):
     arm[0].write_bytes(arm[0].read_bytes().replace(b'"turn"', b'"t\xffrn"'))
-    with pytest.raises(PlannercheckError, match=r"arm\.urdf: the name of a link or joint is not UTF-8"):
+    with pytest.raises(PlannercheckError, match=r"arm\.urdf is not UTF-8 in line 13"):
         Robot.from_urdf(arm[0])
 
 

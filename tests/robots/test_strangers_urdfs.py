@@ -246,7 +246,11 @@ def test_types_without_end_are_cut_in_errors(tmp_path):
     ("old", "new", "message"),
     [
         ('<robot name="r">', "<robot>", 'r.urdf: its <robot> has no name: write <robot name="...">'),
-        ('lower="-1"', 'lower="-1.5."', "r.urdf does not parse: Error: joint [j]: lower value (-1.5.) is not a valid"),
+        (
+            'lower="-1"',
+            'lower="-1.5."',
+            "r.urdf: lower in the <limit> of joint 'j' must be a finite number, not '-1.5.'",
+        ),
         (
             'type="revolute"',
             'type="spherical"',

@@ -91,6 +91,25 @@ def test_what_xacro_says_is_said(arm, tmp_path, old, new, message):
         pc.Robot.from_urdf(arm, package_dirs=tmp_path / "ws")
 
 
+@pytest.mark.parametrize("conditional", [False, True])
+def test_arguments_that_the_file_does_not_ask_for_are_errors(arm, tmp_path, conditional):
+    """xacro passes over them; declared arguments count wherever they are: here, in an included file, or as $(arg)."""
+    block = tmp_path / "ws" / "src" / "parts-main" / "urdf" / "block.xacro"
+    inner = '<xacro:arg name="colour" default="red"/>'
+    inner = f'<xacro:if value="${{1 == 2}}">{inner}</xacro:if>' if conditional else inner
+    block.write_text(BLOCK.replace("<xacro:macro", f"{inner}<xacro:macro"))
+    folders = {"package_dirs": tmp_path / "ws"}
+    with pytest.raises(pc.PlannercheckError, match="unknown xacro argument 'siez': did you mean 'size'") as caught:
+        pc.Robot.from_urdf(arm, xacro_args={"size": "0.3", "siez": "1"}, **folders)
+    assert ("colour" in str(caught.value)) is not conditional
+    path = tmp_path / "robot" / "arm.yaml"
+    path.write_text("urdf: arm.urdf.xacro\npackage_dirs: [../ws]\nxacro_args: {sise: 0.25}\n")
+    with pytest.raises(pc.PlannercheckError, match="unknown xacro argument 'sise'"):
+        pc.Robot.load(path)
+    if not conditional:
+        assert size_of(pc.Robot.from_urdf(arm, xacro_args={"size": "0.3", "colour": "blue"}, **folders)) == 0.3
+
+
 def test_missing_files_and_libraries_are_named(arm, tmp_path, monkeypatch):
     with pytest.raises(pc.PlannercheckError, match=r"nowhere\.xacro does not exist"):
         pc.Robot.from_urdf(tmp_path / "nowhere.xacro")

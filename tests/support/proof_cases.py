@@ -44,7 +44,7 @@ def random_tree(generator, folder, links=6, kinds=KINDS, mimics=True):
         parts.append(
             f"<joint name='j{k}' type='{kind}'><parent link='l{parent}'/><child link='l{k}'/>"
             f"<origin xyz='{numbers(generator.uniform(-0.5, 0.5, 3))}' rpy='{numbers(generator.uniform(-3, 3, 3))}'/>"
-            f"<axis xyz='{numbers(axis(generator))}'/>{tag}"
+            f"<axis xyz='{'0 0 1' if kind == 'planar' else numbers(axis(generator))}'/>{tag}"
             f"<limit lower='-2' upper='2' effort='1' velocity='1'/></joint>"
         )
     path = folder / "tree.urdf"

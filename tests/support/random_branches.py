@@ -47,10 +47,11 @@ class Joint:
 
     def urdf(self):
         followed = self.mimic and '<mimic joint="{}" multiplier="{!r}" offset="{!r}"/>'.format(*self.mimic)
+        axis = "0 0 1" if self.kind == "planar" else words(self.axis)
         limit = '<limit lower="-50" upper="50" effort="1" velocity="1"/>' if self.kind != "continuous" else ""
         return (
             f'<joint name="{self.name}" type="{self.kind}"><parent link="{self.parent}"/><child link="{self.child}"/>'
-            f'<origin xyz="{words(self.xyz)}" rpy="{words(self.rpy)}"/><axis xyz="{words(self.axis)}"/>'
+            f'<origin xyz="{words(self.xyz)}" rpy="{words(self.rpy)}"/><axis xyz="{axis}"/>'
             f"{limit}{followed or ''}</joint>"
         )
 

@@ -1,0 +1,127 @@
+"""Which pairs an SRDF leaves out: as MoveIt 2's AllowedCollisionMatrix of an srdf::Model has it."""
+
+from __future__ import annotations
+
+import itertools
+import warnings
+
+import numpy as np
+import pytest
+
+import plannercheck as pc
+
+LINKS = ("a", "b", "c", "d", "e")
+BALL = '<collision><geometry><sphere radius="0.5"/></geometry></collision>'
+
+
+@pytest.fixture
+def urdf(tmp_path):
+    """A chain of links on joints of their own, so that no pair is left out for its joint."""
+    joints = "".join(
+        f'<joint name="{one}{other}" type="revolute"><parent link="{one}"/><child link="{other}"/><axis xyz="0 0 1"/>'
+        '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+        for one, other in itertools.pairwise(LINKS)
+    )
+    links = "".join(f'<link name="{link}">{BALL}</link>' for link in LINKS)
+    path = tmp_path / "r.urdf"
+    path.write_text(f'<robot name="r">{links}{joints}</robot>')
+    return path
+
+
+def loaded(urdf, elements, *words):
+    """The robot with an SRDF of these elements; warnings must hold the words, one each."""
+    srdf = urdf.with_suffix(".srdf")
+    srdf.write_text(f'<robot name="r">{elements}</robot>')
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        robot = pc.Robot.from_urdf(urdf, srdf)
+    said = [str(each.message) for each in caught if "disables no pair" not in str(each.message)]
+    assert len(said) == len(words), said
+    assert all(any(word in each for each in said) for word in words), said
+    return robot
+
+
+def tested(robot):
+    return {frozenset(robot.bodies[k].link for k in pair) for pair in robot.self_pairs.tolist()}
+
+
+class Matrix:
+    """AllowedCollisionMatrix, by its sources: entries by pair, defaults by name, entries first."""
+
+    def __init__(self, elements):
+        self.entries, self.defaults = {}, set()
+        for tag in ("disable_default_collisions", "enable_collisions", "disable_collisions"):
+            for kind, *names in elements:
+                if kind == tag == "disable_default_collisions":
+                    self.defaults.add(names[0])
+                elif kind == tag:
+                    self.entries[frozenset(names)] = kind == "disable_collisions"
+
+    def allows(self, one, other):
+        return self.entries.get(frozenset((one, other)), one in self.defaults or other in self.defaults)
+
+
+def written(elements):
+    return "".join(
+        f'<{kind} link="{names[0]}"/>' if len(names) == 1 else f'<{kind} link1="{names[0]}" link2=" {names[1]} "/>'
+        for kind, *names in elements
+    )
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_pairs_are_those_of_moveits_matrix(urdf, seed):
+    rng = np.random.default_rng(seed)
+    elements = [
+        (kind, *rng.choice(LINKS, 1 if kind == "disable_default_collisions" else 2, replace=False).tolist())
+        for kind in rng.choice(["disable_default_collisions", "enable_collisions", "disable_collisions"], 6)
+    ]
+    matrix = Matrix(elements)
+    robot = loaded(urdf, written(elements), *["tested neither against obstacles"] * bool(matrix.defaults))
+    assert tested(robot) == {frozenset(pair) for pair in itertools.combinations(LINKS, 2) if not matrix.allows(*pair)}
+    scene = pc.Scene()
+    scene.add_sphere("ball", 1.0)
+    checker = pc.Checker(robot, scene)
+    obstacles = checker.pairs[(checker.pairs >= len(robot.bodies)).any(axis=1)].min(axis=1)
+    links = {robot.bodies[k].link for k in obstacles.tolist()} | {"a"}  # which is fixed, and so tested once
+    assert links == set(LINKS) - matrix.defaults | {"a"}
+
+
+def test_a_link_that_is_disabled_by_default_is_not_tested_against_obstacles(urdf):
+    scene = pc.Scene()
+    scene.add_sphere("ball", 0.1)
+    for link in LINKS[1:]:
+        elements = [("disable_default_collisions", other) for other in LINKS[1:] if other != link]
+        robot = loaded(urdf, written([*elements, ("disable_collisions", "a", link)]), "tested neither")
+        assert not pc.Checker(robot, scene).is_valid(np.zeros(4))
+        elements.append(("disable_default_collisions", link))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a is fixed and touches the ball
+            assert pc.Checker(loaded(urdf, written(elements), "tested neither"), scene).is_valid(np.zeros(4))
+
+
+def test_elements_that_name_nothing_are_passed_over_with_one_warning_each(urdf):
+    elements = [("disable_collisions", "a", "x"), ("enable_collisions", "y", "b"), ("disable_default_collisions", "z")]
+    words = [
+        f"<{kind}> of links that the URDF does not know: {name}"
+        for (kind, *_), name in zip(elements, "xyz", strict=True)
+    ]
+    robot = loaded(urdf, written(elements), *words)
+    assert len(tested(robot)) == 10
+    nameless = '<disable_collisions link1="a"/><enable_collisions/><disable_default_collisions/>'
+    assert len(tested(loaded(urdf, nameless, "3 elements that name no links"))) == 10
+
+
+def test_enabled_pairs_on_one_joint_are_said_to_be_left_out(urdf):
+    urdf.write_text(urdf.read_text().replace('type="revolute"', 'type="fixed"', 1))
+    robot = loaded(urdf, written([("enable_collisions", "a", "b")]), "links on one joint, which never move")
+    assert frozenset("ab") not in tested(robot)
+
+
+def test_carried_objects_are_not_tested_against_links_that_are_disabled_by_default(urdf):
+    scene = pc.Scene()
+    scene.add_sphere("tool", 0.1)
+    scene.attach("tool", "e")
+    checker = pc.Checker(loaded(urdf, written([("disable_default_collisions", "b")]), "tested neither"), scene)
+    held = len(checker.robot.bodies) - 1
+    against = {checker.robot.bodies[min(pair)].link for pair in checker.pairs.tolist() if held in pair}
+    assert against == {"a", "c", "d"}
