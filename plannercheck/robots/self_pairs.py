@@ -39,7 +39,7 @@ def self_pairs(
     if srdf is not None:
         untested = untested_pairs(srdf.root, tree.names)
         kept &= ~_of_links(first, second, bodies, (frozenset((pair.link_a, pair.link_b)) for pair in untested))
-        _warn_of_one_joint(srdf, geometry, bodies)
+        _warn_of_one_joint(srdf, joints, bodies)
         if kept.all():
             warnings.warn(
                 f"SRDF {srdf.path} disables no pair of links{_of_another(srdf, tree)}: adjacent ones, which usually "
@@ -70,13 +70,13 @@ def _of_links(
     return np.asarray(np.isin(low * len(number) + high, codes))
 
 
-def _warn_of_one_joint(srdf: Srdf, geometry: pin.GeometryModel, bodies: tuple[GeometryObject, ...]) -> None:
+def _warn_of_one_joint(srdf: Srdf, joints: NDArray[np.int64], bodies: tuple[GeometryObject, ...]) -> None:
     """Warns of enabled pairs that no joint moves against each other, which are left out all the same."""
-    joints = {body.link: each.parentJoint for body, each in zip(bodies, geometry.geometryObjects, strict=True)}
+    joint_of = {body.link: int(joint) for body, joint in zip(bodies, joints, strict=True)}
     still = [
         f"{pair.link_a} and {pair.link_b}"
         for pair in enabled_collisions(srdf.root)
-        if pair.link_a != pair.link_b and joints.get(pair.link_a, -1) == joints.get(pair.link_b, -2)
+        if pair.link_a != pair.link_b and joint_of.get(pair.link_a, -1) == joint_of.get(pair.link_b, -2)
     ]
     if still:
         warnings.warn(
