@@ -26,7 +26,7 @@ from plannercheck.robots.description import RobotDescription
 from plannercheck.robots.forward_kinematics import ForwardKinematics
 from plannercheck.robots.link_geometry import Geometry, with_geometry
 from plannercheck.robots.link_tree import LinkTree
-from plannercheck.robots.mjcf import excluded_pairs, of_meeting_masks
+from plannercheck.robots.mjcf import allowed_by, geometry_model, read_mjcf_robot
 from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
 from plannercheck.robots.reference_configuration import given_values, reference_of
 from plannercheck.robots.robot_memory import RobotMemory
@@ -114,23 +114,28 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         The parts.
     """
     urdf = description.file
-    model = read_model(urdf, description.floating)
-    geometry = read_geometry(model, urdf, description.package_dirs)
-    warn_of_odd_numbers(urdf)
+    mjcf = read_mjcf_robot(urdf.path, description.floating) if urdf.kind == MJCF_ROOT else None
+    if mjcf is not None:
+        model, bodies, mimics, geometry = mjcf.model, mjcf.bodies, mjcf.mimics, geometry_model(mjcf)
+    else:
+        model = read_model(urdf, description.floating)
+        geometry = read_geometry(model, urdf, description.package_dirs)
+        warn_of_odd_numbers(urdf)
+        with error_context(f"URDF {urdf.path}"):
+            bodies = bodies_of(model, geometry)
+        mimics = usable_mimics(model, urdf)
     tree = link_tree(model)
-    with error_context(f"{'MJCF' if urdf.kind == MJCF_ROOT else 'URDF'} {urdf.path}"):
-        bodies = bodies_of(model, geometry)
-    mimics = usable_mimics(model, urdf)
     srdf = description.semantics
     if srdf is not None:
         warn_about_ignored_elements(srdf, tree)
     if isinstance(reference, str):
         reference = group_state(None if srdf is None else srdf.root, reference, model.names)
     joints = _group(description, model, tree, mimics)
-    disabled = (*description.disabled_pairs, *(excluded_pairs(urdf.root) if urdf.kind == MJCF_ROOT else ()))
-    pairs = self_pairs(geometry, bodies, srdf, tree, disabled)
-    if urdf.kind == MJCF_ROOT:
-        pairs = of_meeting_masks(pairs, model, geometry, urdf.root)
+    disabled = description.disabled_pairs
+    if mjcf is not None:
+        pairs = allowed_by(mjcf.pairs, bodies, srdf, disabled)
+    else:
+        pairs = self_pairs(geometry, bodies, srdf, tree, disabled)
     pieces: Mapping[str, Pieces] = {}
     open_links: tuple[str, ...] = ()
     if description.decomposition is not None or description.geometry is not None:
@@ -146,7 +151,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         open_links=open_links,
         disabled_pairs=disabled,
         mimics=mimics,
-        values=given_values(model, description.values or reference),
+        values={**(mjcf.initial if mjcf else {}), **given_values(model, description.values or reference)},
         group=description.group,
         joints=joints,
     )

@@ -27,9 +27,8 @@ from plannercheck.common.errors import PlannercheckError, with_article
 from plannercheck.common.package_data import is_file
 from plannercheck.common.package_files import folders_above, package_file, where_sought
 from plannercheck.common.silence import urdf_silence
-from plannercheck.robots import mjcf
 from plannercheck.robots.link_tree import LinkTree
-from plannercheck.robots.urdf_file import MJCF_ROOT, SDF_ROOT, UrdfFile
+from plannercheck.robots.urdf_file import SDF_ROOT, UrdfFile
 from plannercheck.robots.urdf_hints import foreign_elements, wrong_order_of_imports
 
 # coal builds bounds with every mesh; we want its vertices alone. These are the quickest that still show them.
@@ -62,8 +61,6 @@ def read_model(urdf: Path | UrdfFile, floating: bool = False) -> pin.Model:
         The model, mimic joints as joints of their own.
     """
     file = _file(urdf)
-    if file.kind == MJCF_ROOT:
-        return mjcf.mjcf_model(file.path, file.root, floating)
     if file.kind == SDF_ROOT:
         raise PlannercheckError(
             f"robot {file.path} is an SDF file, which Pinocchio's wheels do not read: convert it into a URDF"
@@ -118,8 +115,6 @@ def read_geometry(model: pin.Model, urdf: Path | UrdfFile, package_dirs: Sequenc
         Pinocchio's geometry model, without pairs.
     """
     file = _file(urdf)
-    if file.kind == MJCF_ROOT:
-        return mjcf.mjcf_geometry(model, file.path, file.root)
     # Also relative to the URDF, and to what lies above it: a package's folder often does.
     above = folders_above(file.path)
     folders = [str(folder) for folder in (*package_dirs, *above)]
@@ -212,7 +207,7 @@ def link_tree(model: pin.Model) -> LinkTree:
 
 
 def mimic_joints(urdf: Path | UrdfFile) -> dict[str, Mimic]:
-    """The joints that a URDF lets follow others, by name; an MJCF file has none."""
+    """The joints that a URDF lets follow others, by name."""
     mimics: dict[str, Mimic] = {}
     for joint in _file(urdf).root.iter("joint"):
         tag = joint.find("mimic")
