@@ -173,13 +173,7 @@ def read_mjcf(path: Path) -> MjcfFile:
     Raises:
         PlannercheckError: If MuJoCo is not installed or refuses the file; the message is MuJoCo's.
     """
-    if importlib.util.find_spec("mujoco") is None:
-        extra_module("mujoco", "mjcf", "MJCF files")
-    ran = run_isolated("plannercheck.bodies.mjcf_worker", [str(path.absolute())])
-    if ran.returncode:
-        raise PlannercheckError(f"MJCF {path}: MuJoCo's compiler {_how_it_ended(ran.returncode, ran.stderr)}")
-    with np.load(io.BytesIO(ran.stdout), allow_pickle=False) as content:
-        found = {key: content[key] for key in content.files}
+    found = _compiled(path)
     if "error" in found:
         raise PlannercheckError(f"MJCF {path}: MuJoCo does not compile it: {_one_line(str(found['error']))}")
     said = _one_line(str(found["said"]))
@@ -188,9 +182,26 @@ def read_mjcf(path: Path) -> MjcfFile:
     names = json.loads(str(found["names"]))
     arrays = {field: _widened(found[field]) for field in FIELDS}
     given = names["model"][0]
-    file = MjcfFile(path, "" if given == _NAMELESS else given, _all_names(names, arrays), frozenset(found["disabled"].tolist()), **arrays)
+    file = MjcfFile(
+        path,
+        "" if given == _NAMELESS else given,
+        _all_names(names, arrays),
+        frozenset(found["disabled"].tolist()),
+        **arrays,
+    )
     _check_finite(file)
     return file
+
+
+def _compiled(path: Path) -> dict[str, NDArray[Any]]:
+    """What the worker says of a file, see `mjcf_worker.py`."""
+    if importlib.util.find_spec("mujoco") is None:
+        extra_module("mujoco", "mjcf", "MJCF files")
+    ran = run_isolated("plannercheck.bodies.mjcf_worker", [str(path.absolute())])
+    if ran.returncode:
+        raise PlannercheckError(f"MJCF {path}: MuJoCo's compiler {_how_it_ended(ran.returncode, ran.stderr)}")
+    with np.load(io.BytesIO(ran.stdout), allow_pickle=False) as content:
+        return {key: content[key] for key in content.files}
 
 
 def _widened(array: NDArray[Any]) -> NDArray[Any]:
@@ -235,7 +246,7 @@ def _check_finite(file: MjcfFile) -> None:
     for kind, arrays in _FINITE.items():
         for name in arrays:
             array: NDArray[Any] = getattr(file, name)
-            bad = np.flatnonzero(~np.isfinite(array.reshape(len(array), -1)).all(axis=1))
+            bad = np.unique(np.argwhere(~np.isfinite(array))[:, 0])
             if len(bad):
                 raise file.refused(kind, int(bad[0]), f"has {name} {array[bad[0]].tolist()}: numbers must be finite")
 

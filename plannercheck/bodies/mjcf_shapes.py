@@ -49,7 +49,7 @@ def shape_of_geom(file: MjcfFile, geom: int) -> Shape:
     """
     kind = int(file.geom_type[geom])
     if kind == SDF:
-        raise file.refused("geom", geom, "is an sdf, given by a function of MuJoCo's: give it as type=\"mesh\"")
+        raise file.refused("geom", geom, 'is an sdf, given by a function of MuJoCo\'s: give it as type="mesh"')
     x, y, z = file.geom_size[geom].tolist()
     with error_context(f"MJCF {file.path}: geom {file.names['geom'][geom]!r}"):
         if kind == MESH:

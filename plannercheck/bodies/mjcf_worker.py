@@ -31,7 +31,7 @@ def main() -> None:
         with said.open("wb") as file:
             os.dup2(file.fileno(), 1)
             os.dup2(file.fileno(), 2)
-        content = _compiled(path)
+        content = compiled(path)
         content["said"] = np.array(said.read_text(errors="replace"))
         os.chdir("/")
     written = io.BytesIO()
@@ -40,7 +40,8 @@ def main() -> None:
         file.write(written.getbuffer())
 
 
-def _compiled(path: Path) -> dict[str, Any]:
+def compiled(path: Path) -> dict[str, Any]:
+    """The arrays and names of a file's model, or MuJoCo's error."""
     import mujoco
 
     try:

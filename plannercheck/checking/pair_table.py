@@ -61,6 +61,7 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
         allowed = [scene.is_allowed(labels[a], labels[b]) for a, b in own[asked].tolist()]
         own = np.delete(own, asked[np.array(allowed, dtype=bool)], axis=0)
     kept = ~scene.allowed.table(labels, scene.body_objects)
+    kept &= ~scene.allowed.geometry_table(robot.bodies, scene.body_objects)
     fixed = robot.remembered("fixed", lambda: _on_fixed_links(robot))
     obstacles, static = _with_obstacles(kept & ~fixed[:, None]), _with_obstacles(kept & fixed[:, None])
     return PairTable(read_only(np.concatenate([own, obstacles])), read_only(static), len(own))

@@ -130,7 +130,9 @@ def _mimics(file: MjcfFile) -> dict[str, Mimic]:
         shift, factor, *more = file.eq_data[k][:5].tolist()
         if any(more):
             raise file.refused(
-                "equality", k, f"has polycoef {[shift, factor, *more]}: a mimic joint is linear, so the last 3 must be 0"
+                "equality",
+                k,
+                f"has polycoef {[shift, factor, *more]}: a mimic joint is linear, so the last 3 must be 0",
             )
         if joints[dependent] in mimics:
             raise file.refused("equality", k, f"is a second one for joint {joints[dependent]!r}: leave one")
