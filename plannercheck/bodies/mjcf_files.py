@@ -44,6 +44,7 @@ NAMED = {"body": "nbody", "joint": "njnt", "geom": "ngeom", "equality": "neq", "
 _NAMELESS = "MuJoCo Model"
 
 _LONGEST_ERROR = 400
+_REPEATED = ": does a count repeat something too often?"
 
 # The arrays of each kind of element whose numbers are used as they are.
 _FINITE = {
@@ -175,7 +176,9 @@ def read_mjcf(path: Path) -> MjcfFile:
     """
     found = _compiled(path)
     if "error" in found:
-        raise PlannercheckError(f"MJCF {path}: MuJoCo does not compile it: {_one_line(str(found['error']))}")
+        why = _one_line(str(found["error"]))
+        hint = _REPEATED if "unknown exception" in why else ""  # as MuJoCo says where memory ends
+        raise PlannercheckError(f"MJCF {path}: MuJoCo does not compile it: {why}{hint}")
     said = _one_line(str(found["said"]))
     if said:
         warnings.warn(f"MJCF {path}: MuJoCo says: {said}", RuntimeWarning, stacklevel=6)
@@ -254,7 +257,7 @@ def _check_finite(file: MjcfFile) -> None:
 def _how_it_ended(code: int, said: bytes) -> str:
     """Why there is no compiled model, in words."""
     if code < 0:
-        return f"was ended by {signal.Signals(-code).name}: is an element repeated too often?"
+        return f"was ended by {signal.Signals(-code).name}{_REPEATED}"
     return f"fails: {_one_line(said.decode(errors='replace'))[-_LONGEST_ERROR:]}"
 
 

@@ -7,6 +7,8 @@ MuJoCo, or a solid.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from plannercheck.bodies.ellipsoids import Ellipsoid
@@ -29,6 +31,16 @@ from plannercheck.bodies.shapes import Box, Capsule, Cylinder, Hull, Shape, Sphe
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import error_context
 
+# The shapes of geoms that are their kind and three sizes, m.
+_SIZED: dict[int, Callable[[float, float, float], Shape]] = {
+    PLANE: lambda x, y, z: HalfSpace((0.0, 0.0, 1.0)),
+    SPHERE: lambda x, y, z: Sphere(x),
+    CAPSULE: lambda x, y, z: Capsule(x, 2 * y),
+    ELLIPSOID: lambda x, y, z: Ellipsoid((x, y, z)),
+    CYLINDER: lambda x, y, z: Cylinder(x, 2 * y),
+    BOX: lambda x, y, z: Box((2 * x, 2 * y, 2 * z)),
+}
+
 
 def check_flexes(file: MjcfFile) -> None:
     """Raises for a flex that can collide: no shape deforms, and none is as thick as a flex all around."""
@@ -37,7 +49,7 @@ def check_flexes(file: MjcfFile) -> None:
         raise file.refused(
             "flex",
             int(found[0]),
-            'can\'t be taken, as it deforms: give it contype="0" conaffinity="0" to leave it out, or a mesh in its place',
+            'can\'t be taken, as it deforms: give it contype="0" conaffinity="0" to leave it out, or give a mesh',
         )
 
 
@@ -56,15 +68,7 @@ def shape_of_geom(file: MjcfFile, geom: int) -> Shape:
             return Hull(mesh_of_geom(file, geom)[0])
         if kind == HFIELD:
             return _height_field(file, int(file.geom_dataid[geom]))
-        shapes = {
-            PLANE: lambda: HalfSpace((0.0, 0.0, 1.0)),
-            SPHERE: lambda: Sphere(x),
-            CAPSULE: lambda: Capsule(x, 2 * y),
-            ELLIPSOID: lambda: Ellipsoid((x, y, z)),
-            CYLINDER: lambda: Cylinder(x, 2 * y),
-            BOX: lambda: Box((2 * x, 2 * y, 2 * z)),
-        }
-        return shapes[kind]()
+        return _SIZED[kind](x, y, z)
 
 
 def mesh_of_geom(file: MjcfFile, geom: int) -> tuple[Floats, Integers]:

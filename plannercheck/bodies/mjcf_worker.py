@@ -11,6 +11,8 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
+import resource
 import sys
 import tempfile
 from pathlib import Path
@@ -20,10 +22,18 @@ import numpy as np
 
 from plannercheck.bodies.mjcf_files import FIELDS, FLAGS, NAMED
 
+# The processor time in s and the memory in bytes that a model may take which names no meshes or other files: a count of
+# 1e9 in a <replicate> or <flexcomp> would take hours, and all memory.
+_SECONDS, _MEMORY = 4, 2 << 30
+
+# The processor time of all others, s: MuJoCo splits and smooths large meshes.
+_SECONDS_WITH_FILES = 300
+
 
 def main() -> None:
     """Compiles one file."""
     path = Path(sys.argv[1]).absolute()
+    _limit_itself(path)
     out = os.dup(1)
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)  # of MUJOCO_LOG.TXT
@@ -38,6 +48,20 @@ def main() -> None:
     np.savez(written, **content)
     with os.fdopen(out, "wb") as file:
         file.write(written.getbuffer())
+
+
+def _limit_itself(path: Path) -> None:
+    named = re.search(rb"\bfile\s*=", path.read_bytes()) is not None
+    _lower(resource.RLIMIT_CPU, _SECONDS_WITH_FILES if named else _SECONDS)
+    if not named:
+        _lower(resource.RLIMIT_AS, _MEMORY)
+
+
+def _lower(kind: int, limit: int) -> None:
+    """Lowers a limit of this process, if it is higher."""
+    soft, hard = resource.getrlimit(kind)
+    known = [each for each in (limit, soft) if each != resource.RLIM_INFINITY]
+    resource.setrlimit(kind, (min(known), hard))
 
 
 def compiled(path: Path) -> dict[str, Any]:

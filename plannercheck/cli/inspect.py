@@ -38,8 +38,8 @@ from plannercheck.cli.robot_options import described
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.timing import least_seconds
 from plannercheck.motions.checker import Checker
+from plannercheck.robots.collision_geometry import collision_geometry
 from plannercheck.robots.description import RobotDescription
-from plannercheck.robots.urdf import read_geometry
 
 _EPILOG = """\
 Example:
@@ -262,7 +262,7 @@ def _show_meshes(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
 
 def meshes_of(checker: Checker, description: RobotDescription) -> dict[str, TriangleMesh]:
     """The meshes of a robot, and of the scene's objects from files, by name of the body."""
-    geometry = read_geometry(checker.robot.model, description.file, description.package_dirs)
+    geometry = collision_geometry(description)
     found = {each.name: triangles_of_coal(each.geometry) for each in geometry.geometryObjects}
     for item in (*checker.scene.objects, *checker.scene.attached):
         for part, body in zip(item.parts, item.bodies, strict=True):

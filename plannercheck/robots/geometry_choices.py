@@ -14,11 +14,11 @@ from dataclasses import replace
 from plannercheck.bodies.convex_decomposition import Decomposition, known_pieces
 from plannercheck.bodies.shapes import Hull
 from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
+from plannercheck.robots.collision_geometry import collision_geometry
 from plannercheck.robots.decomposed_links import is_concave
 from plannercheck.robots.description import RobotDescription
 from plannercheck.robots.link_geometry import Geometry
 from plannercheck.robots.robot import Robot
-from plannercheck.robots.urdf import read_geometry
 
 
 def of_hulls(description: RobotDescription) -> Robot:
@@ -47,7 +47,7 @@ def _are_pieces_known(mesh: TriangleMesh) -> bool:
 def _meshes(description: RobotDescription) -> Mapping[str, list[TriangleMesh]]:
     """The meshes of each link."""
     robot = of_hulls(description)
-    geometry = read_geometry(robot.model, description.file, description.package_dirs)
+    geometry = collision_geometry(description)
     found: dict[str, list[TriangleMesh]] = {}
     for body, each in zip(robot.bodies, geometry.geometryObjects, strict=True):
         mesh = triangles_of_coal(each.geometry)

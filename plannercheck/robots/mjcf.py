@@ -98,7 +98,7 @@ def allowed_by(
     if srdf is not None:
         named |= {frozenset((pair.link_a, pair.link_b)) for pair in disabled_collisions(srdf.root)}
     kept = [frozenset((bodies[a].link, bodies[b].link)) not in named for a, b in pairs.tolist()]
-    return pairs[np.array(kept, dtype=bool)]
+    return np.asarray(pairs[np.array(kept, dtype=bool)])
 
 
 def geometry_model(robot: MjcfRobot) -> pin.GeometryModel:

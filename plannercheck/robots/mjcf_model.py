@@ -1,8 +1,8 @@
 """Pinocchio's model of a compiled MJCF file.
 
 In: a compiled file. Out: a model whose poses are those of `mj_kinematics`, and the joints' initial values. Each joint
-of MuJoCo's is one of Pinocchio's, in the same order, so that q is MuJoCo's qpos, but for quaternions, which are x, y, z,
-w. Of several joints on one body all but the last move a link of their own, "body/joint", without geometry.
+of MuJoCo's is one of Pinocchio's, in the same order, so that q is MuJoCo's qpos, but for quaternions, which are x, y,
+z, w. Of several joints on one body all but the last move a link of their own, "body/joint", without geometry.
 
 MuJoCo moves a body by its joints one after the other: a hinge turns it about its anchor by qpos - ref, a slide moves it
 by that along its axis, a ball turns it by its quaternion, and a free joint's numbers are the pose in the world. The
@@ -32,6 +32,7 @@ def pinocchio_model(file: MjcfFile) -> pin.Model:
     for body in np.flatnonzero(file.is_of_robot).tolist():
         tree.add(body)
     lower, upper = model.lowerPositionLimit.copy(), model.upperPositionLimit.copy()
+    _check_ranges(file)
     for joint in np.flatnonzero((file.jnt_limited != 0) & np.isin(file.jnt_type, (HINGE, SLIDE))).tolist():
         column = model.joints[joint + 1].idx_q
         lower[column], upper[column] = file.jnt_range[joint].tolist()
@@ -40,7 +41,7 @@ def pinocchio_model(file: MjcfFile) -> pin.Model:
 
 
 def initial_values(file: MjcfFile, following: Container[str]) -> dict[str, Floats]:
-    """The values of joints in MuJoCo's initial configuration, within their limits, but for joints that follow others."""
+    """The initial values of joints that follow no other one, by MuJoCo's qpos0, within their limits."""
     values = {}
     for joint, (name, kind) in enumerate(zip(file.names["joint"], file.jnt_type.tolist(), strict=True)):
         first = int(file.jnt_qposadr[joint])
@@ -52,6 +53,18 @@ def initial_values(file: MjcfFile, following: Container[str]) -> dict[str, Float
         if name not in following:
             values[name] = own
     return values
+
+
+def _check_ranges(file: MjcfFile) -> None:
+    """Raises for a range that MuJoCo takes for none, as its first number is not the smaller one."""
+    low, high = file.jnt_range.reshape(-1, 2).T
+    wrong = np.flatnonzero((file.jnt_limited == 0) & ((low > high) | ((low == high) & (low != 0))))
+    if len(wrong):
+        joint = int(wrong[0])
+        given = file.jnt_range[joint].tolist()
+        raise file.refused(
+            "joint", joint, f"has the range {given}, which MuJoCo ignores: lower must be first"
+        )
 
 
 class _Tree:

@@ -100,9 +100,9 @@ class Scene(SceneContents):
         """Loads a scene file.
 
         Args:
-            path: A file of our own format; an MJCF file, as for `from_mjcf`; a planning scene, a planning scene's world or a collision object of MoveIt
-                in YAML (recognised by their keys); MoveIt's text format (`.scene`); or the bare name of a shipped
-                scene, e.g. "bookshelf".
+            path: A file of our own format; an MJCF file, as for `from_mjcf`; a planning scene, a planning scene's world
+                or a collision object of MoveIt in YAML (recognised by their keys); MoveIt's text format (`.scene`); or
+                the bare name of a shipped scene, e.g. "bookshelf".
             package_dirs: Folders in which `package://` meshes are searched, before the folders above the file.
             meshes: What meshes are taken as: their hulls, or "solid". Those that are not closed keep their hulls, with
                 a warning. A file's `solid:` is one anyway.

@@ -23,8 +23,10 @@ from plannercheck.bodies.shapes import Hull, Shape
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_files import folders_above
+from plannercheck.robots.collision_geometry import collision_geometry
 from plannercheck.robots.description import RobotDescription, description_of
-from plannercheck.robots.urdf import bodies_of, built_geometry, read_geometry, read_model
+from plannercheck.robots.urdf import bodies_of, built_geometry, read_model
+from plannercheck.robots.urdf_file import MJCF_ROOT
 
 Surface: TypeAlias = tuple[NDArray[np.float64], NDArray[np.int32]]
 
@@ -97,8 +99,7 @@ def delivered_meshes(robot: str | Path | RobotDescription) -> dict[str, Surface]
         PlannercheckError: If the robot is planar, or one of its files can't be read.
     """
     description = description_of(robot)
-    model = read_model(description.file, description.floating)
-    geometry = read_geometry(model, description.file, description.package_dirs)
+    geometry = collision_geometry(description)
     meshes = {each.name: each.geometry for each in geometry.geometryObjects if hasattr(each.geometry, "tri_indices")}
     if not meshes:
         raise PlannercheckError(
@@ -138,6 +139,9 @@ def visual_meshes(robot: str | Path | RobotDescription) -> tuple[Visual, ...]:
     """
     description = description_of(robot)
     file = description.file
+    if file.kind == MJCF_ROOT:
+        warnings.warn(f"MJCF {file.path}: geoms that do not collide are not drawn", RuntimeWarning, stacklevel=2)
+        return ()
     model = read_model(file, description.floating)
     folders = [str(folder) for folder in (*description.package_dirs, *folders_above(file.path))]
     try:

@@ -8,7 +8,8 @@ from __future__ import annotations
 _TETRA = 'vertex="0 0 0 .5 0 0 0 .1 0 0 0 .1 .2 .2 .3"'
 _ARM = (
     '<body name="a"><geom name="ga" size=".1"/>'
-    '<body name="b" pos="0 0 .3"><joint name="j" axis="0 1 0" range="-2 2"/><geom name="gb" type="box" size=".1 .1 .1"/>'
+    '<body name="b" pos="0 0 .3"><joint name="j" axis="0 1 0" range="-2 2"/>'
+    '<geom name="gb" type="box" size=".1 .1 .1"/>'
     '<body name="c" pos="0 0 .3"><joint name="k" axis="0 1 0" range="-2 2"/><geom name="gc" size=".1"/>{}</body>'
     "</body></body>"
 )
