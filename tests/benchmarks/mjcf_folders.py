@@ -86,7 +86,12 @@ def _compare(path: Path, model: mujoco.MjModel, robot: pc.Robot, scene: pc.Scene
     for k, each in enumerate(qpos):
         links = robot.link_poses(q[k])
         placed = [links[robot.link_index(b.link)] @ b.pose if b.link else b.pose for b in bodies]
-        off = max(off, float(np.abs(np.array(placed) - oracle.geom_poses(model, data, each)[geoms]).max(initial=0.0)))
+        off = max(
+            off,
+            float(
+                np.abs(np.reshape(placed, (-1, 4, 4)) - oracle.geom_poses(model, data, each)[geoms]).max(initial=0.0)
+            ),
+        )
         if k < states // 5:
             found = oracle.overlapping(model, data, each) & theirs
             verdicts += _verdicts(found, ours, bodies, placed, bool(valid[k]))

@@ -148,7 +148,7 @@ def test_other_equalities_of_joints_are_refused(tmp_path, equality, message):
 @pytest.mark.parametrize(
     ("before", "world", "after", "message"),
     [
-        ("", FLOOR, "", r"floor, table/geom0: obstacles, .* Scene\.from_mjcf"),
+        ("", FLOOR, "", r"floor, table/geom0: obstacles, no part .*Scene\.from_mjcf"),
         ("", "", '<equality><weld name="w" body1="a"/></equality>', "w: equalities that bind no two joints"),
         ("", "", '<equality><joint name="e" joint1="j"/></equality>', "e: equalities that bind no two joints"),
         ("", '<body name="m"><joint name="b" type="ball" range="0 9"/><geom size=".1"/></body>', "", "b: ball joints"),
