@@ -66,6 +66,7 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
         carried = np.array([body.carried is not None for body in robot.bodies], dtype=bool)
         own = own[~(idle[own] & carried[own[:, ::-1]]).any(axis=1)]
     kept = ~scene.allowed.table(labels, scene.body_objects) & ~idle[:, None]
+    kept &= ~scene.allowed.geometry_table(robot.bodies, scene.body_objects)
     fixed = robot.remembered("fixed", lambda: _on_fixed_links(robot))
     obstacles, static = _with_obstacles(kept & ~fixed[:, None]), _with_obstacles(kept & fixed[:, None])
     return PairTable(read_only(np.concatenate([own, obstacles])), read_only(static), len(own))

@@ -24,7 +24,11 @@ _MAGIC = {
 }
 
 # What the root of an XML document tells.
-_ROOT = re.compile(rb"\A(?:\xef\xbb\xbf)?\s*(?:<\?.*?\?>\s*|<!--.*?-->\s*|<![^>]*>\s*)*<([A-Za-z]\w*)", re.DOTALL)
+# Each part of it has one match: where several had, many comments in front of anything else would take for ever.
+_ROOT = re.compile(
+    rb"\A(?:\xef\xbb\xbf)?\s*(?:<\?(?:(?!\?>).)*\?>\s*|<!--(?:(?!-->).)*-->\s*|<!(?!--)[^>]*>\s*)*<([A-Za-z]\w*)",
+    re.DOTALL,
+)
 _ROOTS = {
     b"sdf": "it is an SDF of Gazebo",
     b"mujoco": "it is an MJCF of MuJoCo",
@@ -51,6 +55,12 @@ def file_kind(content: bytes) -> str:
     if root[1] == b"robot":
         return "it is a URDF" if _URDF_LINK.search(content) else "it is an SRDF"
     return _ROOTS.get(root[1].lower(), f"it is XML whose root is <{root[1].decode()}>")
+
+
+def is_mjcf(content: bytes) -> bool:
+    """Whether a file is XML whose root is that of MuJoCo's format."""
+    root = _ROOT.match(content)
+    return root is not None and root[1] == b"mujoco"
 
 
 def kind_of(path: Path) -> str:

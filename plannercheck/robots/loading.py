@@ -28,7 +28,7 @@ from plannercheck.robots.forward_kinematics import ForwardKinematics
 from plannercheck.robots.link_bodies import read_bodies, warn_of_large_hulls
 from plannercheck.robots.link_geometry import Geometry, with_geometry
 from plannercheck.robots.link_tree import LinkTree
-from plannercheck.robots.mjcf import excluded_pairs, of_meeting_masks
+from plannercheck.robots.mjcf import allowed_by, read_mjcf_robot
 from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
 from plannercheck.robots.reference_configuration import given_values, reference_of
 from plannercheck.robots.robot_memory import RobotMemory
@@ -120,22 +120,27 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         The parts.
     """
     urdf = description.file
-    model = read_model(urdf, description.floating)
-    links = read_bodies(model, urdf, description.package_dirs, description.mesh_units)
-    warn_of_odd_numbers(urdf)
-    tree = link_tree(model)
+    mjcf = read_mjcf_robot(urdf.path, description.floating) if urdf.kind == MJCF_ROOT else None
+    if mjcf is not None:
+        model, mimics, links = mjcf.model, mjcf.mimics, mjcf.links
+    else:
+        model = read_model(urdf, description.floating)
+        links = read_bodies(model, urdf, description.package_dirs, description.mesh_units)
+        warn_of_odd_numbers(urdf)
+        mimics = usable_mimics(model, urdf)
     bodies = links.bodies
-    mimics = usable_mimics(model, urdf)
+    tree = link_tree(model)
     srdf = description.semantics
     if srdf is not None:
         warn_about_ignored_elements(srdf, tree)
     if isinstance(reference, str):
         reference = group_state(None if srdf is None else srdf.root, reference, model.names)
     joints = _group(description, model, tree, mimics)
-    disabled = (*description.disabled_pairs, *(excluded_pairs(urdf.root) if urdf.kind == MJCF_ROOT else ()))
-    pairs = self_pairs(links.joints, bodies, srdf, tree, disabled)
-    if urdf.kind == MJCF_ROOT:
-        pairs = of_meeting_masks(pairs, model, geometry, urdf.root)
+    disabled = description.disabled_pairs
+    if mjcf is not None:
+        pairs = allowed_by(mjcf.pairs, bodies, srdf, disabled)
+    else:
+        pairs = self_pairs(links.joints, bodies, srdf, tree, disabled)
     pieces: Mapping[str, Pieces] = {}
     open_links: tuple[str, ...] = ()
     if description.decomposition is not None or description.geometry is not None:
@@ -154,7 +159,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         default_links=() if srdf is None else default_links(srdf.root),
         disabled_pairs=disabled,
         mimics=mimics,
-        values=given_values(model, description.values or reference),
+        values={**(mjcf.initial if mjcf else {}), **given_values(model, description.values or reference)},
         group=description.group,
         joints=joints,
     )
@@ -164,8 +169,12 @@ def collision_meshes(description: RobotDescription) -> dict[str, MeshFile]:
     """The meshes of a robot's links by name of the body, read anew, without the warnings of loading the robot."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        model = read_model(description.file, description.floating)
-        links = read_bodies(model, description.file, description.package_dirs, description.mesh_units)
+        file = description.file
+        if file.kind == MJCF_ROOT:
+            links = read_mjcf_robot(file.path, description.floating).links
+        else:
+            model = read_model(file, description.floating)
+            links = read_bodies(model, file, description.package_dirs, description.mesh_units)
     pairs = zip(links.bodies, links.meshes, strict=True)
     return {body.name: mesh for body, mesh in pairs if mesh is not None}
 

@@ -1,211 +1,175 @@
-"""Reads a robot from an MJCF file (MuJoCo's format) through Pinocchio's own parser.
+"""Builds a robot from an MJCF file that MuJoCo has compiled.
 
-In: a path and the XML's root. Out: a Pinocchio model, its collision geometries, the pairs of bodies that the file
-excludes, and those of geometries that their masks keep apart. Pinocchio decides which geoms collide at all (those whose
-contype or conaffinity is not 0). What is fixed to the worldbody is an obstacle, not the robot: it is left out, with a
-warning. What Pinocchio 4.1 gets wrong is mended or refused: it takes the ranges of sliding joints for degrees, forgets
-where a root without joints is, and passes over all roots but the first and over elements that stand for bodies.
+In: a path. Out: `MjcfRobot`: Pinocchio's model (`mjcf_model.py`), one body for each geom that can collide, the pairs
+that MuJoCo tests, mimic joints, and the initial values of joints. Bodies are links, the world is the link "world".
+Equalities of joints that are linear become mimic joints, as `y - y0 = a0 + a1 (x - x0)` in MuJoCo's XML reference.
+
+Geoms of the world and of bodies that no joint moves are obstacles (`Scene.from_mjcf`), and are left out with a warning.
 """
 
 from __future__ import annotations
 
-import math
 import warnings
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
-from xml.etree.ElementTree import Element
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from plannercheck.common.checked_yaml import error_context
-from plannercheck.common.errors import PlannercheckError
-from plannercheck.robots.srdf import DisabledPair
+from plannercheck.bodies.mesh_files import MeshFile, MeshObject
+from plannercheck.bodies.mjcf_files import BALL, EQUAL_JOINTS, MESH, MjcfFile, read_mjcf
+from plannercheck.bodies.mjcf_pairs import obstacle_geoms, robot_geoms, tested_pairs
+from plannercheck.bodies.mjcf_shapes import check_flexes, mesh_of_geom, shape_of_geom
+from plannercheck.bodies.shapes import GeometryObject
+from plannercheck.common.array_types import Floats, Ints64
+from plannercheck.common.errors import PlannercheckError, shortened
+from plannercheck.robots.configurations import followed
+from plannercheck.robots.link_bodies import LinkBodies
+from plannercheck.robots.mjcf_model import initial_values, pinocchio_model
+from plannercheck.robots.srdf import DisabledPair, Srdf, untested_pairs
+from plannercheck.robots.urdf import Mimic
 
-# Elements that stand for bodies or files, and that Pinocchio passes over.
-_PASSED_OVER = ("include", "frame", "replicate", "composite", "flexcomp", "attach")
-
-# Joints of one number that slide, by the beginning of Pinocchio's names.
-_SLIDING = "JointModelP"
+# How many names a warning lists.
+_SHOWN = 5
 
 
-def mjcf_model(path: Path, root: Element, floating: bool) -> pin.Model:
-    """Pinocchio's model of an MJCF file; errors name the file."""
+@dataclass(frozen=True, eq=False)
+class MjcfRobot:
+    """What an MJCF file says of a robot.
+
+    Attributes:
+        model: Pinocchio's model.
+        links: A body for each geom that can collide and is on a link, in MuJoCo's order.
+        pairs: (k, 2) indices of bodies: the pairs that MuJoCo tests.
+        mimics: The joints that follow others, by name.
+        initial: The value of each joint that follows no other one in MuJoCo's initial configuration, within its limits.
+    """
+
+    model: pin.Model
+    links: LinkBodies
+    pairs: Ints64
+    mimics: dict[str, Mimic]
+    initial: dict[str, Floats]
+
+
+def read_mjcf_robot(path: Path, floating: bool) -> MjcfRobot:
+    """Compiles an MJCF file and takes the robot out of it.
+
+    Args:
+        path: The file.
+        floating: Whether the user asks for a root that floats, which only the file can say.
+
+    Returns:
+        The robot.
+
+    Raises:
+        PlannercheckError: If the file is no robot, or holds what can't be taken; the error names file and element.
+    """
     if floating:
         raise PlannercheckError(f"MJCF {path}: give the root body a <freejoint/> for a root that floats")
-    with error_context(f"MJCF {path}"):
-        _check_elements(root)
-        place = _root_placement(root)
-        model = _read(path)
-        _check_joints(model)
-        _mend_ranges(model, root)
-    for joint in range(1, model.njoints):
-        if model.parents[joint] == 0:
-            model.jointPlacements[joint] = place * model.jointPlacements[joint]
-    for frame in list(model.frames)[1:]:
-        if frame.parentJoint == 0:
-            frame.placement = place * frame.placement
-    return model
-
-
-def _read(path: Path) -> pin.Model:
-    try:
-        return pin.buildModelFromMJCF(str(path))
-    except Exception as error:  # of several unrelated types
-        raise PlannercheckError(f"can't be read: {' '.join(str(error).split()):.400}") from None
-
-
-def mjcf_geometry(model: pin.Model, path: Path, root: Element) -> pin.GeometryModel:
-    """The collision geometries of an MJCF file's bodies, without pairs."""
-    place = _root_placement(root)
-    try:
-        found = pin.buildGeomFromMJCF(_read(path), str(path), pin.COLLISION)
-    except Exception as error:  # of several unrelated types
-        raise PlannercheckError(f"MJCF {path}: a geom can't be read: {' '.join(str(error).split()):.400}") from None
-    kept, of_world = pin.GeometryModel(), []
-    for each in found.geometryObjects:
-        if model.frames[each.parentFrame].type == pin.FrameType.BODY:
-            if each.parentJoint == 0:
-                each.placement = place * each.placement
-            kept.addGeometryObject(each)
-        else:
-            of_world.append(each.name)
-    if not len(kept.geometryObjects):
-        warnings.warn(f"MJCF {path} has no geoms that collide: nothing will ever", RuntimeWarning, stacklevel=6)
-    if of_world:
-        warnings.warn(
-            f"MJCF {path}: {', '.join(of_world)} of the worldbody: left out, since obstacles belong into a scene",
-            RuntimeWarning,
-            stacklevel=6,
+    file = read_mjcf(path)
+    if not len(file.jnt_type):
+        raise PlannercheckError(
+            f"MJCF {path} has no joints, so that it is no robot but obstacles: take it as Scene.from_mjcf(path), or by "
+            "--scene"
         )
-    return kept
+    check_flexes(file)
+    geoms = robot_geoms(file)
+    mimics = _mimics(file)
+    _warn(file, geoms)
+    names, links = file.names["geom"], file.names["body"]
+    bodies = tuple(
+        GeometryObject(names[k], links[file.geom_bodyid[k]], file.geom_pose(k), shape_of_geom(file, k))
+        for k in geoms.tolist()
+    )
+    meshes = tuple(_mesh(file, k) if file.geom_type[k] == MESH else None for k in geoms.tolist())
+    model = pinocchio_model(file)
+    joints = [model.frames[model.getFrameId(str(body.link), pin.FrameType.BODY)].parentJoint for body in bodies]
+    pairs = tested_pairs(file)
+    own = np.searchsorted(geoms, pairs[np.isin(pairs, geoms).all(axis=1)])
+    of_links = LinkBodies(bodies, np.array(joints, dtype=np.int64), meshes)
+    return MjcfRobot(model, of_links, own, mimics, initial_values(file, mimics))
 
 
-def excluded_pairs(root: Element) -> list[DisabledPair]:
-    """The pairs of bodies that <contact> excludes."""
-    excludes = root.iterfind("contact/exclude")
-    return [DisabledPair(each.get("body1", ""), each.get("body2", ""), "excluded by the MJCF") for each in excludes]
+def _mesh(file: MjcfFile, geom: int) -> MeshFile:
+    """The mesh of a geom as MuJoCo has compiled it."""
+    return MeshFile(file.path, (MeshObject("", *mesh_of_geom(file, geom)),), "")
 
 
-def of_meeting_masks(
-    pairs: NDArray[np.int64], model: pin.Model, geometry: pin.GeometryModel, root: Element
-) -> NDArray[np.int64]:
-    """Those of pairs (k, 2) of geometries whose masks meet: one's contype has a bit of the other one's conaffinity.
+def allowed_by(
+    pairs: Ints64, bodies: tuple[GeometryObject, ...], srdf: Srdf | None, disabled: Iterable[DisabledPair]
+) -> Ints64:
+    """The pairs (k, 2) of bodies that neither an SRDF nor a robot's YAML disables."""
+    named = {frozenset((pair.link_a, pair.link_b)) for pair in disabled}
+    if srdf is not None:
+        untested = untested_pairs(srdf.root, list(dict.fromkeys(str(body.link) for body in bodies)))
+        named |= {frozenset((pair.link_a, pair.link_b)) for pair in untested}
+    kept = [frozenset((bodies[a].link, bodies[b].link)) not in named for a, b in pairs.tolist()]
+    return np.asarray(pairs[np.array(kept, dtype=bool)])
 
-    Masks count where the file tells them of each geometry of a body; where it does not (an <include>), all bits are
-    set, so that more is tested.
+
+def _mimics(file: MjcfFile) -> dict[str, Mimic]:
+    """The joints that equalities bind to others.
+
+    Raises:
+        PlannercheckError: For an equality that is not linear, a second one for the same joint, or a circle.
     """
-    masks = _masks(model, geometry, _Defaults(root))
-    first, second = masks[pairs[:, 0]], masks[pairs[:, 1]]
-    meet = (first[:, 0] & second[:, 1]) | (second[:, 0] & first[:, 1])
-    return np.asarray(pairs[meet != 0])
-
-
-def _masks(model: pin.Model, geometry: pin.GeometryModel, defaults: _Defaults) -> NDArray[np.int64]:
-    """(n, 2) contype and conaffinity of each geometry."""
-    masks = np.full((len(geometry.geometryObjects), 2), -1, dtype=np.int64)
-    of_body: dict[str, list[int]] = {}
-    for k, each in enumerate(geometry.geometryObjects):
-        of_body.setdefault(model.frames[each.parentFrame].name, []).append(k)
-    for body in defaults.root.iter("body"):
-        own = [
-            [_bits(defaults.value(geom, key)) for key in ("contype", "conaffinity")] for geom in body.iterfind("geom")
-        ]
-        colliding = [mask for mask in own if any(mask)]
-        places = of_body.get(body.get("name", ""), [])
-        if len(places) == len(colliding):
-            masks[places] = np.reshape(colliding, (-1, 2))
-    return masks
-
-
-def _bits(text: str | None) -> int:
-    """A mask, 1 by default; all bits if it is no number."""
-    return 1 if text is None else int(text) if text.strip().isdigit() else -1
-
-
-def _check_elements(root: Element) -> None:
-    """Raises for what Pinocchio passes over without a word."""
-    passed_over = next((each.tag for each in root.iter() if each.tag in _PASSED_OVER), None)
-    if passed_over is not None:
-        raise PlannercheckError(
-            f"<{passed_over}> is not read: save the model as MuJoCo has compiled it (mj_saveLastXML)"
-        )
-    roots = [each.get("name", "") for each in root.iterfind("worldbody/body")]
-    if len(roots) != 1:
-        raise PlannercheckError(
-            f"the worldbody has {len(roots)} bodies ({', '.join(roots)}), of which one would be read: give each robot "
-            "a file of its own, and put objects into a scene"
-        )
-
-
-def _root_placement(root: Element) -> pin.SE3:
-    """Where the root body is, if no joint moves it: else Pinocchio knows."""
-    body = root.find("worldbody/body")
-    if body is None or body.find("joint") is not None or body.find("freejoint") is not None:
-        return pin.SE3.Identity()
-    turned = [key for key in ("euler", "axisangle", "xyaxes", "zaxis") if body.get(key) is not None]
-    if turned:
-        raise PlannercheckError(f"root body {body.get('name', '')!r}: give its orientation as quat=, not {turned[0]}=")
-    try:
-        place = np.array((body.get("pos") or "0 0 0").split(), dtype=np.float64).reshape(3)
-        w, x, y, z = np.array((body.get("quat") or "1 0 0 0").split(), dtype=np.float64)
-    except ValueError:
-        raise PlannercheckError(f"root body {body.get('name', '')!r}: pos= needs 3 numbers, quat= 4") from None
-    return pin.SE3(pin.Quaternion(w, x, y, z).normalized().toRotationMatrix(), place)
-
-
-def _check_joints(model: pin.Model) -> None:
-    """Raises for joints of one body, taken together, that have a quaternion among their numbers."""
-    for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
-        if joint.shortname() == "JointModelComposite" and joint.nq != joint.nv:
-            raise PlannercheckError(f"{name!r} holds a ball joint beside others: give it a body of its own")
-
-
-def _mend_ranges(model: pin.Model, root: Element) -> None:
-    """Takes the ranges of sliding joints as lengths, if Pinocchio has taken them for degrees."""
-    defaults = _Defaults(root)
-    ranges = {joint.get("name", ""): _range(defaults.value(joint, "range")) for joint in root.iter("joint")}
-    for joint in list(model.joints)[1:]:
-        given = ranges.get(model.names[joint.id])
-        if given is None or joint.nq != 1 or not joint.shortname().startswith(_SLIDING):
+    mimics: dict[str, Mimic] = {}
+    joints = file.names["joint"]
+    for k in _equalities(file):
+        dependent, leader = int(file.eq_obj1id[k]), int(file.eq_obj2id[k])
+        if file.eq_type[k] != EQUAL_JOINTS or leader < 0:
             continue
-        for limits, value in zip((model.lowerPositionLimit, model.upperPositionLimit), given, strict=True):
-            if math.isclose(limits[joint.idx_q], math.radians(value), rel_tol=1e-12):
-                limits[joint.idx_q] = value
+        shift, factor, *more = file.eq_data[k][:5].tolist()
+        if any(more):
+            raise file.refused(
+                "equality",
+                k,
+                f"has polycoef {[shift, factor, *more]}: a mimic joint is linear, so the last 3 must be 0",
+            )
+        if joints[dependent] in mimics:
+            raise file.refused("equality", k, f"is a second one for joint {joints[dependent]!r}: leave one")
+        at, of = file.qpos0[file.jnt_qposadr[[dependent, leader]]].tolist()
+        mimics[joints[dependent]] = Mimic(joints[leader], factor, at + shift - factor * of)
+    for name in mimics:
+        try:
+            followed(name, mimics, ())
+        except PlannercheckError as error:
+            raise PlannercheckError(f"MJCF {file.path}: {error}") from None
+    return mimics
 
 
-def _range(text: str | None) -> tuple[float, float] | None:
-    """Two numbers; None if there are not two."""
-    try:
-        lower, upper = map(float, (text or "").split())
-    except ValueError:
-        return None
-    return lower, upper
+def _equalities(file: MjcfFile) -> list[int]:
+    """The equalities that are active."""
+    return [] if "EQUALITY" in file.disabled else np.flatnonzero(file.eq_active0).tolist()
 
 
-class _Defaults:
-    """What elements say themselves, or what their classes say."""
+def _warn(file: MjcfFile, geoms: Ints64) -> None:
+    """Warns of what the file says and the robot does not do."""
+    names = file.names
+    others = [
+        names["equality"][k] for k in _equalities(file) if file.eq_type[k] != EQUAL_JOINTS or file.eq_obj2id[k] < 0
+    ]
+    balls = np.flatnonzero((file.jnt_type == BALL) & (file.jnt_limited != 0))
+    fixed = np.flatnonzero((file.body_mocapid >= 0) & file.is_of_robot)
+    obstacles = [names["geom"][k] for k in obstacle_geoms(file)]
+    said = [
+        (obstacles, f"obstacles, no part of the robot: give scene=Scene.from_mjcf({str(file.path)!r}), or --scene"),
+        (others, "equalities that bind no two joints: they are not applied, so configurations may violate them"),
+        ([names["joint"][k] for k in balls], "ball joints, whose range is not applied"),
+        ([names["body"][k] for k in fixed], "mocap bodies, which stand where they begin"),
+    ]
+    for found, what in said:
+        if found:
+            warnings.warn(f"MJCF {file.path}: {_listed(found)}: {what}", RuntimeWarning, stacklevel=6)
+    if not len(geoms):
+        warnings.warn(f"MJCF {file.path} has no geoms that collide: nothing will ever", RuntimeWarning, stacklevel=6)
+    elif file.disabled & {"CONSTRAINT", "CONTACT"}:
+        text = "disables contacts, so that no two of its geoms are tested against each other"
+        warnings.warn(f"MJCF {file.path} {text}", RuntimeWarning, stacklevel=6)
 
-    def __init__(self, root: Element) -> None:
-        self.root = root
-        self._classes = {each.get("class", "main"): each for each in root.iter("default")}
-        self._parents = {child: parent for parent in root.iter() for child in parent}
 
-    def value(self, element: Element, key: str) -> str | None:
-        """An attribute of an element; None if nothing gives it."""
-        if element.get(key) is not None:
-            return element.get(key)
-        group: Element | None = self._classes.get(self._class(element), self._classes.get("main"))
-        while group is not None and group.tag == "default":
-            own = group.find(element.tag)
-            if own is not None and own.get(key) is not None:
-                return own.get(key)
-            group = self._parents.get(group)
-        return None
-
-    def _class(self, element: Element) -> str:
-        """The element's class, or that of the bodies around it."""
-        name, holder = element.get("class"), self._parents.get(element)
-        while name is None and holder is not None:
-            name, holder = holder.get("childclass"), self._parents.get(holder)
-        return name or "main"
+def _listed(names: list[str]) -> str:
+    more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
+    return ", ".join(map(shortened, names[:_SHOWN])) + more

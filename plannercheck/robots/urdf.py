@@ -13,9 +13,8 @@ import pinocchio as pin
 
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.silence import urdf_silence
-from plannercheck.robots import mjcf
 from plannercheck.robots.link_tree import LinkTree
-from plannercheck.robots.urdf_file import MJCF_ROOT, SDF_ROOT, UrdfFile
+from plannercheck.robots.urdf_file import SDF_ROOT, UrdfFile
 from plannercheck.robots.urdf_hints import foreign_elements, wrong_order_of_imports
 
 
@@ -45,8 +44,6 @@ def read_model(urdf: Path | UrdfFile, floating: bool = False) -> pin.Model:
         The model, mimic joints as joints of their own.
     """
     file = _file(urdf)
-    if file.kind == MJCF_ROOT:
-        return mjcf.mjcf_model(file.path, file.root, floating)
     if file.kind == SDF_ROOT:
         raise PlannercheckError(
             f"robot {file.path} is an SDF file, which Pinocchio's wheels do not read: convert it into a URDF"
@@ -82,7 +79,7 @@ def link_tree(model: pin.Model) -> LinkTree:
 
 
 def mimic_joints(urdf: Path | UrdfFile) -> dict[str, Mimic]:
-    """The joints that a URDF lets follow others, by name; an MJCF file has none."""
+    """The joints that a URDF lets follow others, by name."""
     mimics: dict[str, Mimic] = {}
     for joint in _file(urdf).root.iterfind("joint"):
         tag = joint.find("mimic")

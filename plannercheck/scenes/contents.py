@@ -39,10 +39,12 @@ class AllowedCollisions:
     Attributes:
         pairs: By pair of names, whether the two may touch.
         defaults: By name, whether it may touch any other name, where `pairs` has no entry.
+        geometries: (link, geometry of it, object) that may touch, where a link has geometries that may not.
     """
 
     pairs: dict[frozenset[str], bool] = field(default_factory=dict)
     defaults: dict[str, bool] = field(default_factory=dict)
+    geometries: set[tuple[str, str, str]] = field(default_factory=set)
 
     def __call__(self, a: str, b: str) -> bool:
         """Whether two links or objects may touch: by their own entry, else by the stricter of their defaults."""
@@ -68,6 +70,18 @@ class AllowedCollisions:
                 for here, there in ((a, b), (b, a)):
                     if here in rows and there in columns:
                         allowed[np.ix_(rows[here], columns[there])] = verdict
+        return allowed
+
+    def geometry_table(self, bodies: Sequence[GeometryObject], objects: Sequence[str]) -> Bools:
+        """(n, m) which of n bodies of a robot and m objects may touch by `geometries`."""
+        allowed = np.zeros((len(bodies), len(objects)), dtype=np.bool_)
+        if self.geometries:
+            rows: dict[tuple[str | None, str], list[int]] = {}
+            for row, body in enumerate(bodies):  # pieces are named "body/piece 0"
+                rows.setdefault((body.link, body.name.partition("/piece ")[0]), []).append(row)
+            columns = _places(objects)
+            for link, geometry, name in self.geometries:
+                allowed[np.ix_(rows.get((link, geometry), []), columns.get(name, []))] = True
         return allowed
 
 
@@ -103,7 +117,9 @@ class SceneContents(DeclaredStates):
     def copy(self: Contents) -> Contents:
         """A copy that can be changed by itself; both share the objects' shapes and bodies prepared from them."""
         other = type(self)(self.name)
-        other.allowed = AllowedCollisions(dict(self.allowed.pairs), dict(self.allowed.defaults))
+        other.allowed = AllowedCollisions(
+            dict(self.allowed.pairs), dict(self.allowed.defaults), set(self.allowed.geometries)
+        )
         other.states, other.link_padding, other.frames = dict(self.states), dict(self.link_padding), self.frames
         other._objects, other._attached = dict(self._objects), dict(self._attached)
         other._body_names = set(self._body_names)

@@ -301,7 +301,7 @@ def _warn_of_the_rest(scene: SceneContents) -> None:
     held = {
         "octomap": OCTOMAP in scene.object_names,
         "attached objects": scene.attached,
-        "allowed collisions": scene.allowed.pairs or scene.allowed.defaults,
+        "allowed collisions": scene.allowed.pairs or scene.allowed.defaults or scene.allowed.geometries,
         "states": scene.states,
     }
     missing = [what for what, given in held.items() if given]

@@ -56,6 +56,7 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
         cylinder: {radius: 0.03, length: 0.1}  # or any other shape, or parts
         position: [0.0, 0.0, 0.1]
     allowed: [[panda_link0, worktop]]          # optional: pairs of links or objects that may touch
+    allowed_geometries: [[hand, hand/geom0, worktop]]   # optional: a link, a geometry of it, and an object
     allowed_by_default: {floor: true}          # optional: what may touch everything, less the forbidden pairs
     forbidden: [[panda_hand, floor]]           # optional
     allowed_links: [[panda_link5, panda_hand]] # optional: two links, for acm="scene"; also forbidden_links
@@ -75,10 +76,11 @@ from typing import get_args
 
 from plannercheck.bodies.mesh_files import MeshUnits, checked_units
 from plannercheck.bodies.solids import Solid, open_meshes
-from plannercheck.common.errors import unknown_name
+from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.package_data import is_file, is_folder, is_planar_file, shipped_folder
 from plannercheck.common.public_names import set_module
 from plannercheck.scenes.contents import SceneContents
+from plannercheck.scenes.mjcf_scene import read_mjcf_scene
 from plannercheck.scenes.scene_files import read_scene
 from plannercheck.scenes.scene_hints import scale_hint
 from plannercheck.scenes.scene_paths import MeshKind
@@ -109,9 +111,9 @@ class Scene(SceneContents):
         """Loads a scene file.
 
         Args:
-            path: A file of our own format; a planning scene, a planning scene's world or a collision object of MoveIt
-                in YAML (recognised by their keys); MoveIt's text format (`.scene`); or the bare name of a shipped
-                scene, e.g. "bookshelf".
+            path: A file of our own format; an MJCF file, as for `from_mjcf`; a planning scene, a planning scene's world
+                or a collision object of MoveIt in YAML (recognised by their keys); MoveIt's text format (`.scene`); or
+                the bare name of a shipped scene, e.g. "bookshelf".
             package_dirs: Folders in which `package://` meshes are searched, before the folders above the file.
             meshes: What meshes are taken as: their hulls; "solid", whose open meshes are closed by caps; or
                 "triangles", where open meshes are their triangles alone. A file's `solid:` is one anyway. One warning
@@ -134,6 +136,27 @@ class Scene(SceneContents):
         words = open_meshes({body.name: body.shape for body in bodies if isinstance(body.shape, Solid)})
         if words:
             warnings.warn(f"scene file {str(file)!r}: {words}. {_OPEN_HINT}", RuntimeWarning, stacklevel=2)
+        return scene
+
+    @staticmethod
+    def from_mjcf(path: str | Path, *, meshes: MeshKind = "hull") -> Scene:
+        """The obstacles of an MJCF file: geoms of its world and of bodies that no joint moves, by the geoms' names.
+
+        Where the file holds a robot as well, its geoms are tested against the obstacles by MuJoCo's rules.
+
+        Args:
+            path: The file, which MuJoCo compiles (`pip install 'plannercheck[mjcf]'`).
+            meshes: What meshes are taken as: their hulls, as MuJoCo has them, or "solid".
+
+        Returns:
+            The scene.
+        """
+        if meshes not in get_args(MeshKind):
+            raise unknown_name("kind of meshes", str(meshes), get_args(MeshKind))
+        scene, file = Scene(), Path(path)
+        if not is_file(file):
+            raise PlannercheckError(f"MJCF {file} {'is a folder' if is_folder(file) else 'does not exist'}")
+        read_mjcf_scene(scene, file, meshes)
         return scene
 
     def save(self, path: str | Path) -> None:

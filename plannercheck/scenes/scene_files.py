@@ -1,7 +1,7 @@
 """Reads scene files of our own format, which scene.py documents; written_scenes.py writes them.
 
 In: a file and an empty scene. Out: the filled scene. YAML with the keys of MoveIt's messages is read by
-moveit_scene.py, a file that ends in `.scene` by moveit_text.py.
+moveit_scene.py, a file that ends in `.scene` by moveit_text.py, an MJCF file by mjcf_scene.py.
 """
 
 from __future__ import annotations
@@ -32,12 +32,14 @@ from plannercheck.common.checked_yaml import (
     text,
 )
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.file_kinds import is_mjcf
 from plannercheck.common.package_data import is_file, is_folder
 from plannercheck.common.transforms import pose_of, rotation_of_quaternion, rotation_of_rpy
 from plannercheck.scenes import moveit_scene as moveit
 from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
+from plannercheck.scenes.mjcf_scene import read_mjcf_scene
 from plannercheck.scenes.moveit_messages import single_document
 from plannercheck.scenes.scene_meshes import read_hull, read_mesh_node, read_solid_node
 from plannercheck.scenes.scene_paths import FindFile, MeshKind
@@ -47,7 +49,7 @@ from plannercheck.scenes.sensed_shapes import SENSED_KEYS, SensedSource, read_se
 # not pass for a link.
 LINK_PAIRS = ("allowed_links", "forbidden_links")
 PAIRS = {"allowed": True, "forbidden": False, "allowed_links": True, "forbidden_links": False}
-_SCENE_KEYS = ("name", "objects", "attached", *PAIRS, "allowed_by_default", "states")
+_SCENE_KEYS = ("name", "objects", "attached", *PAIRS, "allowed_geometries", "allowed_by_default", "states")
 _STATE_KEYS = ("start", "goal", "samples")
 _POSE_KEYS = ("position", "quaternion", "rpy", "matrix")
 
@@ -86,6 +88,8 @@ def read_scene(
         content = read_bytes(path)
         if path.suffix.lower() == moveit_text.SUFFIX:
             moveit_text.read_scene_text(scene, content, meshes)
+        elif is_mjcf(content):
+            read_mjcf_scene(scene, path, meshes)
         else:
             _read_yaml(scene, content, FindFile(path.parent, package_dirs, meshes, mesh_units))
     scene.name = scene.name or path.stem
@@ -229,6 +233,11 @@ def _read_allowed(scene: SceneContents, document: Node) -> None:
                     f"{', '.join(known) or 'none'}"
                 )
             scene.allow(names[0], names[1], allowed)
+    for triple in sequence(document.get("allowed_geometries"), "'allowed_geometries'"):
+        names = [text(name, "allowed_geometries") for name in sequence(triple, "an entry of 'allowed_geometries'")]
+        if len(names) != 3 or names[2] not in known:
+            raise PlannercheckError(f"'allowed_geometries' needs a link, a geometry and an object, not {names}")
+        scene.allowed.geometries.add((names[0], names[1], names[2]))
     for name, allowed in mapping(document.get("allowed_by_default"), "'allowed_by_default'").items():
         if not isinstance(allowed, bool):
             raise PlannercheckError(f"'allowed_by_default' of {name!r} must be true or false, not {allowed!r}")

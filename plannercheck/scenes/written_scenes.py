@@ -129,6 +129,8 @@ def _allowed_nodes(scene: SceneContents) -> Node:
         for key, allowed in PAIRS.items()
     }
     nodes: Node = {key: said[key] for key in said if said[key] and PAIRS[key]}
+    if scene.allowed.geometries:
+        nodes |= {"allowed_geometries": sorted(map(list, scene.allowed.geometries))}
     if scene.allowed.defaults:
         nodes |= {"allowed_by_default": dict(scene.allowed.defaults)}
         nodes |= {key: said[key] for key in said if said[key] and not PAIRS[key]}

@@ -26,6 +26,7 @@ from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.link_bodies import read_bodies
 from plannercheck.robots.loading import collision_meshes
 from plannercheck.robots.urdf import read_model
+from plannercheck.robots.urdf_file import MJCF_ROOT
 
 Surface: TypeAlias = tuple[NDArray[np.float64], NDArray[np.int32]]
 
@@ -137,6 +138,9 @@ def visual_meshes(robot: str | Path | RobotDescription) -> tuple[Visual, ...]:
     """
     description = description_of(robot)
     file = description.file
+    if file.kind == MJCF_ROOT:
+        warnings.warn(f"MJCF {file.path}: geoms that do not collide are not drawn", RuntimeWarning, stacklevel=2)
+        return ()
     model = read_model(file, description.floating)
     try:
         shown = read_bodies(model, file, description.package_dirs, description.mesh_units, "visual")
