@@ -14,7 +14,7 @@ import numpy as np
 
 from plannercheck.bodies.mesh_objects import RawObject, check_indices
 from plannercheck.bodies.polygons import triangles_of_polygons
-from plannercheck.bodies.text_numbers import first_bad, floats_of, integers_of, shown
+from plannercheck.bodies.text_numbers import first_bad, floats_of, integers_of, shown, word_counts
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError
 
@@ -102,7 +102,7 @@ def _joined(lines: re.Match[bytes]) -> bytes:
 
 def _points(said: _Statements) -> Floats:
     """The vertices (n, 3)."""
-    columns = np.array([len(rest.split()) for rest in said.vertices], dtype=np.int64)
+    columns = word_counts(said.vertices)
     numbers = floats_of(b"\n".join(said.vertices))
     if numbers is None:
         k = max(first_bad(said.vertices), 0)
@@ -127,7 +127,7 @@ def _points(said: _Statements) -> Floats:
 
 def _faces(said: _Statements, points: int) -> tuple[Ints64, Ints64]:
     """How many corners each face has, and its vertices, from 0 on."""
-    counts = np.array([len(rest.split()) for rest in said.faces], dtype=np.int64)
+    counts = word_counts(said.faces)
     text = b"\n".join(said.faces)
     corners = integers_of(_ATTRIBUTES.sub(b"", text) if b"/" in text else text)
     if corners is None or len(corners) != counts.sum() or (counts < _LEAST).any():

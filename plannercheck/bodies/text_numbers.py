@@ -38,6 +38,28 @@ def integers_of(text: bytes) -> Ints64 | None:
     return None if numbers is None or (np.abs(numbers) >= 10**_MOST_DIGITS).any() else numbers
 
 
+def word_counts(lines: Sequence[bytes]) -> Ints64:
+    """How many words each line has, (n,)."""
+    return np.fromiter((len(line.split()) for line in lines), dtype=np.int64, count=len(lines))
+
+
+def pieces_of(values: NDArray[np.generic], starts: Ints64, lengths: Ints64) -> NDArray[np.generic]:
+    """Pieces of an array, one after the other: from each of some places, so many values."""
+    if len(lengths) and (lengths == lengths[0]).all():
+        return values[starts[:, None] + np.arange(lengths[0])].reshape(-1)
+    steps = np.arange(lengths.sum()) - np.repeat(np.cumsum(lengths) - lengths, lengths)
+    return values[np.repeat(starts, lengths) + steps]
+
+
+def filled_lines(content: bytes, first: int = 1) -> tuple[list[bytes], list[int]]:
+    """The lines with something on them, and their numbers."""
+    lines = content.splitlines()
+    if all(map(bytes.strip, lines)):
+        return lines, list(range(first, first + len(lines)))
+    kept = [(k, line) for k, line in enumerate(lines, first) if line.strip()]
+    return [line for _, line in kept], [k for k, _ in kept]
+
+
 def first_bad(words: Sequence[bytes]) -> int:
     """Which of some texts is the first that is not made of finite numbers; -1 if all are."""
     return next((k for k, word in enumerate(words) if floats_of(word) is None), -1)
