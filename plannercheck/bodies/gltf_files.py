@@ -34,12 +34,12 @@ class GltfScene:
     Attributes:
         objects: With all transforms.
         without_root: The same with the identity in place of the transform of the only root node.
-        root_moves: Whether the two differ.
+        root: The transform (4, 4) of the only root node; the identity if there are several.
     """
 
     objects: list[RawObject]
     without_root: list[RawObject]
-    root_moves: bool
+    root: Floats
 
 
 def scene_of_gltf(path: Path, content: bytes) -> GltfScene:
@@ -55,10 +55,9 @@ def scene_of_gltf(path: Path, content: bytes) -> GltfScene:
     roots = _roots(root)
     only = roots[0] if len(roots) == 1 else None
     pose = _pose(only) if only is not None else np.eye(4)
-    moves = bool((pose != np.eye(4)).any())
     meshes: dict[int, tuple[Floats, Ints64]] = {}
     objects = _walk(roots, None, buffers, meshes)
-    return GltfScene(objects, _walk(roots, only, buffers, meshes) if moves else objects, moves)
+    return GltfScene(objects, _walk(roots, only, buffers, meshes), pose)
 
 
 def _chunks(content: bytes) -> tuple[bytes, bytes | None]:
