@@ -77,12 +77,15 @@ def objects_of_collada(content: bytes) -> tuple[list[RawObject], ColladaAxes]:
     for each in scene:
         if tag(each) and tag(each) not in _OTHERS:
             raise PlannercheckError(f"{_named(scene)} has <{shortened(tag(each))}>, which Collada does not have there")
+    stack: list[tuple[Element, Floats, tuple[int, ...]]]
     stack = [(node, np.eye(4), (id(node),)) for node in reversed(_nodes(scene))]
     while stack:
         node, outer, path = stack.pop()
         count += 1
         if count > _MOST_NODES or len(path) > _DEEPEST:
-            raise PlannercheckError(f"has more than {_MOST_NODES} nodes in its scene, or {_DEEPEST} inside of each other")
+            raise PlannercheckError(
+                f"has more than {_MOST_NODES} nodes in its scene, or {_DEEPEST} inside of each other"
+            )
         pose = composed(outer, _pose(node))
         below = _nodes(node)
         for each in node:

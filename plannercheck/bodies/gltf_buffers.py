@@ -48,7 +48,9 @@ class Buffers:
         with np.errstate(invalid="ignore"):  # of signalling NaNs
             found = self._accessed(table, "VEC3", _PLACE_KINDS).astype(np.float64)
         if not np.isfinite(found).all():
-            raise PlannercheckError(f"{table.name}: place {int(np.argmin(np.isfinite(found).all(axis=1)))} is not finite")
+            raise PlannercheckError(
+                f"{table.name}: place {int(np.argmin(np.isfinite(found).all(axis=1)))} is not finite"
+            )
         if kind in _ONE and table.items.get("normalized") is True:
             found = np.maximum(found / _ONE[kind], -1.0)
         return found
@@ -74,7 +76,9 @@ class Buffers:
             found = np.zeros((count, columns), dtype=dtype)
         return self._with_sparse(table, found, dtype) if "sparse" in table.items else found
 
-    def _with_sparse(self, table: Table, found: NDArray[np.generic], dtype: np.dtype[np.generic]) -> NDArray[np.generic]:
+    def _with_sparse(
+        self, table: Table, found: NDArray[np.generic], dtype: np.dtype[np.generic]
+    ) -> NDArray[np.generic]:
         sparse = table.table("sparse")
         count, places = sparse.integer("count"), sparse.table("indices")
         if places.integer("componentType") not in _INDEX_KINDS:
@@ -93,7 +97,11 @@ class Buffers:
         if any("meshopt" in name for name in view.table("extensions", {}).items):
             raise PlannercheckError(f"{view.name} is compressed (meshopt), which is not read: export without it")
         data = self._buffer(view.integer("buffer"))
-        begin, length, offset = view.integer("byteOffset", 0), view.integer("byteLength"), table.integer("byteOffset", 0)
+        begin, length, offset = (
+            view.integer("byteOffset", 0),
+            view.integer("byteLength"),
+            table.integer("byteOffset", 0),
+        )
         row = columns * dtype.itemsize
         stride = view.integer("byteStride", row)
         if begin + length > len(data):

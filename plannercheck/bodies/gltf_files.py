@@ -1,6 +1,7 @@
 """glTF 2.0 files, as JSON with buffers beside it and as GLB: the meshes of their scene.
 
-In: a path and its content. Out: one object for each node with a mesh, posed by the nodes above it, with y up. Compressed meshes, skeletons, instancing by extensions and morphed meshes are refused.
+In: a path and its content. Out: one object for each node with a mesh, posed by the nodes above it, with y up.
+Compressed meshes, skeletons, instancing by extensions and morphed meshes are refused.
 """
 
 from __future__ import annotations
@@ -19,7 +20,15 @@ from plannercheck.common.errors import PlannercheckError, shortened
 
 # What a viewer must understand, and what only concerns how surfaces look; the first one is read.
 _UNDERSTOOD = ("KHR_mesh_quantization",)
-_LOOKS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_", "KHR_xmp", "ADOBE_materials_")
+_LOOKS = (
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_",
+    "KHR_lights_",
+    "KHR_xmp",
+    "ADOBE_materials_",
+)
 
 _POINTS, _LINES, _TRIANGLES, _STRIP, _FAN = 0, (1, 2, 3), 4, 5, 6
 
@@ -136,9 +145,7 @@ def _pose(node: Table) -> Floats:
     return pose
 
 
-def _object(
-    node: Table, pose: Floats, buffers: Buffers, meshes: dict[int, tuple[Floats, Ints64]]
-) -> list[RawObject]:
+def _object(node: Table, pose: Floats, buffers: Buffers, meshes: dict[int, tuple[Floats, Ints64]]) -> list[RawObject]:
     index = node.integer("mesh")
     mesh = node.root().pick("meshes", index)
     if "skin" in node.items:

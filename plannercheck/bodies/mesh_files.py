@@ -1,7 +1,7 @@
 """Mesh files: STL, OBJ, PLY, OFF, Collada and glTF, in doubles, with all objects where the file's scene puts them.
 
-In: a path, a scale, and whether the file's own unit and axes count. Out: `MeshFile`. A file is read as its format defines
-it, or refused with the place that is wrong: readers are strict, because a face that is passed over is a hole in a body.
+In: a path, a scale, and whether the file's own unit and axes count. Out: `MeshFile`. A file is read as its format
+defines it, or refused with the place that is wrong: a face that is passed over would be a hole in a body.
 """
 
 from __future__ import annotations
@@ -67,8 +67,8 @@ class MeshFile:
     Attributes:
         path: The file.
         objects: At least one, each with at least one triangle.
-        conversion: How the readings "file" and "metre" differ, in words; "" if they are the same, but for roundings of a
-            glTF root that turns z up to y up.
+        conversion: How the readings "file" and "metre" differ, in words; "" if they are the same, but for roundings of
+            a glTF root that turns z up to y up.
     """
 
     path: Path
@@ -188,7 +188,9 @@ def _read(path: Path, units: MeshUnits) -> tuple[list[RawObject], str]:
         conversion = _gltf_conversion(scene.root)
         return scene.without_root if units == "metre" else _in_metres(scene.objects, Y_UP, 1.0), conversion
     readable = ", ".join((*_PLAIN, *_WITH_AXES))
-    raise PlannercheckError(f"is of a format that is not read ({ending or 'no ending'}): convert it to one of {readable}")
+    raise PlannercheckError(
+        f"is of a format that is not read ({ending or 'no ending'}): convert it to one of {readable}"
+    )
 
 
 def _gltf_conversion(root: Floats) -> str:
@@ -236,7 +238,7 @@ def _unique(names: list[str]) -> list[str]:
     counts: dict[str, int] = {}
     for name in names:
         unique = name
-        while name and unique in seen or (unique != name and unique in taken):
+        while (name and unique in seen) or (unique != name and unique in taken):
             counts[name] = counts.get(name, 1) + 1
             unique = f"{name}_{counts[name]}"
         seen.add(unique)

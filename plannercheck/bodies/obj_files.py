@@ -1,8 +1,8 @@
 """Wavefront OBJ files: their polygons.
 
 In: the content. Out: one object for each `o` statement with faces; in a file without `o`, one for each name of `g`, and
-one without a name for faces that belong to neither. Materials, normals and texture places do not matter here; points and
-lines are no surface. Free-form surfaces, and statements that the format does not have, are refused.
+one without a name for faces that belong to neither. Materials, normals and texture places do not matter here; points
+and lines are no surface. Free-form surfaces, and statements that the format does not have, are refused.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ from plannercheck.common.errors import PlannercheckError
 _PASSED_OVER = frozenset(
     b"vn vt vp s mg usemtl mtllib usemap maplib p l bevel c_interp d_interp lod shadow_obj trace_obj".split()
 )
-_SURFACES = frozenset(b"surf curv curv2 cstype deg bmat step parm trim hole scrv sp end con bzp bsp cdc cdp res".split())
+_SURFACES = frozenset(
+    b"surf curv curv2 cstype deg bmat step parm trim hole scrv sp end con bzp bsp cdc cdp res".split()
+)
 
 _JOINED = re.compile(rb"(?:[^\n]*\\\n)+[^\n]*")
 _COMMENT = re.compile(rb"#[^\n]*")
@@ -68,13 +70,14 @@ def _statements(content: bytes) -> _Statements:
     if b"\\\n" in content:
         hidden = _HIDDEN.search(content)
         if hidden is not None:
-            line = content.count(b"\n", 0, hidden.start()) + 1
-            raise PlannercheckError(f"line {line}: a comment ends in a backslash, which would hide the next line")
+            number = content.count(b"\n", 0, hidden.start()) + 1
+            raise PlannercheckError(f"line {number}: a comment ends in a backslash, which would hide the next line")
         content = _JOINED.sub(_joined, content)
     if b"#" in content:
         content = _COMMENT.sub(b"", content)
     said = _Statements()
-    for number, line in enumerate(content.split(b"\n"), 1):
+    lines: list[bytes] = content.split(b"\n")
+    for number, line in enumerate(lines, 1):
         words = line.split(None, 1)
         if not words:
             continue
@@ -122,7 +125,7 @@ def _points(said: _Statements) -> Floats:
     if unequal.any():
         k = int(weighted[int(np.argmax(unequal))])
         raise PlannercheckError(f"line {said.vertex_lines[k]}: a vertex of a polygon must have weight 1, or none")
-    return numbers[starts[:, None] + np.arange(3)]
+    return np.asarray(numbers[starts[:, None] + np.arange(3)])
 
 
 def _faces(said: _Statements, points: int) -> tuple[Ints64, Ints64]:
@@ -150,7 +153,9 @@ def _bad_face(said: _Statements) -> PlannercheckError:
     for line, rest in zip(said.face_lines, said.faces, strict=True):
         corners = integers_of(_ATTRIBUTES.sub(b"", rest))
         if corners is None or len(corners) != len(rest.split()) or len(corners) < _LEAST:
-            return PlannercheckError(f"line {line}: a face must have corners v, v/vt, v//vn or v/vt/vn, three or more, not {shown(rest)}")
+            return PlannercheckError(
+                f"line {line}: a face must have corners v, v/vt, v//vn or v/vt/vn, three or more, not {shown(rest)}"
+            )
     return PlannercheckError("has faces with corners that are run together")
 
 

@@ -11,7 +11,15 @@ import numpy as np
 
 from plannercheck.bodies.mesh_objects import RawObject
 from plannercheck.bodies.polygons import triangles_of_polygons
-from plannercheck.bodies.text_numbers import filled_lines, first_bad, floats_of, integers_of, pieces_of, shown, word_counts
+from plannercheck.bodies.text_numbers import (
+    filled_lines,
+    first_bad,
+    floats_of,
+    integers_of,
+    pieces_of,
+    shown,
+    word_counts,
+)
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError
 
@@ -39,9 +47,7 @@ def objects_of_off(content: bytes) -> list[RawObject]:
         raise PlannercheckError(f"there must be the counts of vertices, faces and edges, not {shown(said)}")
     vertices, faces = int(counts[0]), int(counts[1])
     if len(lines) - begin != vertices + faces:
-        raise PlannercheckError(
-            f"has {len(lines) - begin} rows, but must have {vertices} vertices and {faces} faces"
-        )
+        raise PlannercheckError(f"has {len(lines) - begin} rows, but must have {vertices} vertices and {faces} faces")
     more = [2 * bool(key[1]) + 3 * bool(key[3]) + colour for colour in ((3, 4) if key[2] else (0,))]
     split = begin + vertices
     points = _points(lines[begin:split], numbers[begin:split], more)

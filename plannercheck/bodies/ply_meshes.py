@@ -76,8 +76,8 @@ def _triangles(name: str, lists: _Lists, points: Floats) -> list[Ints64]:
         check_indices(lists.items, len(points), "element 'face'")
         return [triangles_of_polygons(points, lists.counts, lists.items)]
     found = []
-    for row in np.split(lists.items, np.cumsum(lists.counts)[:-1]):
-        strips = np.split(row, np.flatnonzero(row == -1))
+    for strips_of_row in np.split(lists.items, np.cumsum(lists.counts)[:-1]):
+        strips = np.split(strips_of_row, np.flatnonzero(strips_of_row == -1))
         for strip in (part[part != -1] for part in strips):
             check_indices(strip, len(points), f"element {name!r}")
             if 0 < len(strip) < _LEAST:
@@ -198,10 +198,9 @@ def _layout(
     if at + size * rows <= len(content):
         steps = np.arange(rows, dtype=np.int64) * size
         alike = all(
-            (_gathered(content, order, each.count, start + steps - np.dtype(each.count).itemsize) == counts[each.name]).all()
+            (_counts_at(content, order, each, starts, steps) == counts[each.name]).all()
             for each in element.properties
             if each.count is not None
-            for start in [starts[each.name]]
         )
         if alike:
             return (
@@ -218,6 +217,14 @@ def _layout(
         {name: np.array([row[1][name] for row in found], dtype=np.int64) for name in counts},
         at,
     )
+
+
+def _counts_at(
+    content: bytes, order: str, each: PlyProperty, starts: dict[str, int], steps: Ints64
+) -> NDArray[np.generic]:
+    """The lengths of a list in rows of one size: each stands before its list."""
+    kind = each.count or each.kind
+    return _gathered(content, order, kind, starts[each.name] + steps - int(kind[1]))
 
 
 def _row(content: bytes, at: int, order: str, element: PlyElement) -> tuple[dict[str, int], dict[str, int], int]:
@@ -261,7 +268,7 @@ def _gathered(content: bytes, order: str, kind: str, places: Ints64) -> NDArray[
     """The numbers that begin at some places."""
     one = np.dtype(order + kind)
     octets = np.frombuffer(content, dtype=np.uint8)
-    return octets[places[:, None] + np.arange(one.itemsize)].reshape(-1).view(one)
+    return np.asarray(octets[places[:, None] + np.arange(one.itemsize)].reshape(-1).view(one))
 
 
 def _cut_short(element: PlyElement) -> PlannercheckError:

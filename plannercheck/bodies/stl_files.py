@@ -1,7 +1,7 @@
 """STL files, binary and text.
 
-In: the content. Out: one object for each solid that has facets. Normals are not read: the order of corners says as much.
-A file is binary if its length is the one that its count of facets demands; else it must begin with "solid".
+In: the content. Out: one object for each solid that has facets. Normals are not read: the order of corners says as
+much. A file is binary if its length is the one that its count of facets demands; else it must begin with "solid".
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute
 
 # A facet's words by place; the others are numbers.
 _WORDS = {0: b"facet", 1: b"normal", 5: b"outer", 6: b"loop", 19: b"endloop", 20: b"endfacet"}
-_WORDS |= {place: b"vertex" for place in (7, 11, 15)}
+_WORDS |= dict.fromkeys((7, 11, 15), b"vertex")
 _NUMBERS = (8, 9, 10, 12, 13, 14, 16, 17, 18)
 _LENGTH = 21  # words of a facet
 _PIECE = 1 << 22  # bytes that are split into words at once

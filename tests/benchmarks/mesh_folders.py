@@ -1,8 +1,8 @@
 """Reads every mesh below folders with plannercheck and with assimp (through coal), and says where the two differ.
 
-In: folders. Out: a table of differences by kind, each with who is right by the format's specification; the exit code 1 if
-a difference has no explanation. Numbers are read as metres ("metre"), as coal's loader does. Two meshes agree if their
-points, rounded to single precision, are the same sets, and triangles, bounds and volume are the same.
+In: folders. Out: a table of differences by kind, each with who is right by the format's specification; the exit code 1
+if a difference has no explanation. Numbers are read as metres ("metre"), as coal's loader does. Two meshes agree if
+their points, rounded to single precision, are the same sets, and triangles, bounds and volume are the same.
 
     python tests/benchmarks/mesh_folders.py FOLDER …
 """
@@ -30,17 +30,21 @@ SCENES = (".dae", ".gltf", ".glb")  # formats with nodes
 # Steps of single precision by which a point under transforms may differ: assimp rounds every product.
 _STEPS = 16
 
+NOTHING = "trimesh reads no triangles"
 SAME = "the same points, triangles, bounds and volume"
 EXPLAINED = {
     "posed": "points under transforms differ by roundings: assimp multiplies in single precision, we in double",
-    "nested": "coal numbers the triangles of nested nodes wrongly (src/mesh_loader/assimp.cpp passes the count of a level,"
-    " not of all before); its points are ours, and the triangles are those of trimesh",
+    "nested": "coal numbers the triangles of nested nodes wrongly (src/mesh_loader/assimp.cpp passes the count of a"
+    " level, not of all before); its points are ours, and the triangles are those of trimesh",
+    "nested, trimesh reads nothing": "the same, but trimesh gives up its nodes without a word; points are ours",
+    "root": "the only root node has the mesh: coal keeps its transform, which it drops for nodes below the root; here it is"
+    " the identity, as in MoveIt",
     "refused by both": "neither reads the file",
     "not finite": "the file has vertices that are no numbers: refused here; assimp keeps them, and no hull has them",
-    "two corners": "faces with two corners: the format demands three; here degenerate triangles, in assimp lines, dropped",
+    "two corners": "faces with two corners, where the format demands three: here triangles of no area, in assimp lines",
     "stray": "vertices that no face uses: no part of the surface; assimp keeps them",
     "degenerate": "triangles without area: here as in the file; assimp drops or merges some",
-    "concave": "polygons with other diagonals: both are right where it is plane; concave ones are cut ear by ear in both",
+    "concave": "polygons with other diagonals: both are right where a polygon is plane",
     "text": "a decimal that assimp's own parser rounds one step of single precision away: the nearest double is right",
 }
 
@@ -61,7 +65,39 @@ def compared(path: Path) -> tuple[str, str]:
         return ("not finite" if not np.isfinite(theirs[0]).all() or "nan" in said else ""), said
     if theirs is None:
         return "", f"coal: {reason:.200}"
-    return _difference(path, mesh, *theirs)
+    kind, details = _difference(path, mesh, *theirs)
+    if not kind and path.suffix.lower() in SCENES:
+        return _scene_difference(path, mesh, *theirs, details)
+    return kind, details
+
+
+def _scene_difference(
+    path: Path, mesh: MeshFile, points: np.ndarray, triangles: np.ndarray, details: str
+) -> tuple[str, str]:
+    """Explains what coal makes of nodes."""
+    limit = _STEPS * np.spacing(np.abs(points).max().astype(np.float32))
+    flat = int(_flat(mesh.points[mesh.triangles]).sum())
+    if not len(triangles) <= len(mesh.triangles) <= len(triangles) + flat:
+        return "", details
+    if path.suffix.lower() != ".dae" and _farthest(_as_in_gltf(read_mesh(path)), points) <= limit:
+        return "root", details
+    if _farthest(mesh.points, points) > limit:
+        return "", details
+    other = _unlike_trimesh(path, mesh)
+    if other == NOTHING:
+        return "nested, trimesh reads nothing", details
+    return ("" if other else "nested"), other or details
+
+
+def _flat(triangles: np.ndarray) -> np.ndarray:
+    """Which triangles have two corners that are the same in single precision."""
+    single = triangles.astype(np.float32)
+    return (single == np.roll(single, 1, axis=1)).all(axis=2).any(axis=1)
+
+
+def _as_in_gltf(mesh: MeshFile) -> np.ndarray:
+    """The points with y up again."""
+    return mesh.points[:, [0, 2, 1]] * [1, 1, -1]
 
 
 def _difference(path: Path, mesh: MeshFile, points: np.ndarray, triangles: np.ndarray) -> tuple[str, str]:
@@ -76,8 +112,6 @@ def _difference(path: Path, mesh: MeshFile, points: np.ndarray, triangles: np.nd
         steps = np.spacing(np.abs(theirs).max().astype(np.float32)).astype(float)
         far = _farthest(single, theirs)
         if far > _STEPS * steps:
-            if path.suffix.lower() in SCENES and _farthest(mesh.points, points) <= _STEPS * steps:
-                return ("nested", "") if not (other := _unlike_trimesh(path, mesh)) else ("", other)
             if _same_sets(single[_area(single) > 0], theirs[_area(theirs) > 0]):
                 kinds.append("degenerate")
             else:
@@ -96,7 +130,10 @@ def _difference(path: Path, mesh: MeshFile, points: np.ndarray, triangles: np.nd
         if np.abs(ends(ours, axis=(0, 1)) - ends(theirs, axis=(0, 1))).max() > tolerance:
             return "", "other bounds"
     middle = theirs.reshape(-1, 3).mean(axis=0)
-    volumes = [np.einsum("ij,ij->i", *(lambda t: (t[:, 0], np.cross(t[:, 1], t[:, 2])))(t - middle)) / 6 for t in (ours, theirs)]
+    volumes = [
+        np.einsum("ij,ij->i", *(lambda t: (t[:, 0], np.cross(t[:, 1], t[:, 2])))(t - middle)) / 6
+        for t in (ours, theirs)
+    ]
     size = sum(np.abs(v).sum() for v in volumes)
     if abs(volumes[0].sum() - volumes[1].sum()) > 1e-4 * size + 1e-30:
         return "", f"volume {volumes[0].sum():.9g}, {volumes[1].sum():.9g} in assimp"
@@ -110,10 +147,14 @@ def _difference(path: Path, mesh: MeshFile, points: np.ndarray, triangles: np.nd
 
 def _unlike_trimesh(path: Path, mesh: MeshFile) -> str:
     """How triangles differ from those of trimesh, which turns no axes and keeps the root; "" if they don't."""
-    theirs = trimesh.load_scene(str(path), file_type=path.suffix[1:].lower(), process=False, maintain_order=True).to_mesh()
+    theirs = trimesh.load_scene(
+        str(path), file_type=path.suffix[1:].lower(), process=False, maintain_order=True
+    ).to_mesh()
     ours = mesh if path.suffix.lower() == ".dae" else read_mesh(path)
-    points = ours.points if path.suffix.lower() == ".dae" else ours.points[:, [0, 2, 1]] * [1, 1, -1]
+    points = ours.points if path.suffix.lower() == ".dae" else _as_in_gltf(ours)
     a, b = points[ours.triangles], theirs.vertices[theirs.faces]
+    if not len(b):
+        return NOTHING
     if len(a) != len(b):
         return f"{len(a)} triangles, {len(b)} in trimesh"
     size = np.abs(b).max()

@@ -30,9 +30,20 @@ from plannercheck.bodies.mesh_files import MeshFile, read_mesh
 from plannercheck.common.errors import PlannercheckError
 
 _SECONDS, _BYTES = 10.0, 2 << 30
-_WORDS = b"nan -1 3.0 x inf 1e400 0 7 99999999999999999999 4294967295 -0 1_0 0x10 1e 1,5 # \\ / // 1/ -2147483648".split()
+_WORDS = (
+    b"nan -1 3.0 x inf 1e400 0 7 99999999999999999999 4294967295 -0 1_0 0x10 1e 1,5 # \\ / // 1/ -2147483648".split()
+)
 
-_CORNERS = [(0, 0, 0), (1.1, 0, 0), (1.1, 1.3, 0), (0, 1.3, 0), (0, 0, 0.7), (1.1, 0, 0.7), (1.1, 1.3, 0.7), (0, 1.3, 0.7)]
+_CORNERS = [
+    (0, 0, 0),
+    (1.1, 0, 0),
+    (1.1, 1.3, 0),
+    (0, 1.3, 0),
+    (0, 0, 0.7),
+    (1.1, 0, 0.7),
+    (1.1, 1.3, 0.7),
+    (0, 1.3, 0.7),
+]
 _QUADS = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (2, 3, 7, 6), (1, 2, 6, 5), (3, 0, 4, 7)]
 _TRIANGLES = [t for a, b, c, d in _QUADS for t in ((a, b, c), (a, c, d))]
 
@@ -43,7 +54,9 @@ def _line(values) -> str:
 
 def _stl_text() -> bytes:
     facets = "".join(
-        "facet normal 0 0 1\n outer loop\n" + "".join("  vertex " + _line(_CORNERS[k]) for k in t) + " endloop\nendfacet\n"
+        "facet normal 0 0 1\n outer loop\n"
+        + "".join("  vertex " + _line(_CORNERS[k]) for k in t)
+        + " endloop\nendfacet\n"
         for t in _TRIANGLES
     )
     return "".join(f"solid {name}\n{facets}endsolid {name}\n" for name in ("left", "right")).encode()
@@ -62,7 +75,9 @@ def _obj() -> bytes:
 
 
 def _ply(form: str) -> bytes:
-    head = f"ply\nformat {form} 1.0\ncomment c\nelement vertex 8\nproperty double x\nproperty float y\nproperty float z\n"
+    head = (
+        f"ply\nformat {form} 1.0\ncomment c\nelement vertex 8\nproperty double x\nproperty float y\nproperty float z\n"
+    )
     head += "property uchar red\nelement face 7\nproperty uchar q\nproperty list uchar int vertex_indices\n"
     head += "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
     faces, strip = [*_QUADS, (0, 1, 2)], (0, 1, 2, 3, -1, 4, 5, 6)
@@ -88,9 +103,11 @@ def _dae() -> bytes:
 <asset><unit name="inch" meter="0.0254"/><up_axis>Y_UP</up_axis></asset>
 <library_geometries><geometry id="g" name="box"><mesh>
 <source id="p"><float_array id="pa" count="24">{places}</float_array>
-<technique_common><accessor source="#pa" count="8" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<technique_common><accessor source="#pa" count="8" stride="3"><param name="X" type="float"/>
+<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
 <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
-<polylist count="6"><input semantic="VERTEX" source="#v" offset="0"/><input semantic="NORMAL" source="#n" offset="1"/><vcount>4 4 4 4 4 4</vcount><p>{quads}</p></polylist>
+<polylist count="6"><input semantic="VERTEX" source="#v" offset="0"/><input semantic="NORMAL" source="#n" offset="1"/>
+<vcount>4 4 4 4 4 4</vcount><p>{quads}</p></polylist>
 <triangles count="2"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2 0 2 3</p></triangles>
 <tristrips count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2 3</p></tristrips>
 </mesh></geometry></library_geometries>
@@ -115,7 +132,9 @@ def _gltf(binary: bool) -> bytes:
             {"name": "a", "mesh": 0, "translation": [1, 2, 3], "scale": [1, 2, 1]},
             {"name": "a", "mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1]},
         ],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}, {"attributes": {"POSITION": 2}, "mode": 5}]}],
+        "meshes": [
+            {"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}, {"attributes": {"POSITION": 2}, "mode": 5}]}
+        ],
         "buffers": [{"byteLength": len(body)}],
         "bufferViews": [{"buffer": 0, "byteOffset": a, "byteLength": n} for a, n in views],
         "accessors": [
@@ -208,7 +227,11 @@ def _word(content: bytes, random: np.random.Generator) -> bytes:
     if not found:
         return content
     at = found[int(random.integers(len(found)))]
-    other = found[int(random.integers(len(found)))][0] if random.random() < 0.2 else _WORDS[int(random.integers(len(_WORDS)))]
+    other = (
+        found[int(random.integers(len(found)))][0]
+        if random.random() < 0.2
+        else _WORDS[int(random.integers(len(_WORDS)))]
+    )
     return content[: at.start()] + other + content[at.end() :]
 
 
@@ -266,7 +289,9 @@ def _plain_stl(content: bytes) -> list[list[tuple[float, ...]]]:
 def _plain_ply(content: bytes) -> list[list[tuple[float, ...]]]:
     head, _, body = content.decode("latin-1").partition("end_header")
     rows = [line.split() for line in re.split(r"[\r\n]+", body) if line.strip()]
-    blocks = re.findall(r"^\s*element\s+(\S+)\s+(\d+)((?:\s*(?:property|comment|obj_info)\b[^\r\n]*|\s)*)", head, re.MULTILINE)
+    blocks = re.findall(
+        r"^\s*element\s+(\S+)\s+(\d+)((?:\s*(?:property|comment|obj_info)\b[^\r\n]*|\s)*)", head, re.MULTILINE
+    )
     points, faces = [], []
     for name, count, properties in blocks:
         these, rows = rows[: int(count)], rows[int(count) :]
@@ -285,7 +310,11 @@ def _plain_ply(content: bytes) -> list[list[tuple[float, ...]]]:
             if name == "face":
                 faces.append(indices)
             elif name == "tristrips":
-                faces += [[int(w) for w in strip.split()] for strip in re.split(r"(?<!\S)-1(?!\S)", " ".join(map(str, indices))) if strip.strip()]
+                faces += [
+                    [int(w) for w in strip.split()]
+                    for strip in re.split(r"(?<!\S)-1(?!\S)", " ".join(map(str, indices)))
+                    if strip.strip()
+                ]
     return [[points[k] for k in face] for face in faces]
 
 
