@@ -32,7 +32,7 @@ _LOOKS = (
 
 _POINTS, _LINES, _TRIANGLES, _STRIP, _FAN = 0, (1, 2, 3), 4, 5, 6
 
-# To z up: Blender's importer turns by the same matrix.
+# From glTF's axes (y up, z forward; specification 2.0, section 3.4) to z up.
 Y_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
 

@@ -37,8 +37,8 @@ EXPLAINED = {
     "nested": "coal numbers the triangles of nested nodes wrongly (src/mesh_loader/assimp.cpp passes the count of a"
     " level, not of all before); its points are ours, and the triangles are those of trimesh",
     "nested, trimesh reads nothing": "the same, but trimesh gives up its nodes without a word; points are ours",
-    "root": "the only root node has the mesh: coal keeps its transform, which it drops for nodes below the root; here it is"
-    " the identity, as in MoveIt",
+    "root": "the only root node has the mesh: coal keeps its transform, which it drops for nodes below the root;"
+    " here it is the identity, as in MoveIt",
     "refused by both": "neither reads the file",
     "not finite": "the file has vertices that are no numbers: refused here; assimp keeps them, and no hull has them",
     "two corners": "faces with two corners, where the format demands three: here triangles of no area, in assimp lines",

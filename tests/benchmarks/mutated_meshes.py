@@ -306,7 +306,7 @@ def _plain_ply(content: bytes) -> list[list[tuple[float, ...]]]:
                 points.append(tuple(float(found[axis][0]) for axis in "xyz"))
                 continue
             key = next((k for k in found if k in ("vertex_indices", "vertex_index")), None)
-            indices = [] if key is None else [int(word) for word in found[key]]
+            indices = [] if key is None else [int(float(word)) for word in found[key]]  # 3.0 is whole
             if name == "face":
                 faces.append(indices)
             elif name == "tristrips":
