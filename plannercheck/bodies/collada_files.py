@@ -28,6 +28,9 @@ _DEEPEST = 500
 # Numbers of each transform.
 _TRANSFORMS = {"matrix": 16, "translate": 3, "rotate": 4, "scale": 3, "lookat": 9}
 
+# What else a node may hold, and says nothing about surfaces.
+_OTHERS = ("asset", "node", "extra", "instance_camera", "instance_light", "evaluate_scene")
+
 # From a file's axes to z up. Collada names the axes to the right, up and towards the viewer (specification 1.4.1,
 # <up_axis>): Y_UP is x, y, z; X_UP is -y, x, z; Z_UP is x, z, -y.
 _TURNS = {
@@ -71,6 +74,10 @@ def objects_of_collada(content: bytes) -> tuple[list[RawObject], ColladaAxes]:
     scene = _scene(root, known)
     geometries: dict[str, Geometry] = {}
     found, count = [], 0
+    for each in scene:
+        if tag(each) and tag(each) not in _OTHERS:
+            raise PlannercheckError(f"{_named(scene)} has <{shortened(tag(each))}>, which Collada does not have there")
+    stack: list[tuple[Element, Floats, tuple[int, ...]]]
     stack = [(node, np.eye(4), (id(node),)) for node in reversed(_nodes(scene))]
     while stack:
         node, outer, path = stack.pop()
@@ -89,6 +96,8 @@ def objects_of_collada(content: bytes) -> tuple[list[RawObject], ColladaAxes]:
                 raise PlannercheckError(f"{_named(node)} has a skeleton (<instance_controller>), which is not read")
             elif kind == "instance_node":
                 below.append(_target(each, known, "node"))
+            elif kind and kind not in (*_TRANSFORMS, *_OTHERS):
+                raise PlannercheckError(f"{_named(node)} has <{shortened(kind)}>, which Collada does not have there")
         if any(id(each) in path for each in below):
             raise PlannercheckError(f"{_named(node)} is an instance of itself")
         stack += [(each, pose, (*path, id(each))) for each in reversed(below)]
@@ -149,6 +158,7 @@ def _target(instance: Element, known: dict[str, Element], kind: str) -> Element:
 
 
 def _nodes(element: Element) -> list[Element]:
+    """The nodes directly below a node or a scene."""
     return children(element, "node")
 
 

@@ -45,7 +45,8 @@ class Buffers:
         """
         table = self._root.pick("accessors", accessor)
         kind = table.integer("componentType")
-        found = self._accessed(table, "VEC3", _PLACE_KINDS).astype(np.float64)
+        with np.errstate(invalid="ignore"):  # of signalling NaNs
+            found = self._accessed(table, "VEC3", _PLACE_KINDS).astype(np.float64)
         if not np.isfinite(found).all():
             raise PlannercheckError(
                 f"{table.name}: place {int(np.argmin(np.isfinite(found).all(axis=1)))} is not finite"

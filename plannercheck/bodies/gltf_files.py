@@ -1,6 +1,7 @@
 """glTF 2.0 files, as JSON with buffers beside it and as GLB: the meshes of their scene.
 
-In: a path and its content. Out: one object for each node with a mesh, posed by the nodes above it, with y up. Compressed meshes, skeletons, instancing by extensions and morphed meshes are refused.
+In: a path and its content. Out: one object for each node with a mesh, posed by the nodes above it, with y up.
+Compressed meshes, skeletons, instancing by extensions and morphed meshes are refused.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ _LOOKS = (
 
 _POINTS, _LINES, _TRIANGLES, _STRIP, _FAN = 0, (1, 2, 3), 4, 5, 6
 
-# To z up: Blender's importer turns by the same matrix.
+# From glTF's axes (y up, z forward; specification 2.0, section 3.4) to z up.
 Y_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
 
@@ -42,12 +43,12 @@ class GltfScene:
     Attributes:
         objects: With all transforms.
         without_root: The same with the identity in place of the transform of the only root node.
-        root_moves: Whether the two differ.
+        root: The transform (4, 4) of the only root node; the identity if there are several.
     """
 
     objects: list[RawObject]
     without_root: list[RawObject]
-    root_moves: bool
+    root: Floats
 
 
 def scene_of_gltf(path: Path, content: bytes) -> GltfScene:
@@ -63,10 +64,9 @@ def scene_of_gltf(path: Path, content: bytes) -> GltfScene:
     roots = _roots(root)
     only = roots[0] if len(roots) == 1 else None
     pose = _pose(only) if only is not None else np.eye(4)
-    moves = bool((pose != np.eye(4)).any())
     meshes: dict[int, tuple[Floats, Ints64]] = {}
     objects = _walk(roots, None, buffers, meshes)
-    return GltfScene(objects, _walk(roots, only, buffers, meshes) if moves else objects, moves)
+    return GltfScene(objects, _walk(roots, only, buffers, meshes), pose)
 
 
 def _chunks(content: bytes) -> tuple[bytes, bytes | None]:

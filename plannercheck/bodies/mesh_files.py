@@ -1,7 +1,7 @@
 """Mesh files: STL, OBJ, PLY, OFF, Collada and glTF, in doubles, with all objects where the file's scene puts them.
 
-In: a path, a scale, and whether the file's own unit and axes count. Out: `MeshFile`. A file is read as its format defines
-it, or refused with the place that is wrong: readers are strict, because a face that is passed over is a hole in a body.
+In: a path, a scale, and whether the file's own unit and axes count. Out: `MeshFile`. A file is read as its format
+defines it, or refused with the place that is wrong: a face that is passed over would be a hole in a body.
 """
 
 from __future__ import annotations
@@ -38,6 +38,9 @@ _WITH_AXES = (".dae", ".gltf", ".glb")
 # No link or object is as large as this, m; meshes in millimetres are, from 2 cm on.
 _LARGEST_USUAL_MESH = 20.0
 
+# Roots are written in single precision: one that turns z up to y up does so within it.
+_NO_TURN = 1e-6
+
 # What Git keeps in place of a large file.
 _LFS_POINTER = b"version https://git-lfs"
 
@@ -64,7 +67,8 @@ class MeshFile:
     Attributes:
         path: The file.
         objects: At least one, each with at least one triangle.
-        conversion: How the readings "file" and "metre" differ, in words; "" if they are the same.
+        conversion: How the readings "file" and "metre" differ, in words; "" if they are the same, but for roundings of
+            a glTF root that turns z up to y up.
     """
 
     path: Path
@@ -191,13 +195,19 @@ def _read(path: Path, units: MeshUnits) -> tuple[list[RawObject], str]:
         return objects if units == "metre" else _in_metres(objects, axes.turn, axes.metres), axes.words
     if ending in _WITH_AXES:
         scene = scene_of_gltf(path, content)
-        root = "its root node has a transform and " if scene.root_moves else ""
-        conversion = f"{root}its y axis points up, as glTF defines"
+        conversion = _gltf_conversion(scene.root)
         return scene.without_root if units == "metre" else _in_metres(scene.objects, Y_UP, 1.0), conversion
     readable = ", ".join((*_PLAIN, *_WITH_AXES))
     raise PlannercheckError(
         f"is of a format that is not read ({ending or 'no ending'}): convert it to one of {readable}"
     )
+
+
+def _gltf_conversion(root: Floats) -> str:
+    """How a scene with a root differs from its numbers; exporters for robots often turn y up in the root."""
+    if np.abs(np.vstack([turned(Y_UP, root[:3].T).T, root[3:]]) - np.eye(4)).max() < _NO_TURN:
+        return ""
+    return f"{'its root node has a transform and ' if (root != np.eye(4)).any() else ''}its y axis is up"
 
 
 def _content(path: Path) -> bytes:

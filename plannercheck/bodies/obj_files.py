@@ -1,8 +1,8 @@
 """Wavefront OBJ files: their polygons.
 
 In: the content. Out: one object for each `o` statement with faces; in a file without `o`, one for each name of `g`, and
-one without a name for faces that belong to neither. Materials, normals and texture places do not matter here; points and
-lines are no surface. Free-form surfaces, and statements that the format does not have, are refused.
+one without a name for faces that belong to neither. Materials, normals and texture places do not matter here; points
+and lines are no surface. Free-form surfaces, and statements that the format does not have, are refused.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from plannercheck.bodies.mesh_objects import RawObject, check_indices
 from plannercheck.bodies.polygons import triangles_of_polygons
-from plannercheck.bodies.text_numbers import first_bad, floats_of, integers_of, shown
+from plannercheck.bodies.text_numbers import first_bad, floats_of, integers_of, shown, word_counts
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError
 
@@ -70,13 +70,14 @@ def _statements(content: bytes) -> _Statements:
     if b"\\\n" in content:
         hidden = _HIDDEN.search(content)
         if hidden is not None:
-            line = content.count(b"\n", 0, hidden.start()) + 1
-            raise PlannercheckError(f"line {line}: a comment ends in a backslash, which would hide the next line")
+            number = content.count(b"\n", 0, hidden.start()) + 1
+            raise PlannercheckError(f"line {number}: a comment ends in a backslash, which would hide the next line")
         content = _JOINED.sub(_joined, content)
     if b"#" in content:
         content = _COMMENT.sub(b"", content)
     said = _Statements()
-    for number, line in enumerate(content.split(b"\n"), 1):
+    lines: list[bytes] = content.split(b"\n")
+    for number, line in enumerate(lines, 1):
         words = line.split(None, 1)
         if not words:
             continue
@@ -104,7 +105,7 @@ def _joined(lines: re.Match[bytes]) -> bytes:
 
 def _points(said: _Statements) -> Floats:
     """The vertices (n, 3)."""
-    columns = np.array([len(rest.split()) for rest in said.vertices], dtype=np.int64)
+    columns = word_counts(said.vertices)
     numbers = floats_of(b"\n".join(said.vertices))
     if numbers is None:
         k = max(first_bad(said.vertices), 0)
@@ -124,12 +125,12 @@ def _points(said: _Statements) -> Floats:
     if unequal.any():
         k = int(weighted[int(np.argmax(unequal))])
         raise PlannercheckError(f"line {said.vertex_lines[k]}: a vertex of a polygon must have weight 1, or none")
-    return numbers[starts[:, None] + np.arange(3)]
+    return np.asarray(numbers[starts[:, None] + np.arange(3)])
 
 
 def _faces(said: _Statements, points: int) -> tuple[Ints64, Ints64]:
     """How many corners each face has, and its vertices, from 0 on."""
-    counts = np.array([len(rest.split()) for rest in said.faces], dtype=np.int64)
+    counts = word_counts(said.faces)
     text = b"\n".join(said.faces)
     corners = integers_of(_ATTRIBUTES.sub(b"", text) if b"/" in text else text)
     if corners is None or len(corners) != counts.sum() or (counts < _LEAST).any():

@@ -1,8 +1,7 @@
-"""Checks that a PLY file is complete, before it reaches a library that would crash on it; reads the points of a cloud.
+"""Points of PLY files: clouds, or the vertices of meshes.
 
-In: a path. Out: nothing, or its points, or an error that says what is wrong. Assimp and coal crash on PLY files that
-are cut short, or whose faces name missing vertices. So header, lengths and indices are checked here first. In other
-formats they find such faults themselves.
+In: a path. Out: the points, or an error that says what is wrong: header, lengths and indices are checked, since a file
+that is cut short would be a smaller cloud without a word.
 """
 
 from __future__ import annotations
@@ -24,18 +23,6 @@ _SCAN = "range_grid"
 _AXES = ("x", "y", "z")
 
 
-def check_ply(path: Path) -> None:
-    """Raises unless a PLY file is complete and its faces name vertices that it has.
-
-    Args:
-        path: The file.
-
-    Raises:
-        PlannercheckError: If it is not, or has unknown types of numbers.
-    """
-    _checked(path)
-
-
 def points_of_ply(path: Path) -> Floats:
     """The points (n, 3) of a PLY file, in m, as the file has them: a cloud, or a mesh's vertices.
 
@@ -43,7 +30,7 @@ def points_of_ply(path: Path) -> Floats:
         PlannercheckError: If the file is not complete, has more than its header says, or vertices are not its first
             element. A text must end with an end of line, since its last number could be cut short otherwise.
     """
-    content, order, elements, body = _checked(path, exactly=True)
+    content, order, elements, body = _checked(path)
     vertex = elements[0]
     if vertex.name != "vertex" or any(each.count for each in vertex.properties):
         raise PlannercheckError("a PLY file of points must have 'vertex' as its first element, without lists")
@@ -57,13 +44,8 @@ def points_of_ply(path: Path) -> Floats:
     return np.array(rows, dtype=np.float64).reshape(-1, len(_AXES))
 
 
-def _checked(path: Path, exactly: bool = False) -> tuple[bytes, str, list[PlyElement], int]:
-    """The content of a complete file, its byte order ("" for text), its elements, and where they begin.
-
-    Args:
-        path: The file.
-        exactly: Whether nothing may follow the elements, and a text must end with an end of line.
-    """
+def _checked(path: Path) -> tuple[bytes, str, list[PlyElement], int]:
+    """The content of a complete file, its byte order ("" for text), its elements, and where they begin."""
     try:
         content = path.read_bytes()
     except OSError as error:
@@ -72,9 +54,9 @@ def _checked(path: Path, exactly: bool = False) -> tuple[bytes, str, list[PlyEle
     vertices = [element for element in elements if element.name == "vertex"]
     if len(vertices) != 1 or not {*_AXES} <= {each.name for each in vertices[0].properties if not each.count}:
         raise PlannercheckError("a PLY file needs one element 'vertex' with x, y and z")
-    if order == "" and exactly and not content.endswith((b"\n", b"\r")):
+    if order == "" and not content.endswith((b"\n", b"\r")):
         raise PlannercheckError("is cut short: its last line has no end; if it is whole, add an end of line")
-    rows = (_words if order == "" else _numbers)(content, body, order, elements, exactly)
+    rows = (_words if order == "" else _numbers)(content, body, order, elements)
     for name, indices in rows:
         if len(indices) and not (indices.min() >= 0 and indices.max() < vertices[0].rows):
             raise PlannercheckError(f"element {name!r} names a vertex that is not among the {vertices[0].rows}")
@@ -82,7 +64,7 @@ def _checked(path: Path, exactly: bool = False) -> tuple[bytes, str, list[PlyEle
 
 
 def _words(
-    content: bytes, body: int, order: str, elements: list[PlyElement], exactly: bool
+    content: bytes, body: int, order: str, elements: list[PlyElement]
 ) -> Iterator[tuple[str, NDArray[np.float64]]]:
     """Of a text, the indices of vertices in each element; raises for rows that are not whole."""
     lines = [line for line in content[body:].decode("latin-1").splitlines() if line.strip()]
@@ -95,7 +77,7 @@ def _words(
             raise _cut_short(element)
         at += element.rows
         yield element.name, np.array(found, dtype=np.float64)
-    if exactly and at < len(lines):
+    if at < len(lines):
         raise PlannercheckError(f"{len(lines) - at} lines follow the rows that its header says")
 
 
@@ -118,7 +100,7 @@ def _indices_of_line(line: str, element: PlyElement) -> list[float]:
 
 
 def _numbers(
-    content: bytes, at: int, order: str, elements: list[PlyElement], exactly: bool
+    content: bytes, at: int, order: str, elements: list[PlyElement]
 ) -> Iterator[tuple[str, NDArray[np.int64]]]:
     """The same of bytes. Rows of one length, as those of triangles are, are read at once."""
     for element in elements:
@@ -143,7 +125,7 @@ def _numbers(
             found += [part.astype(np.int64) for part in named]
             at += row.itemsize
         yield element.name, np.concatenate([*found, np.zeros(0, dtype=np.int64)])
-    if exactly and at < len(content):
+    if at < len(content):
         raise PlannercheckError(f"{len(content) - at} bytes follow the rows that its header says")
 
 

@@ -49,7 +49,7 @@ def header_of_ply(content: bytes) -> tuple[str, list[PlyElement], int]:
     after = content.find(b"\n", end)
     if not content.startswith(b"ply") or end < 0 or after < 0 or content[end + 10 : after].strip():
         raise PlannercheckError("is no PLY file: it must have a header from 'ply' to 'end_header'")
-    lines = [line.split() for line in content[:end].decode("latin-1").splitlines()[1:]]
+    lines = [line.decode("latin-1").split() for line in content[:end].splitlines()[1:]]
     lines = [words for words in lines if words and words[0] not in ("comment", "obj_info")]
     if not lines or lines[0][0] != "format" or lines[0][1:] not in [[order, "1.0"] for order in _ORDERS]:
         raise PlannercheckError(f"a PLY file must say its format, {', '.join(_ORDERS)}, and version 1.0")

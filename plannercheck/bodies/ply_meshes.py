@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.mesh_objects import NO_FACES, RawObject, check_indices, strip_triangles
 from plannercheck.bodies.ply_headers import PlyElement, PlyProperty, header_of_ply
 from plannercheck.bodies.polygons import triangles_of_polygons
-from plannercheck.bodies.text_numbers import first_bad, floats_of, integers_of, shown
+from plannercheck.bodies.text_numbers import filled_lines, first_bad, floats_of, pieces_of, shown, word_counts
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError
 
@@ -23,6 +23,7 @@ _INDICES = ("vertex_indices", "vertex_index")
 _AXES = ("x", "y", "z")
 _WITH_FACES = ("face", "tristrips")
 _LEAST = 3  # corners of a face
+_LARGEST = 2.0**53  # whole numbers below it are exact doubles
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +76,8 @@ def _triangles(name: str, lists: _Lists, points: Floats) -> list[Ints64]:
         check_indices(lists.items, len(points), "element 'face'")
         return [triangles_of_polygons(points, lists.counts, lists.items)]
     found = []
-    for row in np.split(lists.items, np.cumsum(lists.counts)[:-1]):
-        strips = np.split(row, np.flatnonzero(row == -1))
+    for strips_of_row in np.split(lists.items, np.cumsum(lists.counts)[:-1]):
+        strips = np.split(strips_of_row, np.flatnonzero(strips_of_row == -1))
         for strip in (part[part != -1] for part in strips):
             check_indices(strip, len(points), f"element {name!r}")
             if 0 < len(strip) < _LEAST:
@@ -87,72 +88,77 @@ def _triangles(name: str, lists: _Lists, points: Floats) -> list[Ints64]:
 
 
 def _of_text(content: bytes, order: str, elements: list[PlyElement], body: int) -> tuple[Floats, dict[str, _Lists]]:
-    first = content.count(b"\n", 0, body) + 1
-    lines = content[body:].splitlines()
-    rows = [(first + k, line.split()) for k, line in enumerate(lines) if line.strip()]
-    if len(rows) != sum(element.rows for element in elements):
-        raise PlannercheckError(
-            f"has {len(rows)} rows, but its header says {sum(element.rows for element in elements)}: it is cut short,"
-            " or has more"
-        )
+    lines, numbers = filled_lines(content[body:], content.count(b"\n", 0, body) + 1)
+    rows = sum(element.rows for element in elements)
+    if len(lines) != rows:
+        raise PlannercheckError(f"has {len(lines)} rows, but its header says {rows}: it is cut short, or has more")
     points, lists, at = np.zeros((0, 3)), {}, 0
     for element in elements:
-        these = rows[at : at + element.rows]
+        these = slice(at, at + element.rows)
         at += element.rows
         if element.name == "vertex":
-            points = _points_of_rows(element, these)
+            points = _points_of_lines(element, lines[these], numbers[these])
         elif element.name in _WITH_FACES:
-            lists[element.name] = _lists_of_rows(element, these)
+            lists[element.name] = _lists_of_lines(element, lines[these], numbers[these])
     return points, lists
 
 
-def _points_of_rows(element: PlyElement, rows: list[tuple[int, list[bytes]]]) -> Floats:
+def _points_of_lines(element: PlyElement, lines: list[bytes], numbers: list[int]) -> Floats:
     if any(each.count for each in element.properties):
         raise PlannercheckError("element 'vertex' must have no lists")
-    count = len(element.properties)
-    for line, words in rows:
-        if len(words) != count:
-            raise PlannercheckError(f"line {line}: a vertex must have {count} numbers, not {len(words)}")
+    count, counts = len(element.properties), word_counts(lines)
+    if (counts != count).any():
+        row = int(np.argmax(counts != count))
+        raise PlannercheckError(f"line {numbers[row]}: a vertex must have {count} numbers, not {counts[row]}")
     names = [each.name for each in element.properties]
-    columns = [b" ".join([words[names.index(axis)] for _, words in rows]) for axis in _AXES]
-    numbers = [floats_of(column) for column in columns]
-    for axis, column in zip(_AXES, numbers, strict=True):
-        if column is None:
-            line, words = rows[first_bad([words[names.index(axis)] for _, words in rows])]
-            raise PlannercheckError(f"line {line}: {axis} of vertex {shown(b' '.join(words))} is no finite number")
-    return np.column_stack([column for column in numbers if column is not None])
+    columns = [names.index(axis) for axis in _AXES]
+    values = floats_of(b"\n".join(lines))
+    if values is None:  # perhaps only a normal is none
+        values = floats_of(b"\n".join([b" ".join([words[k] for k in columns]) for words in map(bytes.split, lines)]))
+        count, columns = len(_AXES), list(range(len(_AXES)))
+    if values is None:
+        row = max(first_bad(lines), 0)
+        raise PlannercheckError(f"line {numbers[row]}: vertex {shown(lines[row])} is not finite in x, y and z")
+    return values.reshape(-1, count)[:, columns]
 
 
-def _lists_of_rows(element: PlyElement, rows: list[tuple[int, list[bytes]]]) -> _Lists:
-    counts: list[int] = []
-    items: list[bytes] = []
-    wanted = _list_of(element)
-    for line, words in rows:
-        at = 0
-        for each in element.properties:
-            length = 1
-            if each.count is not None:
-                length = int(words[at]) if at < len(words) and words[at].isdigit() and len(words[at]) < 10 else -1
-                at += 1
-            if length < 0:
-                raise _bad_row(line, element, words)
-            if each is wanted:
-                counts.append(length)
-                items += words[at : at + length]
-            at += length
-        if at != len(words):
-            raise _bad_row(line, element, words)
-    indices = integers_of(b" ".join(items))
-    if indices is None:
-        line, words = next((row for row in rows if integers_of(b" ".join(row[1])) is None), rows[0])
-        raise _bad_row(line, element, words)
-    return _Lists(np.array(counts, dtype=np.int64), indices)
+def _lists_of_lines(element: PlyElement, lines: list[bytes], numbers: list[int]) -> _Lists:
+    """The lists of vertices, property by property, all rows at once."""
+    words = word_counts(lines)
+    values = floats_of(b"\n".join(lines))
+    if values is None:
+        raise _bad_row(element, lines, numbers, max(first_bad(lines), 0))
+    ends = np.cumsum(words)
+    at = ends - words
+    wanted, found = _list_of(element), _Lists(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
+    for each in element.properties:
+        lengths = np.ones(len(lines), dtype=np.int64)
+        if each.count is not None:
+            _check_rows(at < ends, element, lines, numbers)
+            said = values[at]
+            _check_rows((said == np.floor(said)) & (said >= 0) & (said < ends - at), element, lines, numbers)
+            lengths, at = said.astype(np.int64), at + 1
+        _check_rows(at + lengths <= ends, element, lines, numbers)
+        if each is wanted:
+            items = pieces_of(values, at, lengths)
+            whole = (items == np.floor(items)) & (np.abs(items) < _LARGEST)
+            row = np.repeat(np.arange(len(lines)), lengths)
+            _check_rows(np.bincount(row[~whole], minlength=len(lines)) == 0, element, lines, numbers)
+            found = _Lists(lengths, items.astype(np.int64))
+        at = at + lengths
+    _check_rows(at == ends, element, lines, numbers)
+    return found
 
 
-def _bad_row(line: int, element: PlyElement, words: list[bytes]) -> PlannercheckError:
+def _check_rows(right: NDArray[np.bool_], element: PlyElement, lines: list[bytes], numbers: list[int]) -> None:
+    if not right.all():
+        raise _bad_row(element, lines, numbers, int(np.argmin(right)))
+
+
+def _bad_row(element: PlyElement, lines: list[bytes], numbers: list[int], row: int) -> PlannercheckError:
     names = " ".join(f"count {each.name}" if each.count else each.name for each in element.properties)
     return PlannercheckError(
-        f"line {line}: element {element.name!r} must be {names!r} with whole indices, not {shown(b' '.join(words))}"
+        f"line {numbers[row]}: element {element.name!r} must be {names!r} with whole indices, not {shown(lines[row])}"
     )
 
 
@@ -162,7 +168,8 @@ def _of_bytes(content: bytes, order: str, elements: list[PlyElement], body: int)
         starts, counts, at = _layout(content, at, order, element)
         if element.name == "vertex":
             columns = [_scalars(content, order, starts[axis], element, axis) for axis in _AXES]
-            points = np.column_stack(columns).astype(np.float64)
+            with np.errstate(invalid="ignore"):  # of signalling NaNs
+                points = np.column_stack([column.astype(np.float64) for column in columns])
             if not np.isfinite(points).all():
                 row = int(np.argmin(np.isfinite(points).all(axis=1)))
                 raise PlannercheckError(f"vertex {row} is not finite")
@@ -191,13 +198,9 @@ def _layout(
     if at + size * rows <= len(content):
         steps = np.arange(rows, dtype=np.int64) * size
         alike = all(
-            (
-                _gathered(content, order, each.count, start + steps - np.dtype(each.count).itemsize)
-                == counts[each.name]
-            ).all()
+            (_counts_at(content, order, each, starts, steps) == counts[each.name]).all()
             for each in element.properties
             if each.count is not None
-            for start in [starts[each.name]]
         )
         if alike:
             return (
@@ -214,6 +217,14 @@ def _layout(
         {name: np.array([row[1][name] for row in found], dtype=np.int64) for name in counts},
         at,
     )
+
+
+def _counts_at(
+    content: bytes, order: str, each: PlyProperty, starts: dict[str, int], steps: Ints64
+) -> NDArray[np.generic]:
+    """The lengths of a list in rows of one size: each stands before its list."""
+    kind = each.count or each.kind
+    return _gathered(content, order, kind, starts[each.name] + steps - int(kind[1]))
 
 
 def _row(content: bytes, at: int, order: str, element: PlyElement) -> tuple[dict[str, int], dict[str, int], int]:
@@ -248,8 +259,7 @@ def _items(
 ) -> _Lists:
     if wanted.kind[0] == "f":
         raise PlannercheckError(f"element {element.name!r} must have indices of a type of whole numbers")
-    firsts = np.cumsum(counts) - counts
-    steps = np.arange(counts.sum()) - np.repeat(firsts, counts)
+    steps = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     places = np.repeat(starts, counts) + steps * np.dtype(wanted.kind).itemsize
     return _Lists(counts, _gathered(content, order, wanted.kind, places).astype(np.int64))
 
@@ -258,7 +268,7 @@ def _gathered(content: bytes, order: str, kind: str, places: Ints64) -> NDArray[
     """The numbers that begin at some places."""
     one = np.dtype(order + kind)
     octets = np.frombuffer(content, dtype=np.uint8)
-    return octets[places[:, None] + np.arange(one.itemsize)].reshape(-1).view(one)
+    return np.asarray(octets[places[:, None] + np.arange(one.itemsize)].reshape(-1).view(one))
 
 
 def _cut_short(element: PlyElement) -> PlannercheckError:

@@ -26,7 +26,7 @@ def triangles_of_polygons(points: Floats, counts: Ints64, corners: Ints64) -> In
         (sum of counts - 2 m, 3) indices of points.
     """
     if (counts == 3).all():
-        return corners.reshape(-1, 3)
+        return np.asarray(corners.reshape(-1, 3))
     starts = np.cumsum(counts) - counts
     triangles = counts - 2
     first = np.repeat(starts, triangles)
@@ -37,7 +37,7 @@ def triangles_of_polygons(points: Floats, counts: Ints64, corners: Ints64) -> In
         polygon = corners[starts[k] : starts[k] + counts[k]]
         if len(polygon) <= _MOST_EARS:
             found[ends[k] - triangles[k] : ends[k]] = polygon[_ears(points[polygon])]
-    return found
+    return np.asarray(found)
 
 
 def _concave(points: Floats, counts: Ints64, corners: Ints64) -> list[int]:

@@ -1,7 +1,7 @@
 """STL files, binary and text.
 
-In: the content. Out: one object for each solid that has facets. Normals are not read: the order of corners says as much.
-A file is binary if its length is the one that its count of facets demands; else it must begin with "solid".
+In: the content. Out: one object for each solid that has facets. Normals are not read: the order of corners says as
+much. A file is binary if its length is the one that its count of facets demands; else it must begin with "solid".
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ _WORDS = {0: b"facet", 1: b"normal", 5: b"outer", 6: b"loop", 19: b"endloop", 20
 _WORDS |= dict.fromkeys((7, 11, 15), b"vertex")
 _NUMBERS = (8, 9, 10, 12, 13, 14, 16, 17, 18)
 _LENGTH = 21  # words of a facet
+_PIECE = 1 << 22  # bytes that are split into words at once
 
 _BEGIN = re.compile(rb"\s*solid(?:[ \t]+([^\r\n]*))?[ \t]*(?:\r\n|\r|\n|\Z)", re.IGNORECASE)
 _END = re.compile(rb"^[ \t]*endsolid\b[^\r\n]*$", re.IGNORECASE | re.MULTILINE)
@@ -82,8 +83,20 @@ def _texts(content: bytes) -> list[RawObject]:
 
 
 def _facets(content: bytes, begin: int, end: int) -> Floats:
-    """The corners (m, 3, 3) of the facets between two places."""
-    words = content[begin:end].lower().split()
+    """The corners (m, 3, 3) of the facets between two places, read in pieces to spare memory."""
+    found, lower = [np.zeros((0, 3, 3))], content[begin:end].lower()
+    at = 0
+    while at < len(lower):
+        after = lower.find(_WORDS[20], at + _PIECE)
+        next_at = len(lower) if after < 0 else after + len(_WORDS[20])
+        words = lower[at:next_at].split()
+        found.append(_corners(words, content, begin))
+        at = next_at
+    return np.concatenate(found)
+
+
+def _corners(words: list[bytes], content: bytes, begin: int) -> Floats:
+    """The corners (m, 3, 3) of facets given word by word."""
     count = -(-len(words) // _LENGTH)
     for place, word in _WORDS.items():
         if words[place::_LENGTH] != [word] * count:

@@ -27,7 +27,7 @@ def floats_of(text: bytes) -> Floats | None:
     if text.translate(None, _OF_FLOATS):
         return None
     numbers = _parsed(text, np.float64)
-    return None if numbers is None or not np.isfinite(numbers).all() else numbers
+    return None if numbers is None or not np.isfinite(numbers).all() else numbers.astype(np.float64, copy=False)
 
 
 def integers_of(text: bytes) -> Ints64 | None:
@@ -35,7 +35,32 @@ def integers_of(text: bytes) -> Ints64 | None:
     if text.translate(None, _OF_INTEGERS):
         return None
     numbers = _parsed(text, np.int64)
-    return None if numbers is None or (np.abs(numbers) >= 10**_MOST_DIGITS).any() else numbers
+    if numbers is None:
+        return None
+    integers = numbers.astype(np.int64, copy=False)
+    return None if (np.abs(integers) >= 10**_MOST_DIGITS).any() else integers
+
+
+def word_counts(lines: Sequence[bytes]) -> Ints64:
+    """How many words each line has, (n,)."""
+    return np.fromiter((len(line.split()) for line in lines), dtype=np.int64, count=len(lines))
+
+
+def pieces_of(values: Floats, starts: Ints64, lengths: Ints64) -> Floats:
+    """Pieces of an array, one after the other: from each of some places, so many values."""
+    if len(lengths) and (lengths == lengths[0]).all():
+        return np.asarray(values[starts[:, None] + np.arange(lengths[0])].reshape(-1))
+    steps = np.arange(lengths.sum()) - np.repeat(np.cumsum(lengths) - lengths, lengths)
+    return np.asarray(values[np.repeat(starts, lengths) + steps])
+
+
+def filled_lines(content: bytes, first: int = 1) -> tuple[list[bytes], list[int]]:
+    """The lines with something on them, and their numbers."""
+    lines = content.splitlines()
+    if all(map(bytes.strip, lines)):
+        return lines, list(range(first, first + len(lines)))
+    kept = [(k, line) for k, line in enumerate(lines, first) if line.strip()]
+    return [line for _, line in kept], [k for k, _ in kept]
 
 
 def first_bad(words: Sequence[bytes]) -> int:
