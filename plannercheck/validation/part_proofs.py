@@ -68,10 +68,8 @@ class GivenParts:
 
     def has_part(self, body: PosedBody) -> bool:
         """Whether a certificate's body is one of the parts."""
-        count = self.corners.shape[1]
-        if len(body.vertices) < count:  # a part that is flat is made of fewer points
-            repeated = np.concatenate([body.vertices, np.repeat(body.vertices[:1], count - len(body.vertices), axis=0)])
-            return self._has_flat(np.unique(repeated + 0.0, axis=0), body.inflation_radius)
+        if len(body.vertices) != self.corners.shape[1]:  # a triangle of a part, or a flat part, of fewer points
+            return self._has_flat(np.unique(body.vertices + 0.0, axis=0), body.inflation_radius)
         return _keys(body.vertices[None], np.array([body.inflation_radius]))[0].tobytes() in self._known
 
     def _has_flat(self, points: Floats, radius: float) -> bool:
