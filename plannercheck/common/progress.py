@@ -1,7 +1,7 @@
 """How far long work of the library is, told to whoever listens.
 
-In: from the work, what is done of how much. Out: nothing, unless the caller has named a listener; the command line names
-a `TerminalLine`. A listener is heard in its own context only, so other threads stay silent.
+In: from the work, what is done of how much. Out: nothing, unless the caller has named a listener; the command line
+names a `TerminalLine`. A listener hears its own context only, so other threads stay silent.
 """
 
 from __future__ import annotations

@@ -42,7 +42,10 @@ def test_a_set_between_walls_is_proved_apart(kind: str, size: float) -> None:
     """`noplane_min.py`: where a set is in a hollow, no plane separates its last part from the solid."""
     pose = np.eye(4)
     pose[:3, 3] = [20 * UNIT, 20 * UNIT, 22 * UNIT]
-    for pair, poses in (((tray(), sets(size)[kind]), (np.eye(4), pose)), ((sets(size)[kind], tray()), (pose, np.eye(4)))):
+    for pair, poses in (
+        ((tray(), sets(size)[kind]), (np.eye(4), pose)),
+        ((sets(size)[kind], tray()), (pose, np.eye(4))),
+    ):
         assert not pc.intersects(*pair, *poses)
         certificate = pc.certify(*pair, *poses)
         assert isinstance(certificate, PartSeparation)

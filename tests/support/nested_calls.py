@@ -99,9 +99,7 @@ def _planned(checker: pc.Checker, q: np.ndarray, end: np.ndarray, moves: bool) -
 
 def _commands(checker: pc.Checker, folder: Path) -> Iterator[str]:
     joints = ",".join(checker.robot.joint_names)
-    (folder / "robot.yaml").write_text(
-        f"urdf: nested.urdf\ngeometry: solid\ngroup: {{name: g, joints: [{joints}]}}\n"
-    )
+    (folder / "robot.yaml").write_text(f"urdf: nested.urdf\ngeometry: solid\ngroup: {{name: g, joints: [{joints}]}}\n")
     checker.scene.save(folder / "nested.yaml")
     np.save(folder / "set.npy", np.zeros((1, checker.robot.nq)))
     names = ["--robot", str(folder / "robot.yaml"), "--scene", str(folder / "nested.yaml"), str(folder / "set.npy")]

@@ -129,7 +129,9 @@ def _enclosed(cells: NDArray[np.bool_]) -> Whole:
             cell
             for cell in np.argwhere(~cells).tolist()
             if any(
-                np.take(cells, range(cell[k]), k)[tuple(line := [c if j != k else slice(None) for j, c in enumerate(cell)])].any()
+                np.take(cells, range(cell[k]), k)[
+                    tuple(line := [c if j != k else slice(None) for j, c in enumerate(cell)])
+                ].any()
                 and np.take(cells, range(cell[k] + 1, cells.shape[k]), k)[tuple(line)].any()
                 for k in range(3)
             )
@@ -191,8 +193,15 @@ def _prisms_meet(triangles: Whole, base: int, turn: Whole, shift: Whole, low: Wh
     below = triangles.copy()
     below[:, :, 2] = base
     for prism in np.concatenate([triangles, below], axis=1) @ turn.T + shift:
-        edges = np.array([prism[b] - prism[a] for a, b in ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4))])
-        crossed = np.concatenate([np.cross(edges[:, None], np.eye(3, dtype=np.int64)).reshape(-1, 3), np.cross(edges[:, None], edges).reshape(-1, 3)])
+        edges = np.array(
+            [prism[b] - prism[a] for a, b in ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4))]
+        )
+        crossed = np.concatenate(
+            [
+                np.cross(edges[:, None], np.eye(3, dtype=np.int64)).reshape(-1, 3),
+                np.cross(edges[:, None], edges).reshape(-1, 3),
+            ]
+        )
         axes = np.concatenate([np.eye(3, dtype=np.int64), crossed])
         heights = axes @ prism.T
         box_low = np.minimum(axes[None] * low[:, None], axes[None] * high[:, None]).sum(axis=2)

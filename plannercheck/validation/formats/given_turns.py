@@ -25,7 +25,7 @@ _MOST_PIECES = 10**6
 
 
 def largest_turns(robot: AnyRobot, rows: Floats, of_joints: ConfigurationMap | None = None) -> Floats:
-    """How far continuous joints turn from row to row.
+    """How far joints whose motions take the short way turn from row to row.
 
     Args:
         robot: The robot.
@@ -36,10 +36,12 @@ def largest_turns(robot: AnyRobot, rows: Floats, of_joints: ConfigurationMap | N
         (k - 1,) the largest angle of any continuous joint, rad.
     """
     steps = np.abs(np.diff(rows, axis=0))
-    if isinstance(robot, Robot):
-        used = of_joints or robot.configuration_map
-        turning = (used.columns >= 0) & (used.roles != PLAIN)
-        steps = steps[:, np.asarray(used.columns[turning], dtype=np.int64)] * np.abs(used.multipliers[turning])
+    if of_joints is not None:  # each continuous joint has a cosine and a sine, followers as well
+        turning = (of_joints.columns >= 0) & (of_joints.roles != PLAIN)
+        columns = np.asarray(of_joints.columns[turning], dtype=np.int64)
+        steps = steps[:, columns] * np.abs(of_joints.multipliers[turning])
+    elif isinstance(robot, Robot):
+        steps = steps[:, np.flatnonzero(robot.configuration_map.turning_columns())]
     else:
         assert isinstance(robot, PlanarRobot)
         steps = steps[:, np.flatnonzero(robot.angles)]
