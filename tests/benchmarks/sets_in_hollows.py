@@ -2,7 +2,7 @@
 
 In: how many random cases, and where they begin. Out: a table of cases and verdicts, and each fault with its seed.
 
-    python -m tests.benchmarks.nested_parts --cases 2000
+    python -m tests.benchmarks.sets_in_hollows --cases 2000
 """
 
 from __future__ import annotations
