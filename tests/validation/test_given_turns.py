@@ -112,12 +112,12 @@ def test_a_proof_states_the_pieces_that_it_proves(folder, checker, capsys):
     assert re.search(r"\d motions in a row of \w+ in post proved", capsys.readouterr().out)
     proofs = load_proofs(folder / "t.proof.json")
     assert all(proof.verify().proved for proof in proofs)
-    column = 2 * checker.robot.joint_names.index("j")
-    ends = [proofs[0].motion.start, *(proof.motion.end for proof in proofs)]
-    angles = np.array([q[0] if len(q) == 1 else np.arctan2(q[column + 1], q[column]) for q in ends])
-    turned = (np.diff(angles) + np.pi) % (2 * np.pi) - np.pi
-    assert (np.abs(turned) < 3.01).all()
-    assert turned.sum() == pytest.approx(5.5)
+    ends = np.array([proofs[0].motion.start, *(proof.motion.end for proof in proofs)])
+    for k, name in enumerate(checker.robot.joint_names):
+        angles = ends[:, 0] if ends.shape[1] == 1 else np.arctan2(ends[:, 2 * k + 1], ends[:, 2 * k])
+        turned = (np.diff(angles) + np.pi) % (2 * np.pi) - np.pi
+        assert (np.abs(turned) < 3.01).all()
+        assert turned.sum() == pytest.approx({"j": 5.5, "follower": -16.5}[name])
 
 
 @pytest.mark.parametrize("name", ["t.npy", "t.csv", "list.json", "plan.json", "t.txt"])
