@@ -1,8 +1,9 @@
 """Proofs about two bodies of which at least one is a set of parts.
 
 In: two posed bodies. Out: a common point, whose certificate is about one part of each set; or a `PartSeparation`:
-planes that keep ranges of parts away from the other body, so that every part is kept away. Both are verified in exact
-arithmetic, from the parts' corners alone, without the core's test.
+planes that keep ranges of parts away from the other body, so that every part is kept away. A solid counts as the set of
+its triangles: planes keep parts in its hollow away from patches of its surface, and no part is inside of it. Both are
+verified in exact arithmetic, from the parts' corners and the solid's triangles alone, without the core's test.
 """
 
 from __future__ import annotations
@@ -18,7 +19,17 @@ from plannercheck.bodies.certificates import Separation, UnprovedVerdictError
 from plannercheck.bodies.exact_planes import PosedBody, separates_exactly
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
-from plannercheck.bodies.solid_separations import Range, covers, halves
+from plannercheck.bodies.solid_certificates import PosedSurface
+from plannercheck.bodies.solid_separations import (
+    PatchSeparation,
+    Range,
+    SolidSeparation,
+    covers,
+    halves,
+    patch_of,
+    surface_of,
+    winds_about,
+)
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 from plannercheck.common.public_names import set_module
@@ -75,6 +86,29 @@ class OnePart:
 
 
 @dataclass(frozen=True, eq=False)
+class PosedTriangles:
+    """A solid as a body of a certificate: its triangles count as parts.
+
+    Attributes:
+        surface: The triangles, in the order that ranges count.
+        inflation_radius: m.
+    """
+
+    surface: PosedSurface
+    inflation_radius: float
+
+    def __len__(self) -> int:
+        return len(self.surface.triangles)
+
+    def body(self, parts: Range) -> PosedBody:
+        """The corners of some triangles."""
+        return patch_of(self.surface, parts, self.inflation_radius)
+
+
+BodyInParts: TypeAlias = PosedParts | OnePart | PosedTriangles
+
+
+@dataclass(frozen=True, eq=False)
 class RangeSeparation:
     """A plane between some parts of both bodies.
 
@@ -97,22 +131,27 @@ class PartSeparation:
     Attributes:
         gap: A lower bound of the distance between the bodies in m, radii included; infinite if a set has no parts.
         ranges: Planes between ranges of parts, which together cover every part of one body with each of the other.
-        bodies: The parts of both bodies, in the order that ranges count.
+        bodies: The parts of both bodies, in the order that ranges count; of a solid, its triangles.
     """
 
     gap: float
     ranges: tuple[RangeSeparation, ...] = field(repr=False)
-    bodies: tuple[PosedParts | OnePart, PosedParts | OnePart] = field(repr=False)
+    bodies: tuple[BodyInParts, BodyInParts] = field(repr=False)
 
     def verify(self) -> bool:
         """Whether the bodies are apart, proved in exact arithmetic.
 
         Returns:
-            True if a plane keeps each part of one body away from each of the other by at least the gap.
+            True if a plane keeps each part of one body away from each of the other by at least the gap, and no part is
+            inside of a solid.
         """
         first, second = self.bodies
-        return covers([(r.first, r.second) for r in self.ranges], len(first), len(second)) and all(
-            self._holds(each) for each in self.ranges
+        pairs = [(each.first, each.second) for each in self.ranges]
+        return (
+            covers(pairs, len(first), len(second))
+            and all(self._holds(each) for each in self.ranges)
+            and not _is_inside(first, second, pairs)
+            and not _is_inside(second, first, [(parts, other) for other, parts in pairs])
         )
 
     def _holds(self, each: RangeSeparation) -> bool:
@@ -121,6 +160,30 @@ class PartSeparation:
         return 0 <= self.gap <= plane.gap and separates_exactly(
             plane, (first.body(each.first), second.body(each.second))
         )
+
+
+def _is_inside(outer: BodyInParts, inner: BodyInParts, pairs: list[tuple[Range, Range]]) -> bool:
+    """Whether a solid winds about a part of the other body, whose parts planes keep away from all its triangles.
+
+    Args:
+        outer: A body; only a solid can hold parts.
+        inner: The other body.
+        pairs: Ranges of the outer body's triangles and of the inner body's parts between which there is a plane.
+    """
+    if not isinstance(outer, PosedTriangles) or not isinstance(inner, PosedParts):
+        return False
+    of_parts: dict[Range, list[Range]] = {}
+    for triangles, parts in pairs:
+        of_parts.setdefault(parts, []).append(triangles)
+    samples = list[int]()
+    for parts, kept in of_parts.items():
+        if (0, len(outer)) in kept:  # one plane keeps these parts away from the solid's hull
+            continue
+        # The hull of parts that meets no triangle is inside or outside as one.
+        as_one = covers([(each, (0, 1)) for each in kept], len(outer), 1)
+        samples += [parts[0]] if as_one else range(*parts)
+    corners = inner.corners[inner.start[samples]]
+    return winds_about(outer.surface, (PosedBody(corner[None], inner.pose) for corner in corners))
 
 
 def is_of_parts(p: Polytope, r: Polytope) -> bool:
@@ -157,7 +220,7 @@ def certify_parts(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats, cert
         `PartSeparation`.
 
     Raises:
-        UnprovedVerdictError: If two parts share a point after all, or are apart from a solid that encloses them.
+        UnprovedVerdictError: If two parts share a point after all.
     """
     met = parts_met(p, r, pose_p, pose_r)
     if met is not None:
@@ -176,7 +239,13 @@ def certify_parts(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats, cert
                 return certificate
             found.append(RangeSeparation(*ranges, certificate))
             continue
-        sizes = [last - start for start, last in ranges]
+        if isinstance(certificate, SolidSeparation):
+            found += [_between(ranges, patch, bodies) for patch in certificate.patches]
+            continue
+        sizes = [
+            0 if isinstance(body, PosedTriangles) else last - start
+            for body, (start, last) in zip(bodies, ranges, strict=True)
+        ]
         if max(sizes) <= 1:
             raise UnprovedVerdictError("no plane separates a part from the other body, which the core finds apart")
         if sizes[0] >= sizes[1]:
@@ -186,10 +255,23 @@ def certify_parts(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats, cert
     return PartSeparation(min(each.plane.gap for each in found), tuple(found), bodies)
 
 
-def _posed_parts(body: Polytope, pose: Floats) -> PosedParts | OnePart:
+def _between(
+    ranges: tuple[Range, Range], patch: PatchSeparation, bodies: tuple[BodyInParts, BodyInParts]
+) -> RangeSeparation:
+    """A plane between ranges of parts and a patch of a solid, whose triangles count; the other body's do not."""
+    first, second = (
+        of_patch if isinstance(body, PosedTriangles) else parts
+        for body, of_patch, parts in zip(bodies, (patch.first, patch.second), ranges, strict=True)
+    )
+    return RangeSeparation(first, second, patch.plane)
+
+
+def _posed_parts(body: Polytope, pose: Floats) -> BodyInParts:
     if body.half_space is not None:
         normal, offset = body.half_space
         return OnePart(PosedHalfSpace(np.array(normal), offset, pose, body.inflation_radius))
+    if body.solid is not None:
+        return PosedTriangles(surface_of(body, pose), body.inflation_radius)
     if body.parts is None:
         one = np.array([0, len(body.vertices)], dtype=np.int64)
         return PosedParts(body.vertices, one, np.array([body.inflation_radius]), pose)
@@ -200,9 +282,9 @@ def _posed_parts(body: Polytope, pose: Floats) -> PosedParts | OnePart:
     return PosedParts(np.concatenate([np.zeros((0, 3)), *corners]), start, np.array(radii), pose)
 
 
-def _hull_of(body: PosedParts | OnePart, parts: Range, own: Polytope) -> Polytope:
+def _hull_of(body: BodyInParts, parts: Range, own: Polytope) -> Polytope:
     """A body around some parts; the body itself if it is no set."""
-    if own.parts is None or isinstance(body, OnePart):
+    if own.parts is None or not isinstance(body, PosedParts):
         return own
     posed = body.body(parts)
     corners = posed.vertices

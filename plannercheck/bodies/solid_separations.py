@@ -11,7 +11,7 @@ patch is a range of triangles in the order of the solid's tree.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -79,7 +79,7 @@ class SolidSeparation:
 
     def _holds(self, patch: PatchSeparation) -> bool:
         (first, second), (radius, other_radius) = self.bodies, self.inflation_radii
-        hulls = _patch(first, patch.first, radius), _patch(second, patch.second, other_radius)
+        hulls = patch_of(first, patch.first, radius), patch_of(second, patch.second, other_radius)
         plane = patch.plane.exact()
         return 0 <= self.gap <= plane.gap and separates_exactly(plane, hulls)
 
@@ -102,7 +102,7 @@ def separate_solids(
     Raises:
         UnprovedVerdictError: If two triangles share a point after all.
     """
-    bodies, radii = (_surface(p, pose_p), _surface(r, pose_r)), (p.inflation_radius, r.inflation_radius)
+    bodies, radii = (surface_of(p, pose_p), surface_of(r, pose_r)), (p.inflation_radius, r.inflation_radius)
     hulls: tuple[dict[Range, Polytope], dict[Range, Polytope]] = ({}, {})
     whole = (0, len(bodies[0].triangles)), (0, len(bodies[1].triangles))
     waiting, patches = [whole], list[PatchSeparation]()
@@ -111,7 +111,7 @@ def separate_solids(
         ranges = waiting.pop()
         for body, radius, known, each in zip(bodies, radii, hulls, ranges, strict=True):
             if each not in known:
-                known[each] = Polytope(_patch(body, each).vertices, inflation_radius=radius)
+                known[each] = Polytope(patch_of(body, each).vertices, inflation_radius=radius)
         certificate = certify_hulls(hulls[0][ranges[0]], hulls[1][ranges[1]], pose_p, pose_r)
         if isinstance(certificate, Separation):
             if ranges == whole:
@@ -138,12 +138,13 @@ def halves(first: int, last: int) -> tuple[Range, Range]:
     return (first, middle), (middle, last)
 
 
-def _surface(body: Polytope, pose: Floats) -> PosedSurface:
+def surface_of(body: Polytope, pose: Floats) -> PosedSurface:
+    """The triangles of a solid, or of a hull, in the order that patches count."""
     surface = body.core.surface()
     return PosedSurface(surface.points(), surface.triangles()[surface.order()], pose)
 
 
-def _patch(body: PosedSurface, triangles: Range, inflation_radius: float = 0.0) -> PosedBody:
+def patch_of(body: PosedSurface, triangles: Range, inflation_radius: float = 0.0) -> PosedBody:
     """The corners of some triangles."""
     corners = np.unique(body.triangles[triangles[0] : triangles[1]])
     return PosedBody(body.points[corners], body.pose, inflation_radius)
@@ -167,10 +168,12 @@ def covers(patches: list[tuple[Range, Range]], rows: int, columns: int) -> bool:
 
 def _is_inside(outer: PosedSurface, inner: PosedSurface) -> bool:
     """Whether a surface winds about a part of another one, of which it meets no triangle."""
-    if not edges_cancel(_merged(outer)):
-        return False
-    vertices = (PosedBody(inner.points[[vertex]], inner.pose) for vertex in _component_vertices(inner))
-    return any(winding_about(vertex, outer) != 0 for vertex in vertices)
+    return winds_about(outer, (PosedBody(inner.points[[vertex]], inner.pose) for vertex in _component_vertices(inner)))
+
+
+def winds_about(outer: PosedSurface, vertices: Iterable[PosedBody]) -> bool:
+    """Whether a surface is closed and winds about one of some vertices, or has one of them on a triangle."""
+    return edges_cancel(_merged(outer)) and any(winding_about(vertex, outer) != 0 for vertex in vertices)
 
 
 def _merged(surface: PosedSurface) -> Ints:

@@ -22,6 +22,7 @@ from plannercheck.cli.suggestions import SuggestingParser
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.escaping import TerminalText, on_terminal
 from plannercheck.common.optional_imports import extra_module
+from plannercheck.common.progress import TerminalLine, reported_to
 from plannercheck.common.version import __version__
 
 # Exit codes beyond a command's own 0 and 1.
@@ -87,9 +88,31 @@ def _safe_output() -> Iterator[None]:
         yield
 
 
+@contextmanager
+def _progress_line() -> Iterator[None]:
+    """Long work of the library is told of on a terminal; a warning takes the line away first."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield
+        return
+    line, show = TerminalLine(sys.stderr), warnings.showwarning
+
+    def show_alone(*about: Any, **more: Any) -> None:
+        line.clear()
+        show(*about, **more)
+
+    warnings.showwarning = show_alone
+    try:
+        with reported_to(line):
+            yield
+    finally:
+        warnings.showwarning = show
+        line.clear()
+
+
 def _run(options: argparse.Namespace) -> int:
     try:
-        code = int(options.run(options))
+        with _progress_line():
+            code = int(options.run(options))
         if sys.stdout is not None:
             sys.stdout.flush()
         return code

@@ -64,7 +64,7 @@ def _planar(options: argparse.Namespace) -> list[Judged]:
 def _judged(checker: AnyChecker, path: Path, file: PathFile, options: argparse.Namespace) -> Judged:
     kind: MotionPath = options.motion_path or file.motion_path or "screw"
     states = file.states
-    verdict = validate_path(checker, states, options.tolerance, options.threads, kind)
+    verdict = validate_path(checker, states, options.tolerance, options.threads, kind, file.pieces)
     if not options.certify or not verdict.free:
         return verdict, None
     return verdict, write_proof(checker, states, options.tolerance, proof_file(path, options.proof), kind)
@@ -100,7 +100,8 @@ def _sentence(verdict: PathVerdict) -> str:
     limits = f"; {verdict.beyond_limits} configurations beyond the limits" if verdict.beyond_limits else ""
     if verdict.stopped is None:
         motions = "the only motion" if verdict.motions == 1 else f"all {verdict.motions} motions"
-        return f"free, proved for {motions}{limits}"
+        cut = f" in {verdict.motions + verdict.cut} pieces of less than half a turn" if verdict.cut else ""
+        return f"free, proved for {motions}{cut}{limits}"
     stopped, count = verdict.stopped, f"{verdict.motions - verdict.free_motions} of {verdict.motions} motions"
     start = f"not free ({count}): motion {verdict.motion} is proved free up to {stopped.free_until:.9g}, "
     assert stopped.pair is not None

@@ -161,7 +161,7 @@ def _frames(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, t
                 stacklevel=2,
             )
         motion_path: MotionPath = options.motion_path or path.motion_path or "screw"
-        return along_path(checker, path.states, options.frames, motion_path)
+        return along_path(checker, path.states, options.frames, motion_path, path.pieces)
     if options.file is not None:
         return _of_set(options, checker)
     if options.q is not None:

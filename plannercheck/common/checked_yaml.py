@@ -23,7 +23,7 @@ import yaml
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.file_kinds import file_kind
 from plannercheck.common.input_limits import INPUT_LIMITS, check_yaml
-from plannercheck.common.plain_yaml import DEEPEST_LINES, load_yaml, value_of_lines
+from plannercheck.common.plain_yaml import DEEPEST_LINES, LOADER, load_yaml, value_of_lines
 
 Node: TypeAlias = dict[str, Any]
 
@@ -54,6 +54,10 @@ _PLAIN_NUMBERS = frozenset({float, int})
 _NAMELESS = re.compile('in "<(?:byte|unicode) string>", ')
 
 
+# What PyYAML says of a text of several documents.
+_SEVERAL = "expected a single document in the stream"
+
+
 class error_context:  # noqa: N801  # used as a function; a generator would take four times as long
     """Puts a place, e.g. "object 'can'", before the message of a PlannercheckError, which keeps its type."""
 
@@ -80,7 +84,11 @@ def read_bytes(path: Path) -> bytes:
 
 
 def parse_yaml(text: bytes | str) -> Node:
-    """Parses a YAML document whose top level maps keys to values."""
+    """Parses a YAML document whose top level maps keys to values.
+
+    Dashes at the end belong to the one document before them: `ros2 topic echo` ends each message so.
+    """
+    text = _without_last_dashes(text)
     value = value_of_lines(text) if INPUT_LIMITS.depth >= DEEPEST_LINES else None
     if value is not None:
         return mapping(value, "the document")
@@ -91,9 +99,28 @@ def parse_yaml(text: bytes | str) -> Node:
     try:
         document = load_yaml(text)
     except (yaml.YAMLError, UnicodeDecodeError, ValueError) as error:  # the last of numbers and dates that are none
+        if getattr(error, "context", None) == _SEVERAL:
+            raise PlannercheckError(_of_several(text)) from None
         words = _NAMELESS.sub("at ", " ".join(str(error).split()))
         raise PlannercheckError(f"no valid YAML: {words}") from None
     return mapping(document, "the document")
+
+
+def _without_last_dashes(text: bytes | str) -> bytes | str:
+    """The text without a last line of dashes; at the start of a line they end a document whatever is before them."""
+    stripped = text.rstrip()
+    if isinstance(stripped, bytes):
+        return stripped[:-3] if stripped.endswith(b"\n---") else text
+    return stripped[:-3] if stripped.endswith("\n---") else text
+
+
+def _of_several(text: bytes | str) -> str:
+    """What is wrong with a text of several documents."""
+    try:
+        count = sum(isinstance(event, yaml.DocumentStartEvent) for event in yaml.parse(text, Loader=LOADER))
+    except yaml.YAMLError:  # a later one is broken
+        return "holds several YAML documents, parted by lines of dashes (---): give a file with one of them"
+    return f"holds {count} YAML documents, parted by lines of dashes (---): give a file with one of them"
 
 
 def mapping(value: Any, what: str) -> Node:

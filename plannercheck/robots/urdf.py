@@ -46,7 +46,8 @@ def read_model(urdf: Path | UrdfFile, floating: bool = False) -> pin.Model:
     file = _file(urdf)
     if file.kind == SDF_ROOT:
         raise PlannercheckError(
-            f"robot {file.path} is an SDF file, which Pinocchio's wheels do not read: convert it into a URDF"
+            f"robot {file.path} is an SDF file, which is not read: convert it into a URDF, for example by `ros2 run "
+            "sdformat_tools sdf2urdf` (github.com/gezp/sdformat_tools)"
         )
     root = [pin.JointModelFreeFlyer()] if floating else []
     try:

@@ -19,14 +19,7 @@ Matrix = NDArray[np.float64]
 # The octomap's name among the objects, which no other object may have (`PlanningScene::OCTOMAP_NS`).
 OCTOMAP = "<octomap>"
 
-_DASHES = b"\n---"
 _NO_TURN = [0.0, 0.0, 0.0, 1.0]
-
-
-def single_document(content: bytes) -> bytes:
-    """YAML without the line of dashes with which `ros2 topic echo` ends a message."""
-    stripped = content.rstrip()
-    return stripped[: -len(_DASHES)] if stripped.endswith(_DASHES) else content
 
 
 def vector(value: Any, key: str, axes: str) -> list[float]:

@@ -23,7 +23,6 @@ from plannercheck.common.checked_yaml import (
 )
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.scenes.moveit_goals import GoalReader, InverseKinematics
-from plannercheck.scenes.moveit_messages import single_document
 from plannercheck.scenes.moveit_states import check_robot_state, joint_values
 
 
@@ -56,7 +55,7 @@ def read_request(path: str | Path, ik: InverseKinematics | None = None) -> Motio
         PlannercheckError: If the file is no request, or a goal has no joint values.
     """
     with error_context(f"request file {str(path)!r}"):
-        return motion_request(parse_yaml(single_document(read_bytes(Path(path)))), ik)
+        return motion_request(parse_yaml(read_bytes(Path(path))), ik)
 
 
 def motion_request(

@@ -40,7 +40,6 @@ from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
 from plannercheck.scenes.mjcf_scene import read_mjcf_scene
-from plannercheck.scenes.moveit_messages import single_document
 from plannercheck.scenes.scene_meshes import read_hull, read_mesh_node, read_solid_node
 from plannercheck.scenes.scene_paths import FindFile, MeshKind
 from plannercheck.scenes.sensed_shapes import SENSED_KEYS, SensedSource, read_sensed
@@ -96,7 +95,7 @@ def read_scene(
 
 
 def _read_yaml(scene: SceneContents, content: bytes, find_file: FindFile) -> None:
-    document = parse_yaml(single_document(content))
+    document = parse_yaml(content)
     message = moveit.as_planning_scene(document)
     if message is None:
         _read(scene, document, find_file)

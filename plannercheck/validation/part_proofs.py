@@ -19,13 +19,13 @@ from plannercheck.bodies.circumscribed import BOX_SIGNS
 from plannercheck.bodies.exact_planes import PosedBody
 from plannercheck.bodies.height_fields import HeightField
 from plannercheck.bodies.lattice_cells import LatticeCells
-from plannercheck.bodies.part_certificates import PartSeparation, PosedParts
+from plannercheck.bodies.part_certificates import BodyInParts, PartSeparation, PosedParts, PosedTriangles
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.solid_certificates import Enclosure
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.validation.solid_proofs import GivenMesh, is_part, proves_contact
+from plannercheck.validation.solid_proofs import GivenMesh, is_part, is_surface, proves_contact
 
 # Up to so many parts, all corners stand for the set in a separation by one plane; beyond, the box around them.
 _MOST_IN_HULL = 64
@@ -68,10 +68,8 @@ class GivenParts:
 
     def has_part(self, body: PosedBody) -> bool:
         """Whether a certificate's body is one of the parts."""
-        count = self.corners.shape[1]
-        if len(body.vertices) < count:  # a part that is flat is made of fewer points
-            repeated = np.concatenate([body.vertices, np.repeat(body.vertices[:1], count - len(body.vertices), axis=0)])
-            return self._has_flat(np.unique(repeated + 0.0, axis=0), body.inflation_radius)
+        if len(body.vertices) != self.corners.shape[1]:  # a triangle of a part, or a flat part, of fewer points
+            return self._has_flat(np.unique(body.vertices + 0.0, axis=0), body.inflation_radius)
         return _keys(body.vertices[None], np.array([body.inflation_radius]))[0].tobytes() in self._known
 
     def _has_flat(self, points: Floats, radius: float) -> bool:
@@ -145,12 +143,16 @@ def proves_contact_of_parts(certificate: SharedPoint | Enclosure, first: Given, 
 
 def proves_separation_of_parts(certificate: PartSeparation, first: Given, second: Given) -> bool:
     """Whether planes prove that two posed bodies, of which one is a set of parts, share no point."""
-    bodies = list[PosedParts]()
+    bodies = list[BodyInParts]()
     for found, (shape, pose) in zip(certificate.bodies, (first, second), strict=True):
         if isinstance(shape, GivenParts):
             if not isinstance(found, PosedParts) or not np.array_equal(found.pose, pose) or not shape.are(found):
                 return False
             bodies.append(found)
+        elif shape.triangles is not None:
+            if not isinstance(found, PosedTriangles) or not is_surface(found.surface, shape, pose):
+                return False
+            bodies.append(replace(found, inflation_radius=shape.inflation_radius))
         else:
             one = np.array([0, len(shape.points)], dtype=np.int64)
             bodies.append(PosedParts(shape.points, one, np.array([shape.inflation_radius]), pose))

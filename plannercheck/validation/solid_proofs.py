@@ -53,7 +53,7 @@ def proves_contact(certificate: SharedPoint | Enclosure, first: Posed, second: P
         pairs = zip(certificate.bodies, (first, second), strict=True)
         return all(is_part(body, *given) for body, given in pairs) and certificate.verify()
     inner, outer = (first, second) if certificate.first_is_inside else (second, first)
-    is_about = _is_vertex(certificate.inner, *inner) and _is_surface(certificate.outer, *outer)
+    is_about = _is_vertex(certificate.inner, *inner) and is_surface(certificate.outer, *outer)
     return is_about and certificate.verify()
 
 
@@ -83,7 +83,7 @@ def _is_vertex(body: PosedBody, mesh: GivenMesh, pose: Floats) -> bool:
     return np.array_equal(body.pose, pose) and len(body.vertices) == 1 and _rows(body.vertices) <= mesh.rows
 
 
-def _is_surface(surface: PosedSurface, mesh: GivenMesh, pose: Floats) -> bool:
+def is_surface(surface: PosedSurface, mesh: GivenMesh, pose: Floats) -> bool:
     """Whether a surface has the very triangles of a solid, or points of a convex body."""
     if not np.array_equal(surface.pose, pose):
         return False
@@ -94,7 +94,7 @@ def _is_surface(surface: PosedSurface, mesh: GivenMesh, pose: Floats) -> bool:
 
 def _as_given(surface: PosedSurface, mesh: GivenMesh, pose: Floats) -> PosedSurface | None:
     """The surface of a certificate, if it is the solid's; of a convex body, all its points, as one patch."""
-    if not _is_surface(surface, mesh, pose):
+    if not is_surface(surface, mesh, pose):
         return None
     if mesh.triangles is not None:
         return surface

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.checking.protocols import AnyChecker
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath, check_path
 from plannercheck.motions.checker import Checker
@@ -19,7 +19,11 @@ DEFAULT_FRAMES = 120
 
 
 def along_path(
-    checker: AnyChecker, path: ArrayLike, frames: int = DEFAULT_FRAMES, motion_path: MotionPath = "screw"
+    checker: AnyChecker,
+    path: ArrayLike,
+    frames: int = DEFAULT_FRAMES,
+    motion_path: MotionPath = "screw",
+    pieces: Ints64 | None = None,
 ) -> tuple[Floats, tuple[str, ...]]:
     """Configurations along a path of straight motions.
 
@@ -28,6 +32,7 @@ def along_path(
         path: (k, nq) rad and m.
         frames: Approximate number of frames; the path's own configurations are always among them.
         motion_path: How planar and floating joints move, as `path` of `Checker.check_motion`.
+        pieces: (m,) how many motions between rows are one motion of the path, for the labels; None: one each.
 
     Returns:
         (n, nq) configurations, and their labels: motion and parameter.
@@ -40,11 +45,13 @@ def along_path(
     if not len(rows) or frames < 1:
         raise PlannercheckError(f"an animation needs a path and at least 1 frame, not {len(rows)} states and {frames}")
     steps = _steps(checker, rows, frames)
+    counts = [1] * len(steps) if pieces is None else pieces.tolist()
+    places = [(motion, piece, count) for motion, count in enumerate(counts) for piece in range(count)]
     parts, labels = [rows[:1]], ["start"]
-    for k, count in enumerate(steps.tolist()):
+    for k, (count, (motion, piece, of)) in enumerate(zip(steps.tolist(), places, strict=True)):
         parameters = np.arange(1, count + 1) / count
         parts.append(_states(checker, rows[k], rows[k + 1], parameters, motion_path))
-        labels += [f"motion {k} at {t:.3g}" for t in parameters.tolist()]
+        labels += [f"motion {motion} at {(piece + t) / of:.3g}" for t in parameters.tolist()]
     return np.concatenate(parts), tuple(labels)
 
 

@@ -72,7 +72,7 @@ def test_worlds_and_objects_alone_are_what_they_are_in_a_scene(tmp_path, end):
         ("{id: a, operation: 1, primitives: []}", "collision object 'a': operation must be 0"),
         ("{primitives: [{type: 2, dimensions: [1]}]}", "collision object 0: key 'id' is missing"),
         ("{planes: [{coef: [0, 0, 1, 0]}], id: a}", "collision object 'a': planes are not supported"),
-        ("a: 1\n---\nb: 2\n", "no valid YAML: expected a single document"),
+        ("a: 1\n---\nb: 2\n", "holds 2 YAML documents"),
     ],
 )
 def test_bad_worlds_and_objects_are_named(tmp_path, text, message):

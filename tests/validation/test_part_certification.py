@@ -20,6 +20,7 @@ from plannercheck.validation.part_proofs import (
     proves_separation_of_parts,
 )
 from plannercheck.validation.solid_proofs import GivenMesh
+from tests.support.nested_parts import surface
 
 RNG = np.random.default_rng(6)
 POINTS = RNG.uniform(-0.5, 0.5, size=(700, 3))
@@ -123,3 +124,20 @@ def test_planes_that_leave_parts_out_prove_nothing(name: str) -> None:
     larger = GivenMesh(box.vertices * 40, None, 0.0)
     assert not proves_separation_of_parts(certificate, given[0], (larger, at(*free)))
     assert not proves_separation_of_parts(replace(certificate, ranges=certificate.ranges[1:]), *given)
+
+
+def test_another_solid_is_no_proof_of_this_one() -> None:
+    """A plane to each triangle of the certificate proves something about these triangles alone."""
+    cells = np.zeros((3, 3, 3), dtype=bool)
+    cells[0], cells[2], cells[:, :, 0] = True, True, True
+    corners, triangles = surface(cells, np.array([1, 1, 1]))
+    solid, cloud = pc.Solid(corners * 1.0, triangles), pc.PointCloud([[1.5, 1.5, 2.0]], 0.125)
+    certificate = certify_posed(pc.Polytope(cloud), pc.Polytope(solid), HERE, HERE)
+    assert isinstance(certificate, PartSeparation)
+    parts = given_parts(cloud, 0.0), HERE
+    points, used = solid.used
+    assert proves_separation_of_parts(certificate, parts, (GivenMesh(points, used, 0.0), HERE))
+    moved = np.where(points == 3.0, 4.0, points)
+    for other in (GivenMesh(moved, used, 0.0), GivenMesh(points, used[1:], 0.0), GivenMesh(points, used, 1.0)):
+        assert not proves_separation_of_parts(certificate, parts, (other, HERE))
+    assert not proves_separation_of_parts(certificate, parts, (GivenMesh(points, used, 0.0), at(0.125, 0, 0)))

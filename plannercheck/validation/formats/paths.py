@@ -5,7 +5,8 @@ of joints outside the group.
 
 JSON and YAML hold a plan as `Plan.save` writes it, a list of configurations (JSON), or a MoveIt trajectory
 (trajectories.py). npy, npz and csv are tables as for sets of configurations. Anything else is text: OMPL's
-`PathGeometric` as printed, or as a matrix. The motion from each state to the next is taken as straight.
+`PathGeometric` as printed, or as a matrix. The motion from each state to the next is taken as straight: of a continuous
+joint the short way round, as OMPL has it, but in a trajectory through the numbers as given, as a controller has it.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,15 +23,17 @@ from typing import Any, cast
 import numpy as np
 
 from plannercheck.checking.protocols import AnyRobot
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Bools, Floats, Ints64
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.checked_yaml import error_context, mapping, parse_yaml, read_bytes, sequence, text
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.motion_paths import MotionPath, check_path
+from plannercheck.robots.configurations import ConfigurationMap
 from plannercheck.robots.robot import Robot
 from plannercheck.validation.formats.chunks import read_chunks, read_states
 from plannercheck.validation.formats.columns import WidthError
+from plannercheck.validation.formats.given_turns import cut_at_turns, largest_turns
 from plannercheck.validation.formats.trajectories import read_trajectory
 
 _TABLES = (".npy", ".npz", ".csv")
@@ -49,12 +53,18 @@ class PathFile(OwnsArrays):
         bent_by: Which of "velocities" and "accelerations" a trajectory gives that are not zero: a controller then runs
             splines, not the straight motions between the states.
         motion_path: How planar and floating joints move between the states, if the file says it.
+        as_given: (k - 1,) on which motions a continuous joint turns through the numbers as given; the short way on
+            others. None: on no motion, or cut already.
+        pieces: (motions,) how many motions between states are one motion of the file, which has been cut since a
+            continuous joint turns further than half a turn (given_turns.py). None: one each.
     """
 
     states: Floats
     others: dict[str, float]
     bent_by: tuple[str, ...] = ()
     motion_path: MotionPath | None = None
+    as_given: Bools | None = None
+    pieces: Ints64 | None = None
 
 
 def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathFile:
@@ -117,8 +127,28 @@ def read_robot_path(path: str | Path, robot: AnyRobot) -> PathFile:
             continue
         if spread is None and found.states.shape[1] != width and fewer:
             continue  # its joints are named, and each takes a number
-        return found if spread is None else replace(found, states=spread.expand(found.states))
+        with error_context(f"path file {str(path)!r}"):
+            return _turned(found, robot, spread, Path(path))
     raise errors[0]
+
+
+def _turned(found: PathFile, robot: AnyRobot, spread: ConfigurationMap | None, path: Path) -> PathFile:
+    """The path in the robot's configurations, cut where continuous joints turn further than half a turn as given."""
+    states, pieces = found.states, None
+    if len(states) > 1 and (spread is not None or states.shape[1] == robot.nq):
+        turns = largest_turns(robot, states, spread)
+        if found.as_given is not None:
+            states, pieces = cut_at_turns(states, turns, found.as_given)
+        elif path.suffix.lower() in _TABLES and (turns > np.pi).any():
+            k = int(np.argmax(turns > np.pi))
+            warnings.warn(
+                f"path file {str(path)!r}: a continuous joint turns by {turns[k]:.3g} rad from state {k} to {k + 1}; a "
+                "table is judged by the short way round, as OMPL runs it; a trajectory message is judged through the "
+                "numbers as given, as a controller runs it",
+                stacklevel=2,
+            )
+    states = states if spread is None else spread.expand(states)
+    return replace(found, states=states, as_given=None, pieces=pieces)
 
 
 def _check_exists(path: Path) -> None:
@@ -159,7 +189,7 @@ def _from_document(document: Any, joint_names: Sequence[str], width: int) -> Pat
         raise PlannercheckError("holds no 'path', no 'joint_trajectory' and no 'points'")
     found = _ordered(trajectory.joint_names, trajectory.positions, joint_names)
     held = {name: value for name, value in trajectory.held.items() if name not in joint_names}
-    return PathFile(found.states, {**held, **found.others}, trajectory.bent_by)
+    return PathFile(found.states, {**held, **found.others}, trajectory.bent_by, None, trajectory.as_given)
 
 
 def _of_plan(plan: dict[str, Any], joint_names: Sequence[str], width: int) -> PathFile:

@@ -7,7 +7,8 @@ A controller moves straight in joint space from point to point only if the traje
 and accelerations that are all zero: then the splines of all joints pass the same fractions of their ways at the same
 times. With other velocities it runs cubic splines, with accelerations as well quintic ones
 (joint_trajectory_controller, `Trajectory::interpolate_between_points`). Times and efforts change when the robot passes
-a point, not where it passes.
+a point, not where it passes. Positions are interpolated as they are: a continuous joint goes from 3 to -3 rad through
+0. Whole turns are taken off only on the way from the state before a message to its first point (`wraparound_joint`).
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.scenes.moveit_messages import transform
@@ -39,12 +40,15 @@ class Trajectory:
         positions: (k, joints) rad and m.
         held: The start state's values, by name, of joints that do not move; rad and m.
         bent_by: Which of "velocities" and "accelerations" are not zero: the paths between points are then not straight.
+        as_given: (k - 1,) whether continuous joints turn through the numbers as given on the way to the next point:
+            within a message, not from one message to the next.
     """
 
     joint_names: list[str]
     positions: Floats
     held: dict[str, float]
     bent_by: tuple[str, ...]
+    as_given: Bools
 
 
 def read_trajectory(document: Node) -> Trajectory | None:
@@ -64,8 +68,10 @@ def read_trajectory(document: Node) -> Trajectory | None:
         return None
     names = _names(nodes[0])
     rows: list[list[float]] = []
+    firsts: list[int] = []
     bent: set[str] = set()
     for node in nodes:
+        firsts.append(len(rows))
         check_keys(node, _TRAJECTORY_KEYS)
         if _names(node) != names:
             raise PlannercheckError(f"its trajectories name different joints: {', '.join(_names(node))}")
@@ -77,14 +83,18 @@ def read_trajectory(document: Node) -> Trajectory | None:
                 bent.update(key for key in _BENDING if _is_set(point, key, len(names)))
     held = _held(mapping(document.get("trajectory_start"), "'trajectory_start'"), names)
     positions = np.array(rows, dtype=np.float64).reshape(-1, len(names))
-    return Trajectory(names, positions, held, tuple(key for key in _BENDING if key in bent))
+    as_given = np.ones(max(len(rows) - 1, 0), dtype=bool)
+    as_given[[first - 1 for first in firsts if 0 < first < len(rows)]] = False
+    return Trajectory(names, positions, held, tuple(key for key in _BENDING if key in bent), as_given)
 
 
 def _joint_trajectories(document: Node) -> list[Node]:
     """The JointTrajectory messages in a document, in order."""
     if "points" in document:
         return [document]
-    _check_base(mapping(document.get("multi_dof_joint_trajectory"), "'multi_dof_joint_trajectory'"))
+    for key in ("multi_dof_joint_trajectory", "multi_dof_trajectory"):  # of MoveIt, and of control_msgs' goals
+        with error_context(key):
+            _check_base(mapping(document.get(key), repr(key)))
     inner = document.get("joint_trajectory", document.get("trajectory", []))
     items = inner if isinstance(inner, list) else [inner]
     return [found for item in items if isinstance(item, dict) for found in _joint_trajectories(mapping(item, "it"))]
@@ -92,12 +102,11 @@ def _joint_trajectories(document: Node) -> list[Node]:
 
 def _check_base(node: Node) -> None:
     """Raises if a joint of several degrees of freedom, such as a mobile base, leaves the identity."""
-    with error_context("multi_dof_joint_trajectory"):
-        for point in sequence(node.get("points"), "'points'"):
-            for item in sequence(mapping(point, "a point").get("transforms"), "'transforms'"):
-                if not np.array_equal(transform(mapping(item, "a transform")), np.eye(4)):
-                    moved = ", ".join(map(str, node.get("joint_names") or ())) or "a joint"
-                    raise PlannercheckError(f"moves {moved}: only joint_trajectory is supported")
+    for point in sequence(node.get("points"), "'points'"):
+        for item in sequence(mapping(point, "a point").get("transforms"), "'transforms'"):
+            if not np.array_equal(transform(mapping(item, "a transform")), np.eye(4)):
+                moved = ", ".join(map(str, node.get("joint_names") or ())) or "a joint"
+                raise PlannercheckError(f"moves {moved}: only joint_trajectory is supported")
 
 
 def _names(node: Node) -> list[str]:
