@@ -1,9 +1,9 @@
 """Which of a robot's bodies are tested against each other.
 
-In: the joints that move the bodies, an SRDF, the tree of links, disabled pairs. Out: index pairs into the robot's bodies. With
-an SRDF they are all pairs on different joints, without those that MoveIt 2 leaves out by that SRDF: Pinocchio keeps the
-same pairs where the file has <disable_collisions> alone. Without an SRDF, adjacent links are left out as well. Pairs
-that a robot's YAML disables are always left out.
+In: the joints that move the bodies, an SRDF, the tree of links, disabled pairs. Out: index pairs into the robot's
+bodies. With an SRDF they are all pairs on different joints, without those that MoveIt 2 leaves out by that SRDF:
+Pinocchio keeps the same pairs where the file has <disable_collisions> alone. Without an SRDF, adjacent links are left
+out as well. Pairs that a robot's YAML disables are always left out.
 """
 
 from __future__ import annotations
