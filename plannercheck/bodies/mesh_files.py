@@ -7,8 +7,9 @@ defines it, or refused with the place that is wrong: a face that is passed over 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -30,6 +31,9 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_file
 
 MeshUnits: TypeAlias = Literal["file", "metre"]
+
+Watch: TypeAlias = Callable[[Path], AbstractContextManager[object]]
+_watch: ContextVar[Watch] = ContextVar("watch", default=nullcontext)
 
 # Formats whose numbers have neither a unit nor axes of their own.
 _PLAIN = {".stl": objects_of_stl, ".obj": objects_of_obj, ".ply": objects_of_ply, ".off": objects_of_off}
@@ -103,7 +107,7 @@ def read_mesh(path: str | Path, scale: float | Sequence[float] = 1.0, units: Mes
     factors = _checked_scale(scale)
     if units not in ("file", "metre"):
         raise PlannercheckError(f"units of a mesh must be 'file' or 'metre', not {units!r}")
-    with named_file(path):
+    with named_file(path), _watch.get()(Path(path)):
         objects, conversion = _read(Path(path), units)
         if not objects:
             raise PlannercheckError(NO_FACES)
@@ -116,6 +120,16 @@ def read_mesh(path: str | Path, scale: float | Sequence[float] = 1.0, units: Mes
             ),
             conversion,
         )
+
+
+@contextmanager
+def watched(watch: Watch) -> Iterator[None]:
+    """Enters `watch(path)` while a file is read inside: a command line can show there that a large one takes long."""
+    token = _watch.set(watch)
+    try:
+        yield
+    finally:
+        _watch.reset(token)
 
 
 def load_triangles(path: str | Path, scale: float | Sequence[float] = 1.0) -> TriangleMesh | None:

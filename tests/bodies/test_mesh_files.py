@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import coal
@@ -16,7 +17,7 @@ import pytest
 import trimesh
 
 import plannercheck as pc
-from plannercheck.bodies.mesh_files import read_mesh
+from plannercheck.bodies.mesh_files import read_mesh, watched
 from plannercheck.bodies.polygons import triangles_of_polygons
 
 FORMATS = ("text.stl", "bytes.stl", "m.obj", "text.ply", "little.ply", "big.ply", "m.off", "m.dae", "m.gltf", "m.glb")
@@ -595,3 +596,23 @@ def test_points_that_no_triangle_uses_are_left_out(tmp_path: Path) -> None:
             write(tmp_path / name, np.vstack([CORNERS[:2], [[9, 9, 9]], CORNERS[2:]]), TRIANGLES + (TRIANGLES > 1))
         )
         assert rows(mesh.points) == rows(CORNERS)
+
+
+def test_a_watch_is_entered_around_each_file(tmp_path: Path) -> None:
+    seen: list[str] = []
+
+    @contextmanager
+    def watch(path: Path) -> Iterator[None]:
+        seen.append(f"begin {path.name}")
+        try:
+            yield
+        finally:
+            seen.append(f"end {path.name}")
+
+    (tmp_path / "bad.stl").write_text("no mesh")
+    with watched(watch):
+        read_mesh(write(tmp_path / "m.off"))
+        with pytest.raises(pc.PlannercheckError, match=r"bad\.stl"):
+            read_mesh(tmp_path / "bad.stl")
+    read_mesh(tmp_path / "m.off")
+    assert seen == ["begin m.off", "end m.off", "begin bad.stl", "end bad.stl"]
