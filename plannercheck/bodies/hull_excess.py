@@ -1,7 +1,7 @@
 """How much larger than its mesh a hull is, cheaply: for warnings where a hull was taken by default.
 
-In: a mesh file's objects. Out: a sentence if the hull is more than twice as large as the closed mesh, or fills the room
-between objects that are apart; else nothing. The hull of the farthest points along some directions is inside the hull,
+In: a mesh. Out: a sentence if the hull is more than twice as large as the closed mesh, or fills the room between objects
+that are apart; else nothing. The hull of the farthest points along some directions is inside the hull,
 so that its volume is a lower bound.
 """
 
@@ -12,7 +12,7 @@ import numpy as np
 from plannercheck.bodies.mesh_files import MeshFile
 from plannercheck.bodies.pieces import hull_volume
 from plannercheck.bodies.triangle_meshes import TriangleMesh
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError
 
 # A hull is worth a warning from this multiple of its mesh's volume on.
@@ -22,22 +22,26 @@ LARGE = 2.0
 _DIRECTIONS = 64
 
 
-def hull_excess(mesh: MeshFile) -> str:
-    """Words on a hull that is much larger than its mesh; empty if the hull is not, or if an open mesh has no volume."""
-    if len(mesh.objects) > 1 and _are_apart([each.points for each in mesh.objects]):
-        names = ", ".join(repr(each.name) for each in mesh.objects[:3])
-        return f"its {len(mesh.objects)} objects ({names}) are apart, and the hull fills the room between them"
-    points, triangles = mesh.points, mesh.triangles
+def hull_excess(points: Floats, triangles: Ints64) -> str:
+    """Words on the hull of points (n, 3), m, that is much larger than their closed mesh; empty if it is not."""
     volume = _enclosed(points, triangles)
     if np.prod(np.ptp(points, axis=0)) <= LARGE * volume:
         return ""
     ratio = _least_hull_volume(points) / max(volume, np.finfo(float).tiny)
-    if ratio <= LARGE or TriangleMesh.of(points, triangles).volume in (None, 0.0):
+    if ratio <= LARGE or not TriangleMesh.of(points, triangles).volume:
         return ""
     return f"the hull is {ratio:.1f} times as large as the mesh"
 
 
-def _enclosed(points: Floats, triangles: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> float:
+def hull_between(mesh: MeshFile) -> str:
+    """Words on objects of a file that are apart, whose common hull fills the room between them; empty if they meet."""
+    if len(mesh.objects) < 2 or not _are_apart([each.points for each in mesh.objects]):
+        return ""
+    names = ", ".join(repr(each.name) for each in mesh.objects[:3])
+    return f"its {len(mesh.objects)} objects ({names}) are apart, and the hull fills the room between them"
+
+
+def _enclosed(points: Floats, triangles: Ints64) -> float:
     """The volume, m³, that the triangles enclose if they are closed."""
     a, b, c = (points[triangles[:, k]] - points[0] for k in range(3))
     return abs(float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum())) / 6

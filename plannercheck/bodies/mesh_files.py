@@ -24,10 +24,10 @@ from plannercheck.bodies.obj_files import objects_of_obj
 from plannercheck.bodies.off_files import objects_of_off
 from plannercheck.bodies.ply_meshes import objects_of_ply
 from plannercheck.bodies.stl_files import objects_of_stl
-from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.package_data import is_file
+from plannercheck.common.progress import reported
 
 MeshUnits: TypeAlias = Literal["file", "metre"]
 
@@ -103,7 +103,7 @@ def read_mesh(path: str | Path, scale: float | Sequence[float] = 1.0, units: Mes
     factors = _checked_scale(scale)
     if units not in ("file", "metre"):
         raise PlannercheckError(f"units of a mesh must be 'file' or 'metre', not {units!r}")
-    with named_file(path):
+    with named_file(path), reported(f"reading mesh {Path(path).name}"):
         objects, conversion = _read(Path(path), units)
         if not objects:
             raise PlannercheckError(NO_FACES)
@@ -128,30 +128,6 @@ def checked_units(value: object) -> MeshUnits | None:
     raise unknown_name("kind of mesh_units", str(value), get_args(MeshUnits))
 
 
-def load_triangles(path: str | Path, scale: float | Sequence[float] = 1.0) -> TriangleMesh | None:
-    """The triangles of a mesh file that `load_mesh` reads, scaled to m."""
-    return TriangleMesh.of(*corners_of_file(path, scale))
-
-
-def points_of_file(path: str | Path, scale: float | Sequence[float] = 1.0) -> Floats:
-    """The points (n, 3) of a mesh file, scaled to m.
-
-    Raises:
-        PlannercheckError: If the file is missing or is no mesh.
-    """
-    return read_mesh(path, scale).points
-
-
-def corners_of_file(path: str | Path, scale: float | Sequence[float] = 1.0) -> tuple[Floats, Ints64]:
-    """The points (n, 3), scaled to m, and the triangles (m, 3) of a mesh file, degenerate ones included.
-
-    Raises:
-        PlannercheckError: If the file is missing, is no mesh, or has no triangles.
-    """
-    mesh = read_mesh(path, scale)
-    return mesh.points, mesh.triangles
-
-
 @contextmanager
 def named_file(path: str | Path) -> Iterator[None]:
     """Errors inside say which mesh file they are about; a file that is not there is one."""
@@ -163,25 +139,31 @@ def named_file(path: str | Path) -> Iterator[None]:
         raise PlannercheckError(f"mesh file {str(path)!r}: {error}") from None
 
 
-def warn_of_size(path: str | Path, points: Floats, stacklevel: int) -> None:
-    """Warns of a mesh that is unusually large."""
-    hint = mesh_hint(points)
-    if hint:
-        warnings.warn(f"mesh file {str(path)!r} {hint}", RuntimeWarning, stacklevel=stacklevel + 1)
-
-
-def check_mesh(path: Path) -> None:
-    """Raises for a file that can't be read, in place of the library that reads it for a robot."""
-    if path.suffix.lower() in (*_PLAIN, *_WITH_AXES) and is_file(path):
-        _read(path, "metre")
-
-
 def mesh_hint(points: Floats) -> str:
     """A sentence about points (n, 3) in m that are unusually far apart; empty if they are not."""
     size = float(np.ptp(points, axis=0).max(initial=0))
     if size <= _LARGEST_USUAL_MESH:
         return ""
     return f"is {size:.4g} m large: if it is in millimetres, scale it by 0.001"
+
+
+def warn_of_mesh(mesh: MeshFile, units: MeshUnits | None, more: Sequence[str] = (), stacklevel: int = 1) -> None:
+    """Warns of a mesh that is unusually large, or whose unit or axes nobody has asked to convert.
+
+    Args:
+        mesh: The mesh, of a scene or alone.
+        units: What the caller asked for; None if nothing.
+        more: Other words about it.
+        stacklevel: Who is warned.
+    """
+    said = [hint] if (hint := mesh_hint(mesh.points)) else []
+    if mesh.conversion and units is None:
+        said.append(
+            f"is converted to metres, z up, as its format says: {mesh.conversion}; MoveIt's planning scene would take "
+            'its numbers as metres: mesh_units="metre" does so, mesh_units="file" says that converting is meant'
+        )
+    for words in (*said, *more):
+        warnings.warn(f"mesh file {str(mesh.path)!r}: {words}", RuntimeWarning, stacklevel=stacklevel + 1)
 
 
 def _read(path: Path, units: MeshUnits) -> tuple[list[RawObject], str]:

@@ -9,7 +9,6 @@ inverted orientations, holes and T-junctions all have a meaning (docs/explanatio
 from __future__ import annotations
 
 import hashlib
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.bodies.caps import Caps, closing, open_edges
 from plannercheck.bodies.core_polytopes import core_polytope
 from plannercheck.bodies.hull_equality import is_hull
-from plannercheck.bodies.mesh_files import corners_of_file, named_file, warn_of_size
+from plannercheck.bodies.mesh_files import MeshUnits, checked_units, named_file, read_mesh, warn_of_mesh
 from plannercheck.common.array_types import Faces, Floats, Ints
 from plannercheck.common.arrays import read_only, read_only_copy, real_numbers, shown_array
 from plannercheck.common.core import core
@@ -66,13 +65,21 @@ class Solid:
             raise unknown_name("way to take an open mesh", str(self.open), get_args(OpenMesh))
 
     @classmethod
-    def load(cls, path: str | Path, scale: float | Sequence[float] = 1.0, open: OpenMesh = "cap") -> Solid:
-        """Loads a mesh file (stl, dae, obj, ply and whatever else coal reads); equal points become one.
+    def load(
+        cls,
+        path: str | Path,
+        scale: float | Sequence[float] = 1.0,
+        open: OpenMesh = "cap",
+        mesh_units: MeshUnits | None = None,
+    ) -> Solid:
+        """Loads a mesh file (stl, dae, obj, ply, off, gltf, glb), with all its objects; equal points become one.
 
         Args:
             path: The file.
             scale: One factor, or one along each axis, from the file's unit to m.
             open: What an open mesh is taken as, see the class.
+            mesh_units: "file" converts to metres, z up, as the format says (the default, with a warning where it
+                converts); "metre" takes the numbers as MoveIt's planning scene does.
 
         Returns:
             The solid; a warning says so if the mesh is open.
@@ -80,11 +87,12 @@ class Solid:
         Raises:
             PlannercheckError: If the file is missing or no mesh, or has no triangles.
         """
-        solid = solid_of_file(path, scale, open)
-        warn_of_size(path, solid.vertices, stacklevel=2)
-        if solid.is_open:
-            words = open_meshes({f"mesh file {str(path)!r}": solid})
-            warnings.warn(words, RuntimeWarning, stacklevel=2)
+        units = checked_units(mesh_units)
+        mesh = read_mesh(path, scale, units or "file")
+        with named_file(path):
+            solid = cls(*_merged(mesh.points, mesh.triangles), open)
+        words = [open_meshes({"the mesh": solid})] if solid.is_open else []
+        warn_of_mesh(mesh, units, words, stacklevel=2)
         return solid
 
     @cached_property
@@ -175,13 +183,6 @@ _CLOSURES = {
     "open": "open meshes are their triangles alone, and a body inside does not collide",
 }
 _SPACE = 3
-
-
-def solid_of_file(path: str | Path, scale: float | Sequence[float], open: OpenMesh) -> Solid:
-    """As `Solid.load`, without its warnings."""
-    points, triangles = corners_of_file(path, scale)
-    with named_file(path):
-        return Solid(*_merged(points, triangles), open)
 
 
 def open_meshes(solids: Mapping[str, Solid]) -> str:

@@ -30,6 +30,16 @@ def report(done: int, total: int, what: str) -> None:
 
 
 @contextmanager
+def reported(what: str) -> Iterator[None]:
+    """Reports a piece of work that is one step."""
+    report(0, 1, what)
+    try:
+        yield
+    finally:
+        report(1, 1, what)
+
+
+@contextmanager
 def reported_to(listener: Listener) -> Iterator[None]:
     """Names who hears reports meanwhile."""
     token = _listener.set(listener)

@@ -8,7 +8,6 @@ of open meshes.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -21,9 +20,9 @@ from plannercheck.bodies.mesh_files import (
     MeshFile,
     MeshUnits,
     checked_units,
-    mesh_hint,
     named_file,
     read_mesh,
+    warn_of_mesh,
 )
 from plannercheck.bodies.meshes import hull_of_triangles
 from plannercheck.bodies.objects import Part
@@ -61,7 +60,8 @@ def mesh_parts(path: Path, keys: Mapping[str, Any], taken: OpenMesh | None) -> l
     several = len(mesh.objects) > 1
     if "object" in keys:
         mesh = _one_object(mesh, keys["object"])
-    _warn_of(mesh, units is None, taken is None)
+    large = [words for each in mesh.objects if taken is None and (words := hull_excess(each.points, each.triangles))]
+    warn_of_mesh(mesh, units, [f"{words}: `solid` takes the mesh as it is" for words in large[:1]], stacklevel=4)
     parts = []
     for each in mesh.objects:
         with named_file(path):
@@ -83,21 +83,6 @@ def _one_object(mesh: MeshFile, name: str) -> MeshFile:
         with named_file(mesh.path):
             raise unknown_name("object", name, [each.name for each in mesh.objects])
     return MeshFile(mesh.path, chosen, mesh.conversion)
-
-
-def _warn_of(mesh: MeshFile, is_default: bool, are_hulls: bool) -> None:
-    """Warns of a mesh that is unusually large, whose unit MoveIt ignores, or whose hull is much larger than it is."""
-    said = [hint] if (hint := mesh_hint(mesh.points)) else []
-    if mesh.conversion and is_default:
-        said.append(
-            f"is converted to metres, z up, as its format says: {mesh.conversion}; MoveIt's planning scene would take "
-            "its numbers as metres: mesh_units: metre does so, mesh_units: file says that converting is meant"
-        )
-    if are_hulls:
-        large = [words for each in mesh.objects if (words := hull_excess(MeshFile(mesh.path, (each,), "")))]
-        said += [f"{large[0]}: `solid` takes the mesh as it is"] if large else []
-    for words in said:
-        warnings.warn(f"mesh file {str(mesh.path)!r}: {words}", RuntimeWarning, stacklevel=5)
 
 
 def read_mesh_node(values: Node, find_file: FindFile) -> list[Part]:

@@ -324,7 +324,10 @@ def _plain_off(content: bytes) -> list[list[tuple[float, ...]]]:
     rows = [row for row in [rows[0][1:], *rows[1:]] if row]
     vertices, faces = int(rows[0][0]), int(rows[0][1])
     points = [tuple(map(float, row[:3])) for row in rows[1 : vertices + 1]]
-    return [[points[int(k)] for k in row[1 : int(row[0]) + 1]] for row in rows[vertices + 1 : vertices + faces + 1]]
+    return [
+        [points[int(float(k))] for k in row[1 : int(float(row[0])) + 1]]
+        for row in rows[vertices + 1 : vertices + faces + 1]
+    ]
 
 
 def _judge(name: str, content: bytes, folder: Path) -> str:

@@ -18,6 +18,7 @@ import trimesh
 import plannercheck as pc
 from plannercheck.bodies.mesh_files import read_mesh
 from plannercheck.bodies.polygons import triangles_of_polygons
+from plannercheck.common.progress import reported_to
 
 FORMATS = ("text.stl", "bytes.stl", "m.obj", "text.ply", "little.ply", "big.ply", "m.off", "m.dae", "m.gltf", "m.glb")
 TEXTS = ("text.stl", "m.obj", "text.ply", "m.off", "m.dae")
@@ -595,3 +596,13 @@ def test_points_that_no_triangle_uses_are_left_out(tmp_path: Path) -> None:
             write(tmp_path / name, np.vstack([CORNERS[:2], [[9, 9, 9]], CORNERS[2:]]), TRIANGLES + (TRIANGLES > 1))
         )
         assert rows(mesh.points) == rows(CORNERS)
+
+
+def test_reading_is_reported_as_one_step(tmp_path: Path) -> None:
+    said: list[tuple[int, int, str]] = []
+    (tmp_path / "bad.stl").write_text("no mesh")
+    with reported_to(lambda *report: said.append(report)):
+        read_mesh(write(tmp_path / "m.off"))
+        with pytest.raises(pc.PlannercheckError, match=r"bad\.stl"):
+            read_mesh(tmp_path / "bad.stl")
+    assert said == [(k, 1, f"reading mesh {name}") for name in ("m.off", "bad.stl") for k in (0, 1)]

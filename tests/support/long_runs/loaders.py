@@ -22,8 +22,7 @@ import numpy as np
 import plannercheck as pc
 from long_runs import forked, seed_files
 from long_runs.mutations import damaged, mutated_text
-from plannercheck.bodies.mesh_files import load_triangles
-from plannercheck.bodies.meshes import load_mesh
+from plannercheck.bodies.mesh_files import read_mesh
 from plannercheck.evaluation.stress.failing_cases import Case
 from plannercheck.evaluation.stress_motions.cases import MotionCase
 from plannercheck.ompl.plans import Plan
@@ -155,8 +154,7 @@ def _by_a_fork(
 
 
 def _mesh(path: Path) -> None:
-    load_mesh(path)
-    load_triangles(path)
+    read_mesh(path)
 
 
 def _octomap(path: Path) -> None:
