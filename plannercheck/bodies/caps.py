@@ -77,14 +77,14 @@ def open_edges(triangles: Ints | Ints64) -> Ints64:
     return _uncancelled(triangles.astype(np.int64)[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2))
 
 
-def closing(points: Floats, triangles: Ints) -> tuple[Ints, Caps]:
+def closing(points: Floats, triangles: Ints, edges: Ints64) -> tuple[Ints, Caps]:
     """The triangles (k, 3) that close a mesh, and what they close.
 
     Args:
         points: (n, 3) m, distinct.
         triangles: (m, 3) indices of them.
+        edges: The open ones, by `open_edges`.
     """
-    edges = open_edges(triangles)
     joined = _representatives(points, edges)[edges]
     is_seam = (joined != edges).any(axis=1)
     seams = _seam_triangles(edges[is_seam], joined[is_seam])
@@ -98,17 +98,15 @@ def closing(points: Floats, triangles: Ints) -> tuple[Ints, Caps]:
 
 
 def _uncancelled(edges: Ints64) -> Ints64:
-    """Directed edges (k, 2) less those that their reverses cancel."""
-    edges = edges[edges[:, 0] != edges[:, 1]]
-    if not len(edges):
-        return edges
-    low, high = edges.min(axis=1), edges.max(axis=1)
-    count = int(high.max()) + 1
-    keys, index = np.unique(low * count + high, return_inverse=True)
-    forth = np.bincount(index.reshape(-1), edges[:, 0] == low, len(keys)).astype(np.int64)
-    surplus = 2 * forth - np.bincount(index.reshape(-1), minlength=len(keys))
-    ends = np.column_stack([keys // count, keys % count])
-    found: Ints64 = np.repeat(np.where(surplus[:, None] > 0, ends, ends[:, ::-1]), np.abs(surplus), axis=0)
+    """Directed edges (k, 2) less those that their reverses cancel, in order of their vertices."""
+    tail, head = edges[edges[:, 0] != edges[:, 1]].T
+    count = int(edges.max(initial=0)) + 1
+    forth, back = np.sort(tail * count + head), np.sort(head * count + tail)
+    if np.array_equal(forth, back):
+        return edges[:0]
+    keys, times = np.unique(forth, return_counts=True)
+    reverses = np.searchsorted(back, keys, "right") - np.searchsorted(back, keys, "left")
+    found: Ints64 = np.repeat(np.column_stack(np.divmod(keys, count)), np.maximum(times - reverses, 0), axis=0)
     return found
 
 
@@ -167,7 +165,7 @@ def _loops(edges: Ints64, points: Floats) -> tuple[Ints64, Ints64, Ints64]:
     """Edges (k, 2) by loops: the edges in another order, and for each edge its loop's number and its loop's apex."""
     if not len(edges):
         return edges, np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
-    first = _first_of_plain_loops(edges, len(points))
+    first = _first_of_plain_loops(edges)
     is_plain = first >= 0
     branching = list(_loops_of_branches(edges[~is_plain], _in_units_of_seam(points)))
     lengths = [len(loop) for loop in branching]
@@ -181,17 +179,18 @@ def _loops(edges: Ints64, points: Floats) -> tuple[Ints64, Ints64, Ints64]:
     return rims, number, apex
 
 
-def _first_of_plain_loops(edges: Ints64, count: int) -> Ints64:
+def _first_of_plain_loops(edges: Ints64) -> Ints64:
     """The first vertex of each edge's loop (k,), if all vertices of the loop have one edge in and one out; else −1."""
-    meets_branch = np.bincount(edges[:, 0], minlength=count) > 1
-    onward = np.arange(count)
-    onward[edges[:, 0]] = edges[:, 1]
-    onward = np.where(meets_branch, np.arange(count), onward)
-    first = np.arange(count)
+    vertices, numbers = np.unique(edges, return_inverse=True)
+    count, (tail, head) = len(vertices), numbers.reshape(-1, 2).T
+    meets_branch = np.bincount(tail) > 1
+    onward, first = np.arange(count), np.arange(count)
+    onward[tail] = head
+    onward = np.where(meets_branch, first, onward)
     for _ in range(count.bit_length()):  # twice as many vertices ahead each time
         first, meets_branch = np.minimum(first, first[onward]), meets_branch | meets_branch[onward]
         onward = onward[onward]
-    found: Ints64 = np.where(meets_branch[edges[:, 0]], -1, first[edges[:, 0]])
+    found: Ints64 = np.where(meets_branch[tail], -1, vertices[first[tail]])
     return found
 
 

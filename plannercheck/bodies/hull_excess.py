@@ -1,7 +1,7 @@
 """How much larger than its mesh a hull is, cheaply: for warnings where a hull was taken by default.
 
-In: a mesh. Out: a sentence if the hull is more than twice as large as the closed mesh, or fills the room between objects
-that are apart; else nothing. The hull of the farthest points along some directions is inside the hull,
+In: a mesh. Out: a sentence if the hull is more than twice as large as the closed mesh, or fills the room between
+objects that are apart; else nothing. The hull of the farthest points along some directions is inside the hull,
 so that its volume is a lower bound.
 """
 

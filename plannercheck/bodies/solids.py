@@ -22,7 +22,7 @@ from plannercheck.bodies.caps import Caps, closing, open_edges
 from plannercheck.bodies.core_polytopes import core_polytope
 from plannercheck.bodies.hull_equality import is_hull
 from plannercheck.bodies.mesh_files import MeshUnits, checked_units, named_file, read_mesh, warn_of_mesh
-from plannercheck.common.array_types import Faces, Floats, Ints
+from plannercheck.common.array_types import Faces, Floats, Ints, Ints64
 from plannercheck.common.arrays import read_only, read_only_copy, real_numbers, shown_array
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -111,13 +111,13 @@ class Solid:
                 points, triangles = _merged(points, hull.source()[hull.triangles()])
         return read_only(points), read_only(triangles)
 
-    @cached_property
+    @property
     def is_open(self) -> bool:
         """Whether the given mesh is open: some directed edge occurs more often than its reverse.
 
         Vertices with equal coordinates are one vertex (-0 is 0).
         """
-        return len(open_edges(self._mesh[1])) > 0
+        return len(self._open_edges) > 0
 
     @property
     def is_closed(self) -> bool:
@@ -141,9 +141,13 @@ class Solid:
         return read_only(points), read_only(triangles)
 
     @cached_property
+    def _open_edges(self) -> Ints64:
+        return open_edges(self._mesh[1])
+
+    @cached_property
     def _closing(self) -> tuple[Ints, Caps] | None:
         """The triangles that close an open mesh, and what they close."""
-        return closing(*self._mesh) if self.is_open else None
+        return closing(*self._mesh, self._open_edges) if self.is_open else None
 
     @cached_property
     def equals_hull(self) -> bool:

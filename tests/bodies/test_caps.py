@@ -296,6 +296,7 @@ def test_triangles_alone_and_hulls_are_choices():
 def test_hulls_of_flat_meshes(points):
     made = Solid(points, [[0, 1, 2]] if len(points) == 3 else [[0, 1, 2], [0, 2, 1], [1, 2, 3]], "hull")
     assert made.equals_hull
+    assert made.digest != Solid(made.vertices, made.triangles, "triangles").digest
     middle = np.mean(points, axis=0)
     assert pc.intersects(made, pc.Polytope(middle[None]))
     assert pc.intersects(made, pc.Sphere(0.01), None, at(*middle))
