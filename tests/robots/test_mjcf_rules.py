@@ -86,9 +86,10 @@ def test_shapes_are_those_that_mujoco_tests(rule, tmp_path):
     touched = 0
     for body, pose in [*posed, *((body, body.pose) for body in scene.bodies)]:
         geom = names.index(body.name)
-        spread = model.geom_rbound[geom] or 1.0
-        for _ in range(PROBES):
-            place = pose[:3, 3] + rng.uniform(-1.1, 1.1, 3) * spread
+        is_field = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_HFIELD
+        spread = model.hfield_size[model.geom_dataid[geom], :3] if is_field else model.geom_rbound[geom] or 1.0
+        for _ in range(PROBES * (10 if is_field else 1)):
+            place = pose[:3, 3] + pose[:3, :3] @ (rng.uniform(-1.1, 1.1, 3) * spread)
             data.qpos[-7:] = [*place, 1, 0, 0, 0]
             mujoco.mj_fwdPosition(model, data)
             pairs = {frozenset((contact.geom1, contact.geom2)) for contact in data.contact[: data.ncon]}
