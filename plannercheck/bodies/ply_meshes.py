@@ -17,12 +17,13 @@ from plannercheck.bodies.ply_headers import PlyElement, PlyProperty, header_of_p
 from plannercheck.bodies.polygons import triangles_of_polygons
 from plannercheck.bodies.text_numbers import filled_lines, first_bad, floats_of, pieces_of, shown, word_counts
 from plannercheck.common.array_types import Floats, Ints64
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, shortened
 
 _INDICES = ("vertex_indices", "vertex_index")
 _AXES = ("x", "y", "z")
 _WITH_FACES = ("face", "tristrips")
 _LEAST = 3  # corners of a face
+_SCAN = "range_grid"  # which vertex each place of a scan has: no faces
 _LARGEST = 2.0**53  # whole numbers below it are exact doubles
 
 
@@ -50,6 +51,8 @@ def objects_of_ply(content: bytes) -> list[RawObject]:
     for element in elements:
         if element.name in _WITH_FACES:
             _list_of(element)
+        elif element.name != _SCAN and any(each.name in _INDICES for each in element.properties):
+            raise PlannercheckError(f"element {shortened(element.name)!r} has faces: its name must be 'face'")
     points, lists = (_of_bytes if order else _of_text)(content, order, elements, body)
     found = [np.zeros((0, 3), dtype=np.int64)]
     for name, each in lists.items():

@@ -25,7 +25,7 @@ from plannercheck.common.errors import PlannercheckError
 
 ENDINGS = (".stl", ".obj", ".ply", ".off", ".dae", ".gltf", ".glb")
 
-SCENES = (".dae", ".gltf", ".glb")  # formats with nodes
+SCENES = (".dae", ".gltf", ".glb", ".obj")  # formats that assimp reads into nodes
 
 # Steps of single precision by which a point under transforms may differ: assimp rounds every product.
 _STEPS = 16
@@ -79,7 +79,7 @@ def _scene_difference(
     flat = int(_flat(mesh.points[mesh.triangles]).sum())
     if not len(triangles) <= len(mesh.triangles) <= len(triangles) + flat:
         return "", details
-    if path.suffix.lower() != ".dae" and _farthest(_as_in_gltf(read_mesh(path)), points) <= limit:
+    if path.suffix.lower() in (".gltf", ".glb") and _farthest(_as_in_gltf(read_mesh(path)), points) <= limit:
         return "root", details
     if _farthest(mesh.points, points) > limit:
         return "", details
@@ -117,7 +117,7 @@ def _difference(path: Path, mesh: MeshFile, points: np.ndarray, triangles: np.nd
             else:
                 return "", f"a point is {far:.3g} from the other's"
         else:
-            kinds.append("posed" if path.suffix.lower() in SCENES else "text")
+            kinds.append("posed" if path.suffix.lower() in SCENES[:3] else "text")
     if two:
         kinds.append("two corners")
     if len(ours) != len(theirs):
@@ -150,8 +150,8 @@ def _unlike_trimesh(path: Path, mesh: MeshFile) -> str:
     theirs = trimesh.load_scene(
         str(path), file_type=path.suffix[1:].lower(), process=False, maintain_order=True
     ).to_mesh()
-    ours = mesh if path.suffix.lower() == ".dae" else read_mesh(path)
-    points = ours.points if path.suffix.lower() == ".dae" else _as_in_gltf(ours)
+    ours = read_mesh(path) if path.suffix.lower() in (".gltf", ".glb") else mesh
+    points = _as_in_gltf(ours) if path.suffix.lower() in (".gltf", ".glb") else ours.points
     a, b = points[ours.triangles], theirs.vertices[theirs.faces]
     if not len(b):
         return NOTHING

@@ -299,7 +299,7 @@ def _plain_ply(content: bytes) -> list[list[tuple[float, ...]]]:
         for row in these:
             at, found = 0, {}
             for key, is_list in names:
-                length = int(row[at]) if is_list else 1
+                length = int(float(row[at])) if is_list else 1
                 at += is_list
                 found[key], at = row[at : at + length], at + length
             if name == "vertex":
