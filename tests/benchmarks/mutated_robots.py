@@ -88,6 +88,9 @@ def main() -> int:
     files = [file for file in files if begin in file.read_text(errors="replace") and file.stat().st_size < 60_000]
     rng, counts = random.Random(options.seed), Counter[str]()
     with tempfile.TemporaryDirectory() as name:
+        first = Path(name) / f"first{ending}"
+        first.write_text(seeds[0], encoding="utf-8")
+        _load(first)  # so that the copies of this process import nothing
         for k in range(options.count):
             file = rng.choice(files) if files and rng.random() < 0.5 else None
             text = rng.choice(seeds) if file is None else file.read_text(errors="replace")
