@@ -13,6 +13,7 @@ import numpy as np
 from plannercheck.bodies.mesh_objects import RawObject
 from plannercheck.bodies.text_numbers import first_bad, floats_of, shown
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct_rows
 from plannercheck.common.errors import PlannercheckError
 
 _HEADER = 84  # bytes before the first facet: a text of 80, and the count
@@ -59,8 +60,9 @@ def _binary(content: bytes) -> Floats:
 
 
 def _soup(name: str, corners: Floats) -> RawObject:
-    """An object of facets (m, 3, 3) that share no points."""
-    return RawObject(name, corners.reshape(-1, 3), np.arange(3 * len(corners), dtype=np.int64).reshape(-1, 3))
+    """An object of facets (m, 3, 3), whose equal corners are one point."""
+    points, places = distinct_rows(corners.reshape(-1, 3))
+    return RawObject(name, points, places.reshape(-1, 3))
 
 
 def _texts(content: bytes) -> list[RawObject]:

@@ -88,7 +88,7 @@ def test_xml_in_an_encoding_that_is_none(tmp_path: Path, encoding: str) -> None:
         pc.Robot.from_urdf(urdf, srdf)
     with pytest.raises(pc.PlannercheckError, match="can't be read"):
         read_tree(srdf)
-    with pytest.raises(pc.PlannercheckError, match=r"r\.srdf is not well-formed XML"):
+    with pytest.raises(pc.PlannercheckError, match=r"r\.srdf does not parse: it is no XML"):
         pc.Robot.from_urdf(srdf)
 
 
@@ -225,12 +225,7 @@ def test_ply_files_that_crash_their_readers(tmp_path: Path, form: str) -> None:
     )
     for corners in (3, 4):
         path.write_bytes(_ply(form, corners))
-        assert sorted(map(list, set(map(tuple, read_mesh(path).points.tolist())))) == [
-            [0, 0, 0],
-            [0, 0, 1],
-            [0, 1, 0],
-            [1, 0, 0],
-        ]
+        assert set(map(tuple, read_mesh(path).points.tolist())) == {(0, 0, 0), (0, 0, 1), (0, 1, 0), (1, 0, 0)}
         assert len(pc.Robot.from_urdf(urdf).bodies) == 1
     broken = [_ply(form, 3, last) for last in (4, -1, 2**31 - 1)] + [_ply(form, kept=kept) for kept in (0, 2, 40, 45)]
     broken += [_ply(form, 1), _ply(form).replace(b"vertex 4", b"vertex 9"), _ply(form).replace(b"float z", b"float y")]
