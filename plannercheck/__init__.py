@@ -92,8 +92,8 @@ _MODULES = ("ndim", "ompl", "planar", "view")
 
 
 def _comparison(home: str) -> Comparison:
-    def compare(model: Any, robot: Any, scene: str | None, meshes: Any, geometry: Any) -> None:
-        importlib.import_module(f"plannercheck.{home}").confirm_model(model, robot, scene, meshes, geometry)
+    def compare(model: Any, robot: Any, scene: str | None, meshes: Any, geometry: Any, mesh_units: Any) -> None:
+        importlib.import_module(f"plannercheck.{home}").confirm_model(model, robot, scene, meshes, geometry, mesh_units)
 
     return compare
 

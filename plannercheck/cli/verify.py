@@ -70,7 +70,9 @@ def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
     model = (
         None
         if options.robot is None
-        else model_confirmed(proofs[0], _robot(options), options.scene, options.scene_meshes)
+        else model_confirmed(
+            proofs[0], _robot(options), options.scene, options.scene_meshes, mesh_units=options.mesh_units
+        )
     )
     return {
         "proof": str(path),

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
-# Of a proof's model, a robot, a scene (None for the empty one), what meshes of the scene are ("hull" or "solid"), and
-# what those of the robot are (None for what its file says); raises at the first difference.
-Comparison: TypeAlias = Callable[[Any, Any, str | None, Any, Any], None]
+# Of a proof's model, a robot, a scene (None for the empty one), what meshes of the scene are, what those of the robot
+# are, and how mesh files are read (None for what the files say); raises at the first difference.
+Comparison: TypeAlias = Callable[[Any, Any, str | None, Any, Any, Any], None]
 
 _comparisons: dict[str, Comparison] = {}
 

@@ -17,6 +17,7 @@ import math
 
 import numpy as np
 
+from plannercheck.bodies.mesh_files import MeshUnits
 from plannercheck.common.array_types import Floats
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.proof_model import space_model
@@ -49,6 +50,7 @@ def confirm_model(
     scene: str | None,
     meshes: MeshKind = "hull",
     geometry: Geometry | None = None,
+    mesh_units: MeshUnits | None = None,
 ) -> None:
     """Compares a model with files.
 
@@ -58,6 +60,7 @@ def confirm_model(
         scene: Name of a shipped scene, or a scene file; None for the empty one.
         meshes: What meshes of the scene are.
         geometry: What meshes of the robot are; None for what its description says.
+        mesh_units: How mesh files are read; None for what the robot's description says, and the scene's default.
 
     Raises:
         UnprovedError: If they differ.
@@ -66,13 +69,19 @@ def confirm_model(
     description = description_of(robot)
     if geometry is not None:
         description = dataclasses.replace(description, geometry=geometry)
+    if mesh_units is not None:
+        description = dataclasses.replace(description, mesh_units=mesh_units)
     file = description.file
     if file.kind != MJCF_ROOT:
         whole = description.joints is None and description.group is None
         tree = read_tree(description.urdf, file.mended)
         _TreeComparison(model, tree, description.floating, whole).run()
     loaded = Robot.from_description(description)
-    obstacles = Scene("empty") if scene is None else Scene.load(scene, description.package_dirs, meshes=meshes)
+    obstacles = (
+        Scene("empty")
+        if scene is None
+        else Scene.load(scene, description.package_dirs, meshes=meshes, mesh_units=mesh_units)
+    )
     known = space_model(Checker(loaded, obstacles))
     if file.kind == MJCF_ROOT:
         _compare_trees(model, known)

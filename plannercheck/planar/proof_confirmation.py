@@ -17,7 +17,12 @@ from plannercheck.proofs.planar_proof import PlanarModel
 
 
 def confirm_model(
-    model: PlanarModel, robot: str, scene: str | None, meshes: str = "hull", geometry: object = None
+    model: PlanarModel,
+    robot: str,
+    scene: str | None,
+    meshes: str = "hull",
+    geometry: object = None,
+    mesh_units: object = None,
 ) -> None:
     """Compares a model with files, bit for bit, except the circles around bodies, which were checked before.
 
@@ -27,13 +32,16 @@ def confirm_model(
         scene: Name of a shipped planar scene, or a scene file; None for the empty one.
         meshes: "hull": there are none in the plane.
         geometry: None, likewise.
+        mesh_units: None, likewise.
 
     Raises:
         UnprovedError: If they differ.
         PlannercheckError: If a file can't be read, or meshes are to be anything.
     """
-    if meshes != "hull" or geometry is not None:
-        raise PlannercheckError("robots and scenes in the plane have no meshes: leave out meshes= and geometry=")
+    if meshes != "hull" or geometry is not None or mesh_units is not None:
+        raise PlannercheckError(
+            "robots and scenes in the plane have no meshes: leave out meshes=, geometry= and mesh_units="
+        )
     loaded = planar_model(Checker(Robot.load(robot), Scene("empty") if scene is None else Scene.load(scene)))
     for name, given, known in zip(("links", "bodies", "configurations"), _parts(model), _parts(loaded), strict=True):
         if given != known:

@@ -26,24 +26,31 @@ class Proof(ProofData):
         *,
         meshes: str = "hull",
         geometry: str | Mapping[str, str] | None = None,
+        mesh_units: str | None = None,
     ) -> Verification:
         """Confirms the claim in ball arithmetic, without the compiled core and the code that made the proof.
 
         Args:
             robot: If given, the model has to be that of this robot: the name of a shipped one, a YAML or a URDF file.
             scene: With `robot`: a shipped scene's name, or a file; None for the empty one.
-            meshes: What meshes of the scene are: "hull" or "solid".
+            meshes: What meshes of the scene are, as for `Scene.load`.
             geometry: What meshes of the robot are, as for `Robot.load`; None for what its YAML says.
+            mesh_units: How mesh files are read, as for `Robot.load` and `Scene.load`.
 
         Returns:
             The verification; a proof with malformed numbers is not proved.
 
         Raises:
-            PlannercheckError: If python-flint is not installed, or the robot's or scene's files can't be read.
+            PlannercheckError: If python-flint is not installed, the robot's or scene's files can't be read, or a scene is
+                given without a robot.
         """
+        if robot is None and (scene, meshes, geometry, mesh_units) != (None, "hull", None, None):
+            raise PlannercheckError(
+                "scene=, meshes=, geometry= and mesh_units= are compared with robot=: give the robot, too"
+            )
         found = verified(self)
         if found and robot is not None:
-            model = model_confirmed(self, robot, scene, meshes, geometry)
+            model = model_confirmed(self, robot, scene, meshes, geometry, mesh_units)
             return Verification(model.proved, model.fault, found.entries, found.seconds + model.seconds)
         return found
 

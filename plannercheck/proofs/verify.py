@@ -76,7 +76,12 @@ def _plane(proof: ProofData) -> Callable[[int, Entry], None]:
 
 
 def model_confirmed(
-    proof: ProofData, robot: Any, scene: str | None, meshes: str = "hull", geometry: Any = None
+    proof: ProofData,
+    robot: Any,
+    scene: str | None,
+    meshes: str = "hull",
+    geometry: Any = None,
+    mesh_units: str | None = None,
 ) -> Verification:
     """Whether a proof's model is that of files; entries are not checked.
 
@@ -84,8 +89,9 @@ def model_confirmed(
         proof: In space or in the plane.
         robot: A shipped robot's name, a YAML or a URDF file, or its description.
         scene: A shipped scene's name or a file; None for the empty one.
-        meshes: What meshes of the scene are: "hull" or "solid".
+        meshes: What meshes of the scene are, as for `Scene.load`.
         geometry: What meshes of the robot are, as for `Robot.load`; None for what its file says.
+        mesh_units: How mesh files are read, as for `Robot.load` and `Scene.load`.
 
     Returns:
         Whether it is, or the first difference.
@@ -96,7 +102,7 @@ def model_confirmed(
     began, fault = time.perf_counter(), None
     try:
         _check_well_formed(proof)
-        model_comparison(proof.kind)(proof.model, robot, scene, meshes, geometry)
+        model_comparison(proof.kind)(proof.model, robot, scene, meshes, geometry, mesh_units)
     except UnprovedError as found:
         fault = str(found)
     return Verification(fault is None, fault, 0, time.perf_counter() - began)

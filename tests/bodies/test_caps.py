@@ -314,7 +314,9 @@ def test_unknown_choices_are_refused(given):
 def test_files_say_what_is_done(tmp_path, kind):
     trimesh.Trimesh(*without_top(mesh(CUBE)), process=False).export(tmp_path / "open.stl")
     words = {"cap": "caps close", "triangles": "triangles alone", "hull": "are their hulls"}[kind]
-    with pytest.warns(RuntimeWarning, match=rf"open\.stl.*{words}.*the mesh \(1 loop of 4 edges, largest cap 2 m\)") as caught:
+    with pytest.warns(
+        RuntimeWarning, match=rf"open\.stl.*{words}.*the mesh \(1 loop of 4 edges, largest cap 2 m\)"
+    ) as caught:
         made = Solid.load(tmp_path / "open.stl", open=kind)
     assert len(caught) == 1
     assert made.open == kind
