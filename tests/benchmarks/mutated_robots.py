@@ -25,7 +25,7 @@ import warnings
 from collections import Counter
 from pathlib import Path
 
-import mujoco  # noqa: F401  # before the copies of this process
+import mujoco
 import numpy as np
 
 import plannercheck as pc
@@ -86,6 +86,7 @@ def main() -> int:
     seeds, ending, begin = SEEDS[options.format]
     files = sorted(options.folder.rglob(f"*{ending}")) if options.folder else []
     files = [file for file in files if begin in file.read_text(errors="replace") and file.stat().st_size < 60_000]
+    mujoco.set_mju_user_warning(lambda message: None)  # else they are written to a file in the current folder
     rng, counts = random.Random(options.seed), Counter[str]()
     with tempfile.TemporaryDirectory() as name:
         first = Path(name) / f"first{ending}"

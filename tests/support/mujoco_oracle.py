@@ -102,7 +102,9 @@ def _contacts(model):
 def overlapping(model, data, qpos):
     """The names of geoms between which MuJoCo finds a contact below 0 m."""
     data.qpos[:] = qpos
-    mujoco.mj_fwdPosition(model, data)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_collision(model, data)
     names = geom_names(model)
     found = data.contact[: data.ncon]
     return {frozenset((names[contact.geom1], names[contact.geom2])) for contact in found if contact.dist < 0}
