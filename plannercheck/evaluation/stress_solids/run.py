@@ -177,4 +177,4 @@ def faults_of(case: SolidCase) -> dict[str, Outcome]:
     except (PlannercheckError, ValueError):
         return {}
     found = verdicts(drawn, truth, 0)
-    return {who: outcomes[0] for who, outcomes in found.items() if outcomes[0] is not truth[0]}
+    return {who: outcomes[0] for who, outcomes in found.items() if outcomes[0] is not truth[0] and outcomes[0] != UNFIT}
