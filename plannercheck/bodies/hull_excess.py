@@ -9,17 +9,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from plannercheck.bodies.core_polytopes import core_polytope
 from plannercheck.bodies.mesh_files import MeshFile
-from plannercheck.bodies.pieces import hull_volume
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.common.array_types import Floats, Ints64
-from plannercheck.common.errors import PlannercheckError
 
 # A hull is worth a warning from this multiple of its mesh's volume on.
 LARGE = 2.0
 
 # Directions along which farthest points are taken: the bound of a ball's volume is 12 % low then.
 _DIRECTIONS = 64
+
+_SPACE = 3
 
 
 def hull_excess(points: Floats, triangles: Ints64) -> str:
@@ -53,11 +54,9 @@ def _least_hull_volume(points: Floats) -> float:
     height = 1 - (2 * number + 1) / _DIRECTIONS
     angle, radius = np.pi * (3 - np.sqrt(5)) * number, np.sqrt(1 - height**2)
     directions = np.stack([radius * np.cos(angle), radius * np.sin(angle), height])
-    farthest = np.unique((points @ directions).argmax(axis=0))
-    try:
-        return hull_volume(points[farthest])
-    except PlannercheckError:  # flat, or too few points
-        return 0.0
+    farthest = points[np.unique((points @ directions).argmax(axis=0))]
+    hull = core_polytope(farthest)
+    return _enclosed(farthest, hull.source()[hull.triangles()].astype(np.int64)) if hull.dimension == _SPACE else 0.0
 
 
 def _are_apart(objects: list[Floats]) -> bool:

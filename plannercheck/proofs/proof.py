@@ -41,8 +41,8 @@ class Proof(ProofData):
             The verification; a proof with malformed numbers is not proved.
 
         Raises:
-            PlannercheckError: If python-flint is not installed, the robot's or scene's files can't be read, or a scene is
-                given without a robot.
+            PlannercheckError: If python-flint is not installed, the robot's or scene's files can't be read, or a scene
+                is given without a robot.
         """
         if robot is None and (scene, meshes, geometry, mesh_units) != (None, "hull", None, None):
             raise PlannercheckError(

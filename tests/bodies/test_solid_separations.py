@@ -78,7 +78,7 @@ def test_a_separation_of_a_body_in_another_one_is_refused() -> None:
     outwards = np.asarray(box.triangles[:12])
     turned = outwards.copy()
     turned[5] = turned[5, ::-1]
-    certificate = pc.certify(pc.Solid(box.vertices, turned), pc.Sphere(0.5))
+    certificate = pc.certify(pc.Solid(box.vertices, turned, open="triangles"), pc.Sphere(0.5))
     assert isinstance(certificate, SolidSeparation)
     assert certificate.verify()
     outer, inner = certificate.bodies

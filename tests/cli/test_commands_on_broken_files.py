@@ -70,7 +70,7 @@ TOLD = {
     "npz.npy": "it is a zip archive, as .npz files are",
     "npy.npz": "it is a numpy array, as .npy files are",
     "sdf_as.urdf": "is an SDF file",
-    "mjcf_as.urdf": "MJCF mjcf_as.urdf has no joints",
+    "mjcf_as.urdf": "MJCF mjcf_as.urdf",
     "page.urdf": "it is a web page",
     "urdf_as.yaml": "it is a URDF",
     "urdf_as.srdf": "it has links and joints, as a URDF has, which --robot takes",

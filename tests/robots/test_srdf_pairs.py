@@ -41,7 +41,7 @@ def loaded(urdf, elements, *words):
     return robot
 
 
-def tested(robot):
+def pairs_tested(robot):
     return {frozenset(robot.bodies[k].link for k in pair) for pair in robot.self_pairs.tolist()}
 
 
@@ -77,7 +77,9 @@ def test_pairs_are_those_of_moveits_matrix(urdf, seed):
     ]
     matrix = Matrix(elements)
     robot = loaded(urdf, written(elements), *["tested neither against obstacles"] * bool(matrix.defaults))
-    assert tested(robot) == {frozenset(pair) for pair in itertools.combinations(LINKS, 2) if not matrix.allows(*pair)}
+    assert pairs_tested(robot) == {
+        frozenset(pair) for pair in itertools.combinations(LINKS, 2) if not matrix.allows(*pair)
+    }
     scene = pc.Scene()
     scene.add_sphere("ball", 1.0)
     checker = pc.Checker(robot, scene)
@@ -106,15 +108,15 @@ def test_elements_that_name_nothing_are_passed_over_with_one_warning_each(urdf):
         for (kind, *_), name in zip(elements, "xyz", strict=True)
     ]
     robot = loaded(urdf, written(elements), *words)
-    assert len(tested(robot)) == 10
+    assert len(pairs_tested(robot)) == 10
     nameless = '<disable_collisions link1="a"/><enable_collisions/><disable_default_collisions/>'
-    assert len(tested(loaded(urdf, nameless, "3 elements that name no links"))) == 10
+    assert len(pairs_tested(loaded(urdf, nameless, "3 elements that name no links"))) == 10
 
 
 def test_enabled_pairs_on_one_joint_are_said_to_be_left_out(urdf):
     urdf.write_text(urdf.read_text().replace('type="revolute"', 'type="fixed"', 1))
     robot = loaded(urdf, written([("enable_collisions", "a", "b")]), "links on one joint, which never move")
-    assert frozenset("ab") not in tested(robot)
+    assert frozenset("ab") not in pairs_tested(robot)
 
 
 def test_carried_objects_are_not_tested_against_links_that_are_disabled_by_default(urdf):
