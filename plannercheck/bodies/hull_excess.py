@@ -54,7 +54,8 @@ def _least_hull_volume(points: Floats) -> float:
     height = 1 - (2 * number + 1) / _DIRECTIONS
     angle, radius = np.pi * (3 - np.sqrt(5)) * number, np.sqrt(1 - height**2)
     directions = np.stack([radius * np.cos(angle), radius * np.sin(angle), height])
-    farthest = points[np.unique((points @ directions).argmax(axis=0))]
+    # Not np.unique, whose first call imports numpy.ma, which takes 45 ms.
+    farthest = points[sorted(set((points @ directions).argmax(axis=0).tolist()))]
     hull = core_polytope(farthest)
     return _enclosed(farthest, hull.source()[hull.triangles()].astype(np.int64)) if hull.dimension == _SPACE else 0.0
 

@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -28,7 +28,6 @@ from plannercheck.robots.forward_kinematics import ForwardKinematics
 from plannercheck.robots.link_bodies import read_bodies, warn_of_large_hulls
 from plannercheck.robots.link_geometry import Geometry, with_geometry
 from plannercheck.robots.link_tree import LinkTree
-from plannercheck.robots.mjcf import allowed_by, read_mjcf_robot
 from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
 from plannercheck.robots.reference_configuration import given_values, reference_of
 from plannercheck.robots.robot_memory import RobotMemory
@@ -37,6 +36,9 @@ from plannercheck.robots.srdf import DisabledPair, default_links, group_state, w
 from plannercheck.robots.urdf import Mimic, link_tree, read_model
 from plannercheck.robots.urdf_file import MJCF_ROOT
 from plannercheck.robots.urdf_hints import warn_of_odd_numbers
+
+if TYPE_CHECKING:
+    from plannercheck.robots.mjcf import MjcfRobot
 
 Reference: TypeAlias = Mapping[str, Any] | Sequence[float] | NDArray[np.float64] | str | None
 
@@ -120,7 +122,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         The parts.
     """
     urdf = description.file
-    mjcf = read_mjcf_robot(urdf.path, description.floating) if urdf.kind == MJCF_ROOT else None
+    mjcf = _mjcf_robot(description) if urdf.kind == MJCF_ROOT else None
     if mjcf is not None:
         model, mimics, links = mjcf.model, mjcf.mimics, mjcf.links
     else:
@@ -138,7 +140,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     joints = _group(description, model, tree, mimics)
     disabled = description.disabled_pairs
     if mjcf is not None:
-        pairs = allowed_by(mjcf.pairs, bodies, srdf, disabled)
+        pairs = mjcf.allowed_pairs(srdf, disabled)
     else:
         pairs = self_pairs(links.joints, bodies, srdf, tree, disabled)
     pieces: Mapping[str, Pieces] = {}
@@ -165,13 +167,19 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     )
 
 
+def _mjcf_robot(description: RobotDescription) -> MjcfRobot:
+    from plannercheck.robots.mjcf import read_mjcf_robot  # a tenth of what a URDF imports, and no URDF needs it
+
+    return read_mjcf_robot(description.file.path, description.floating)
+
+
 def collision_meshes(description: RobotDescription) -> dict[str, MeshFile]:
     """The meshes of a robot's links by name of the body, read anew, without the warnings of loading the robot."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         file = description.file
         if file.kind == MJCF_ROOT:
-            links = read_mjcf_robot(file.path, description.floating).links
+            links = _mjcf_robot(description).links
         else:
             model = read_model(file, description.floating)
             links = read_bodies(model, file, description.package_dirs, description.mesh_units)

@@ -52,6 +52,16 @@ class MjcfRobot:
     mimics: dict[str, Mimic]
     initial: dict[str, Floats]
 
+    def allowed_pairs(self, srdf: Srdf | None, disabled: Iterable[DisabledPair]) -> Ints64:
+        """The pairs (k, 2) of bodies that neither an SRDF nor a robot's YAML disables."""
+        links = [str(body.link) for body in self.links.bodies]
+        named = {frozenset((pair.link_a, pair.link_b)) for pair in disabled}
+        if srdf is not None:
+            untested = untested_pairs(srdf.root, list(dict.fromkeys(links)))
+            named |= {frozenset((pair.link_a, pair.link_b)) for pair in untested}
+        kept = [frozenset((links[a], links[b])) not in named for a, b in self.pairs.tolist()]
+        return np.asarray(self.pairs[np.array(kept, dtype=bool)])
+
 
 def read_mjcf_robot(path: Path, floating: bool) -> MjcfRobot:
     """Compiles an MJCF file and takes the robot out of it.
@@ -95,18 +105,6 @@ def read_mjcf_robot(path: Path, floating: bool) -> MjcfRobot:
 def _mesh(file: MjcfFile, geom: int) -> MeshFile:
     """The mesh of a geom as MuJoCo has compiled it."""
     return MeshFile(file.path, (MeshObject("", *mesh_of_geom(file, geom)),), "")
-
-
-def allowed_by(
-    pairs: Ints64, bodies: tuple[GeometryObject, ...], srdf: Srdf | None, disabled: Iterable[DisabledPair]
-) -> Ints64:
-    """The pairs (k, 2) of bodies that neither an SRDF nor a robot's YAML disables."""
-    named = {frozenset((pair.link_a, pair.link_b)) for pair in disabled}
-    if srdf is not None:
-        untested = untested_pairs(srdf.root, list(dict.fromkeys(str(body.link) for body in bodies)))
-        named |= {frozenset((pair.link_a, pair.link_b)) for pair in untested}
-    kept = [frozenset((bodies[a].link, bodies[b].link)) not in named for a, b in pairs.tolist()]
-    return np.asarray(pairs[np.array(kept, dtype=bool)])
 
 
 def _mimics(file: MjcfFile) -> dict[str, Mimic]:
