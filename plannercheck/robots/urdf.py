@@ -15,7 +15,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.silence import urdf_silence
 from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.urdf_file import SDF_ROOT, UrdfFile
-from plannercheck.robots.urdf_hints import foreign_elements, wrong_order_of_imports
+from plannercheck.robots.urdf_hints import foreign_joints, wrong_order_of_imports
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def read_model(urdf: Path | UrdfFile, floating: bool = False) -> pin.Model:
         with urdf_silence()():
             model = pin.buildModelFromXML(file.native, *root)
     except (ValueError, RuntimeError, IndexError) as error:
-        reason = file.hint or foreign_elements(file.root) or wrong_order_of_imports()
+        reason = file.hint or foreign_joints(file.root) or wrong_order_of_imports()
         reason = reason or _one_line(file.messages(floating)) or _one_line(str(error))
         raise PlannercheckError(f"URDF {file.path} does not parse: {reason}") from None
     return model

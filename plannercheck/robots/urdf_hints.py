@@ -24,7 +24,6 @@ _LARGEST_USUAL_ANGLE = 2 * math.pi + 0.01
 _LEAST_DEGREES, _MOST_DEGREES = 30.0, 720.0
 
 # What the format has; Bullet's files, for example, have capsules and spherical joints beside these.
-_SHAPES = ("box", "cylinder", "sphere", "mesh")
 _JOINTS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
 # By element, the elements within it that decide where bodies are; and the attributes of these. Only what looks like one
@@ -59,23 +58,14 @@ def warn_of_odd_numbers(file: UrdfFile) -> None:
     _warn(file.path, list(_unknown_parts(root)), "are not read")
 
 
-def foreign_elements(root: Element) -> str:
-    """Names shapes and joints that no URDF has, and those that it has; empty if there are none."""
-    shapes = [
-        f"<{shortened(shape.tag)}> of link {shortened(link.get('name'))!r}"
-        for link in root.iterfind("link")
-        for shape in link.iterfind("collision/geometry/*")
-        if isinstance(shape.tag, str) and shape.tag not in _SHAPES
-    ]
+def foreign_joints(root: Element) -> str:
+    """Names joints of types that no URDF has, and the types that URDFs have; empty if there are none."""
     joints = [
         f"type {shortened(joint.get('type'))!r} of joint {shortened(joint.get('name'))!r}"
         for joint in root.iterfind("joint")
         if joint.get("type") is not None and joint.get("type") not in _JOINTS
     ]
-    found = [(shapes, "shapes", _SHAPES), (joints, "types of joints", _JOINTS)]
-    return "; ".join(
-        f"URDFs have no {_some(names)}: their {what} are {', '.join(known)}" for names, what, known in found if names
-    )
+    return f"URDFs have no {_some(joints)}: their types of joints are {', '.join(_JOINTS)}" if joints else ""
 
 
 def wrong_order_of_imports() -> str:
