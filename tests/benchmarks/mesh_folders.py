@@ -44,7 +44,8 @@ EXPLAINED = {
     "two corners": "faces with two corners, where the format demands three: here triangles of no area, in assimp lines",
     "stray": "vertices that no face uses: no part of the surface; assimp keeps them",
     "degenerate": "triangles without area: here as in the file; assimp drops or merges some",
-    "concave": "polygons with other diagonals: both are right where a polygon is plane",
+    "concave": "polygons with other diagonals: both are right where a polygon is plane; where it is not, no format says"
+    " which diagonal",
     "text": "a decimal that assimp's own parser rounds one step of single precision away: the nearest double is right",
 }
 
@@ -81,8 +82,11 @@ def _scene_difference(
         return "", details
     if path.suffix.lower() in (".gltf", ".glb") and _farthest(_as_in_gltf(read_mesh(path)), points) <= limit:
         return "root", details
-    if _farthest(mesh.points, points) > limit:
+    faces = mesh.points[mesh.triangles]
+    if _farthest(faces[~_same_corner(faces)], points) > limit:  # faces of two corners are lines in assimp
         return "", details
+    if len(triangles) == len(mesh.triangles) and _has_polygons(path):
+        return "concave", details
     other = _unlike_trimesh(path, mesh)
     if other == NOTHING:
         return "nested, trimesh reads nothing", details
@@ -153,6 +157,7 @@ def _unlike_trimesh(path: Path, mesh: MeshFile) -> str:
     ours = read_mesh(path) if path.suffix.lower() in (".gltf", ".glb") else mesh
     points = _as_in_gltf(ours) if path.suffix.lower() in (".gltf", ".glb") else ours.points
     a, b = points[ours.triangles], theirs.vertices[theirs.faces]
+    a = a[~_same_corner(a)] if len(a) != len(b) else a  # trimesh drops faces of two corners
     if not len(b):
         return NOTHING
     if len(a) != len(b):
@@ -167,6 +172,13 @@ def _unlike_trimesh(path: Path, mesh: MeshFile) -> str:
 
 def _faces_of_two(path: Path) -> bool:
     return re.search(rb"^\s*f[ \t]+\S+[ \t]+\S+[ \t]*\r?$", path.read_bytes(), re.MULTILINE) is not None
+
+
+def _has_polygons(path: Path) -> bool:
+    return (
+        path.suffix.lower() == ".obj"
+        and re.search(rb"^\s*f([ \t]+\S+){4}", path.read_bytes(), re.MULTILINE) is not None
+    )
 
 
 def _same_corner(triangles: np.ndarray) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 In: how many random cases, and where they begin. Out: a table of cases and verdicts, and each fault with its seed.
 
-    python -m tests.benchmarks.sets_in_hollows --cases 2000
+    PYTHONPATH=tests/support python tests/benchmarks/sets_in_hollows.py --cases 2000
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import warnings
 from collections import Counter
 from pathlib import Path
 
-from tests.support.nested_calls import MODES, faults_of_bodies, faults_of_checker, told
-from tests.support.nested_parts import draw
+from nested_calls import MODES, faults_of_bodies, faults_of_checker, told
+from nested_parts import draw
 
 # One case of so many is planned for and given to the command line.
 _THOROUGH = 20

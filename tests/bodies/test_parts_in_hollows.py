@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from nested_calls import MODES, checker_of, faults_of_bodies, faults_of_checker, told
+from nested_parts import SHAPES, UNIT, draw, surface
 
 import plannercheck as pc
 from plannercheck.bodies.part_certificates import PartSeparation, PosedParts, PosedTriangles, RangeSeparation
 from plannercheck.bodies.solid_certificates import PosedSurface
 from plannercheck.validation.certification import certify_verdicts
-from tests.support.nested_calls import MODES, checker_of, faults_of_bodies, faults_of_checker, told
-from tests.support.nested_parts import SHAPES, UNIT, draw, surface
 
 # Draws of every kind of set, some that meet, some apart, of which each call takes less than a second or so.
 CALLED = [(49, "held"), (12, "one link"), (10, "held"), (3, "moving"), (14, "one link"), (18, "moving"), (5, "held")]

@@ -440,3 +440,12 @@ def test_arrays_are_read_where_their_annotation_has_a_name_of_its_own():
     named = typing.TypeAliasType("named", np.ndarray[tuple[int, ...], np.dtype[element]], type_params=(element,))
     kind = dataclasses.make_dataclass("kind", [("rows", named[np.float64])], frozen=True)
     np.testing.assert_array_equal(from_plain(kind, {"rows": [[1.0, 2.0]]}, "it").rows, [[1.0, 2.0]])
+
+
+def test_a_scene_is_compared_with_a_robot_only():
+    checker = pc.Checker(pc.Robot.load("ur5"), pc.Scene.load("table"))
+    q = checker.scene.start("ur5") if "ur5" in checker.scene.states else np.array([0.0, -1.2, 1.0, 0.0, 0.0, 0.0])
+    proof = checker.certify_motions(q[None], q[None] + 0.01)[0]
+    for given in ({"scene": "table"}, {"meshes": "solid"}, {"geometry": "hull"}, {"mesh_units": "file"}):
+        with pytest.raises(pc.PlannercheckError, match="give the robot, too"):
+            proof.verify(**given)

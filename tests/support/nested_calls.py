@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from nested_parts import Nested
 
 import plannercheck as pc
 from plannercheck.cli.main import main
 from plannercheck.validation.certification import certify_verdicts
-from tests.support.nested_parts import Nested
 
 MODES = ("moving", "held", "one link")
 _CONTACTS = (pc.SharedPoint, pc.Enclosure)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from nested_parts import surface
 
 import plannercheck as pc
 from plannercheck.bodies.certificates import SharedPoint
@@ -20,7 +21,6 @@ from plannercheck.validation.part_proofs import (
     proves_separation_of_parts,
 )
 from plannercheck.validation.solid_proofs import GivenMesh
-from tests.support.nested_parts import surface
 
 RNG = np.random.default_rng(6)
 POINTS = RNG.uniform(-0.5, 0.5, size=(700, 3))

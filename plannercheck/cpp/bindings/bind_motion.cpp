@@ -9,6 +9,7 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <stdexcept>
 
 #include "bindings/array_types.hpp"
 #include "bindings/module.hpp"
@@ -36,8 +37,11 @@ MotionChains chains_from(IndexTable<2> drives, InputArray<double, -1, 2> factors
   MotionChains out;
   for (std::size_t j = 0; j < drives.shape(0); ++j)
     out.joints.push_back({static_cast<DriveKind>(drives(j, 0)), drives(j, 1), factors(j, 0), factors(j, 1)});
-  for (std::size_t e = 0; e < entries.shape(0); ++e)
+  for (std::size_t e = 0; e < entries.shape(0); ++e) {
+    // The largest of several bounds is taken by comparisons, in which a NaN could get lost.
+    if (!(arms(e) >= 0.0)) throw std::invalid_argument("an arm of a chain is no length");
     out.entries.push_back({entries(e, 0), arms(e), entries(e, 1), entries(e, 2)});
+  }
   out.slides.assign(slides.data(), slides.data() + slides.shape(0));
   out.first_entry.assign(first_entry.data(), first_entry.data() + first_entry.shape(0));
   return out;
