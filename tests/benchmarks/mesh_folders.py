@@ -157,7 +157,8 @@ def _unlike_trimesh(path: Path, mesh: MeshFile) -> str:
     ours = read_mesh(path) if path.suffix.lower() in (".gltf", ".glb") else mesh
     points = _as_in_gltf(ours) if path.suffix.lower() in (".gltf", ".glb") else ours.points
     a, b = points[ours.triangles], theirs.vertices[theirs.faces]
-    a = a[~_same_corner(a)] if len(a) != len(b) else a  # trimesh drops faces of two corners
+    if len(a) != len(b):  # trimesh drops faces of two corners
+        a, b = (each[_area(each) > 0] for each in (a, b))
     if not len(b):
         return NOTHING
     if len(a) != len(b):
