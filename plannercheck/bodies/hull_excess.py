@@ -14,13 +14,13 @@ from plannercheck.bodies.mesh_files import MeshFile
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.common.array_types import Floats, Ints64
 
-# A hull is worth a warning from this multiple of its mesh's volume on.
+# A hull is worth a warning from this multiple of its mesh's volume on: then more than half of it is free room.
 LARGE = 2.0
 
-# Directions along which farthest points are taken: the bound of a ball's volume is 12 % low then.
+# Directions along which farthest points are taken: the bound of a ball's volume is 9 % low then.
 _DIRECTIONS = 64
 
-_SPACE = 3
+_SPACE = 3  # dimensions of a body that has volume
 
 
 def hull_excess(points: Floats, triangles: Ints64) -> str:
