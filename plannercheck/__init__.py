@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from plannercheck.bodies.solid_certificates import Enclosure as Enclosure
     from plannercheck.bodies.solid_separations import SolidSeparation as SolidSeparation
     from plannercheck.bodies.solids import Solid as Solid
+    from plannercheck.bodies.tuning import Tuning as Tuning
     from plannercheck.bodies.voxel_grids import VoxelGrid as VoxelGrid
     from plannercheck.checking.verdicts import ValidityReport as ValidityReport
     from plannercheck.checking.verdicts import Verdict as Verdict
@@ -80,6 +81,7 @@ _HOMES = {
     "Solid": "bodies.solids",
     "SolidSeparation": "bodies.solid_separations",
     "Sphere": "bodies.shapes",
+    "Tuning": "bodies.tuning",
     "ValidityReport": "checking.verdicts",
     "Verdict": "checking.verdicts",
     "VoxelGrid": "bodies.voxel_grids",
@@ -130,6 +132,7 @@ __all__ = [
     "Solid",
     "SolidSeparation",
     "Sphere",
+    "Tuning",
     "ValidityReport",
     "Verdict",
     "VoxelGrid",

@@ -7,9 +7,8 @@ cpp/narrow_phase/intersection: cached plane, centre axis, the coupled walk or th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, Literal, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,79 +23,14 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import POSED_TOLERANCE, checked_pose
 from plannercheck.bodies.solid_certificates import Enclosure, contact_certificate
 from plannercheck.bodies.solid_separations import SolidSeparation, separate_solids
+from plannercheck.bodies.tuning import METHODS, Method, pair_options
 from plannercheck.common.array_types import Bools
 from plannercheck.common.core import core
-from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import MOST_THREADS, checked_threads
 
-Method: TypeAlias = Literal["oracle", "walk", "exact"]
 SolidCertificate: TypeAlias = Certificate | Enclosure | SolidSeparation | PartSeparation
-
-METHODS: tuple[Method, ...] = ("oracle", "walk", "exact")
-
-
-@dataclass(frozen=True)
-class Switches:
-    """The stages of the pair test before exact arithmetic decides. Verdicts depend on none of them.
-
-    Attributes:
-        method: "oracle" (small active sets on both sides), "walk" (the paper's coupled walk) or "exact" (exact
-            arithmetic alone).
-        cached_plane: First try the plane that separated the pair last time, also for an earlier motion; the method
-            "oracle" then begins with the vertices and facets that it ended with, where it had taken long.
-        box_face: In checkers, try the face of a box around one body that comes nearest to separating both boxes.
-        centre_axis: Try the axis between the centres, and balls around them, before the method.
-        turned_axis: Turn that axis to where the bodies would face each other if they were ellipsoids.
-        facet_plane: Try the planes of both bodies' facets before the method, where both have eight corners at most.
-        nearest_points: Try nearest points in doubles if the method does not decide.
-        double_double: Try nearest points in double-double before exact arithmetic.
-        warm_start: Let double-double and exact arithmetic begin with the vertices where the stage before gave up.
-        interleaving: For large bodies, process several pairs of a batch at once, so that their waits for memory
-            overlap. A cached plane is then tried only if poses are close to the previous ones, so stages may differ.
-        trees_first: Test solids whose hulls met last time by their trees of triangles, before their hulls; in batches,
-            where a checker knows what is inside of both bodies, by samples of that before all.
-        dents: Let hulls that meet deeper than the shallow dents of their solids be the last word on these.
-    """
-
-    method: Method = "oracle"
-    cached_plane: bool = True
-    box_face: bool = True
-    centre_axis: bool = True
-    turned_axis: bool = True
-    facet_plane: bool = True
-    nearest_points: bool = True
-    double_double: bool = True
-    warm_start: bool = True
-    interleaving: bool = True
-    trees_first: bool = True
-    dents: bool = True
-
-    def __post_init__(self) -> None:
-        if self.method not in METHODS:
-            raise unknown_name("method", self.method, METHODS)
-
-    def pair_options(self) -> Any:
-        """The same as a core.PairOptions."""
-        return core.PairOptions(
-            getattr(core.Solver, self.method),
-            self.cached_plane,
-            self.box_face,
-            self.centre_axis,
-            self.turned_axis,
-            self.facet_plane,
-            self.nearest_points,
-            self.double_double,
-            self.warm_start,
-            self.interleaving,
-            self.trees_first,
-            self.dents,
-        )
-
-
-def pair_options(method: Method = "oracle", *switches: bool, **named: bool) -> Any:
-    """A core.PairOptions of `Switches`, given in their order or by name."""
-    return Switches(method, *switches, **named).pair_options()
 
 
 @set_module("plannercheck")
@@ -119,7 +53,7 @@ def intersects(
         pose_p: Pose (4, 4) of P in the world, m; None is the identity. Used as the affine map that its doubles give.
             Or n poses (n, 4, 4).
         pose_r: Pose (4, 4) of R in the world, m; or as many as of P; one pose goes with all of the other body's.
-        method: See `Switches`.
+        method: See `Tuning`.
         threads: How many to use for many poses.
 
     Returns:
@@ -182,7 +116,7 @@ def certify(
         R: Another body.
         pose_p: Pose (4, 4) of P in the world, m; None is the identity.
         pose_r: Pose (4, 4) of R in the world, m.
-        method: See `Switches`.
+        method: See `Tuning`.
 
     Returns:
         A `Separation`, its normal from R to P, or a `SharedPoint`; in world coordinates. Of solids the point is one of

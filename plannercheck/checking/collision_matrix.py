@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import DEFAULT_EXCESS
+from plannercheck.bodies.tuning import core_tuning
 from plannercheck.checking.compiled_pairs import CompiledPairs, PairSource
 from plannercheck.checking.pair_proofs import MeetingProofs
 from plannercheck.checking.prepared_bodies import Preparation
-from plannercheck.checking.settings import CheckerSwitches
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
@@ -36,8 +36,6 @@ ALWAYS = 0.95
 
 # Configurations judged at once: the poses of a humanoid's links then take some 10 MB.
 _BATCH = 1000
-
-_OPTIONS = CheckerSwitches().core_options()
 
 Reason: TypeAlias = Literal["adjacent", "default", "always", "never", "proved never"]
 REASONS: tuple[Reason, ...] = ("adjacent", "default", "always", "never", "proved never")
@@ -118,7 +116,7 @@ def colliding_rows(robot: Robot, q: Floats, link_a: str, link_b: str) -> NDArray
     bodies = [[k for k, body in enumerate(robot.bodies) if body.link == link] for link in (link_a, link_b)]
     pairs = np.array([(min(i, j), max(i, j)) for i in bodies[0] for j in bodies[1]], dtype=np.int32)
     preparation = Preparation(robot.bodies, DEFAULT_EXCESS, np.zeros(len(robot.bodies)))
-    compiled = CompiledPairs(PairSource(robot, robot.bodies, preparation, _OPTIONS), pairs)
+    compiled = CompiledPairs(PairSource(robot, robot.bodies, preparation, core_tuning()), pairs)
     return np.flatnonzero(_collide(robot, compiled, q, [range(len(pairs))])[:, 0])
 
 
@@ -154,7 +152,7 @@ def collision_matrix(robot: Robot, states: int = 10_000, seed: int = 0, always: 
     pairs, rows_of_links = _pairs_of_bodies(robot)
     preparation = Preparation(robot.bodies, DEFAULT_EXCESS, np.zeros(len(robot.bodies)))
     apart, _ = MeetingProofs(robot, robot.bodies, preparation, robot.kinematics is not None).of(pairs)
-    compiled = CompiledPairs(PairSource(robot, robot.bodies, preparation, _OPTIONS), pairs, np.flatnonzero(~apart))
+    compiled = CompiledPairs(PairSource(robot, robot.bodies, preparation, core_tuning()), pairs, np.flatnonzero(~apart))
     columns = {int(row): k for k, row in enumerate(compiled.rows)}
     groups = {links: [columns[r] for r in rows if r in columns] for links, rows in rows_of_links.items()}
     counts, first = _counted(robot, compiled, q, list(groups.values()))

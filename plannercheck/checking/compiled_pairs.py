@@ -32,7 +32,7 @@ class PairSource:
         robot: The robot.
         bodies: All bodies.
         preparation: The prepared bodies.
-        options: The core's options: of the pair test, and switches.
+        tuning: The core's record of what saves work.
         kernel: The kinematics that will pose the links: links that it never moves are posed once. None: all links count
             as moving.
     """
@@ -40,7 +40,7 @@ class PairSource:
     robot: Robot
     bodies: Sequence[GeometryObject]
     preparation: Preparation
-    options: Sequence[Any]
+    tuning: Any
     kernel: Any | None = None
 
     @cached_property
@@ -99,7 +99,7 @@ class CompiledPairs:
             len(robot.link_names),
             lower,
             upper,
-            *source.options,
+            source.tuning,
             robot.remembered("sampled poses", lambda: core.sampled_poses(robot.sampled_link_poses)),
             [(each.cells, each.pairs) for each in in_cells],
         )

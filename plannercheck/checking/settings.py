@@ -1,70 +1,21 @@
 """The settings of a checker that do not depend on its scene.
 
-In: the arguments of `Checker`. Out: `Settings` with `CheckerSwitches`, which also apply to another scene.
+In: the arguments of `Checker`. Out: `Settings`, which also apply to another scene.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
-from plannercheck.bodies.intersection import Switches
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import GeometryObject
+from plannercheck.bodies.tuning import Tuning
 from plannercheck.checking.padding import PaddedPairs, Padding, padded_pairs
 from plannercheck.checking.pair_table import Acm, pair_table
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
-
-
-@dataclass(frozen=True)
-class CheckerSwitches:
-    """Ways to save work, each of which can be switched off. Verdicts depend on none of them.
-
-    Attributes:
-        pair: The stages of the pair test.
-        bounds: Bounding balls and a tree of the obstacles settle pairs that are far apart.
-        boxes: Planes along the faces of the bodies' boxes settle pairs that are apart.
-        overlaps: A ball inside one body that meets a box inside the other settles a pair, where any collision decides.
-        learning: Pairs that collided lately are tested first, where any collision decides.
-        reach: Pairs that can't meet within the limits are left out there.
-        static_poses: Links that no joint of the group moves are posed once, as obstacles are.
-        part_trees: Trees of boxes, many parts at once or along one direction, boxes around several bodies, and looks at
-            the heights under a body settle sets of parts. Off, each part is tested by itself, as a body of its own.
-        middle_states: The middle states of several motions are judged first, together; then the ends, where these often
-            collide.
-        sorted_states: Like states of a set are judged together.
-        float_poses: Filters of sets look at poses in floats, whose error is bounded.
-        apart_cells: Pairs whose relative pose depends on one or two joints are looked up in cells proved apart.
-    """
-
-    pair: Switches = field(default_factory=Switches)
-    bounds: bool = True
-    boxes: bool = True
-    overlaps: bool = True
-    learning: bool = True
-    reach: bool = True
-    static_poses: bool = True
-    middle_states: bool = True
-    part_trees: bool = True
-    sorted_states: bool = True
-    float_poses: bool = True
-    apart_cells: bool = True
-
-    def core_options(self) -> tuple[Any, ...]:
-        """The switches in the order in which core.Checker takes them."""
-        return (
-            self.pair.pair_options(),
-            self.bounds,
-            self.boxes,
-            self.overlaps,
-            self.learning,
-            self.part_trees,
-            self.sorted_states,
-            self.float_poses,
-        )
 
 
 @dataclass(frozen=True)
@@ -77,7 +28,7 @@ class Settings:
     acm: Acm
     kinematics: str
     bodies: Sequence[GeometryObject] | None
-    switches: CheckerSwitches
+    tuning: Tuning
 
     def __post_init__(self) -> None:
         if isinstance(self.padding, Mapping):  # whoever gave it may change it, and a later scene asks for it again

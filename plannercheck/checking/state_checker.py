@@ -10,16 +10,18 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.intersection import Method, Switches, certify_posed
+from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.part_certificates import is_of_parts, parts_met
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import DEFAULT_EXCESS, GeometryObject
+from plannercheck.bodies.tuning import DEFAULT_TUNING, Tuning, core_tuning
 from plannercheck.checking.carrying_checker import CarryingChecker
 from plannercheck.checking.checker_base import ExplainingChecker
 from plannercheck.checking.clearance import MeasuringChecker
@@ -31,7 +33,7 @@ from plannercheck.checking.pair_table import Acm
 from plannercheck.checking.point_queries import PointChecker
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.checking.scene_placement import place_objects
-from plannercheck.checking.settings import CheckerSwitches, Settings, without_attached
+from plannercheck.checking.settings import Settings, without_attached
 from plannercheck.checking.touching_pairs import warn_of_touching
 from plannercheck.checking.verdicts import PairCertificate
 from plannercheck.common.array_types import Bools, Floats, Ints
@@ -75,37 +77,17 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
     # Attributes with compiled objects or a lock, which can't be pickled; they are made again.
     _COMPILED: ClassVar[frozenset[str]] = frozenset({"_tables", "_judge_set", "_proofs"})
 
-    def __init__(  # noqa: D417 (`CheckerSwitches` documents the switches)
+    def __init__(
         self,
         robot: Robot,
         scene: Scene | None = None,
-        self_collision: bool = True,
-        padding: Padding = 0.0,
         *,
-        acm: Acm = "robot",
-        kinematics: Literal["batch", "pinocchio"] = "batch",
+        self_collision: bool = True,
+        acm: Acm | None = None,
+        padding: Padding = 0.0,
         excess: float = DEFAULT_EXCESS,
-        bodies: Sequence[GeometryObject] | None = None,
-        method: Method = "oracle",
-        cached_plane: bool = True,
-        box_face: bool = True,
-        centre_axis: bool = True,
-        turned_axis: bool = True,
-        facet_plane: bool = True,
-        nearest_points: bool = True,
-        trees_first: bool = True,
-        dents: bool = True,
-        bounds: bool = True,
-        boxes: bool = True,
-        overlaps: bool = True,
-        learning: bool = True,
-        reach: bool = True,
-        static_poses: bool = True,
-        middle_states: bool = True,
-        part_trees: bool = True,
-        sorted_states: bool = True,
-        float_poses: bool = True,
-        apart_cells: bool = True,
+        kinematics: Literal["batch", "pinocchio"] = "batch",
+        tuning: Tuning = DEFAULT_TUNING,
     ) -> None:
         """Prepares all bodies (through the disk cache) and the pair table.
 
@@ -113,15 +95,13 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
             robot: The robot.
             scene: The scene; None is empty.
             self_collision: Whether the robot's self pairs are tested.
+            acm: Whose allowed collisions act on self pairs: None or "robot" (SRDF or YAML), or "scene" as well.
             padding: The distance of every pair, m: a configuration is valid if and only if all distances exceed it. Or
                 a mapping: the name of a body, link or obstacle to its part (a pair keeps the sum of its two parts), and
                 a pair of names to the whole distance: `{"panda_hand": 0.01, ("panda_hand", "shelf"): 0.002}`.
-            acm: Whose allowed collisions act on self pairs: "robot" (SRDF or YAML) or "scene" as well.
-            kinematics: "batch", the compiled kernel, or "pinocchio".
             excess: How far polytopes of curved shapes may stick out, as a part of the radius.
-            bodies: Stand-ins for the robot's bodies and then the scene's, in their order, e.g. coarser ones; the pairs
-                stay as they are.
-            method: The solver of the pair test. Neither it nor what follows changes verdicts, see `CheckerSwitches`.
+            kinematics: "batch", the compiled kernel, or "pinocchio".
+            tuning: What saves work; verdicts do not depend on it.
 
         Raises:
             PlannercheckError: If an argument has none of the values above.
@@ -133,34 +113,13 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
                 "Checker takes a Robot and a Scene: Checker(Robot.load('panda'), Scene.load('bookshelf')), "
                 f"not {type(robot).__name__} and {type(scene).__name__}"
             )
+        if not isinstance(tuning, Tuning):
+            raise PlannercheckError(f"tuning must be a Tuning, e.g. pc.Tuning(learning=False), not {tuning!r}")
         self.excess = excess
         alone = without_attached(robot, () if scene is None else scene.attached)
-        test = Switches(
-            method,
-            cached_plane,
-            box_face,
-            centre_axis,
-            turned_axis,
-            facet_plane,
-            nearest_points,
-            trees_first=trees_first,
-            dents=dents,
+        self._settings = Settings(
+            alone, self_collision, padding, "robot" if acm is None else acm, kinematics, None, tuning
         )
-        switches = CheckerSwitches(
-            test,
-            bounds,
-            boxes,
-            overlaps,
-            learning,
-            reach,
-            static_poses,
-            middle_states,
-            part_trees,
-            sorted_states,
-            float_poses,
-            apart_cells,
-        )
-        self._settings = Settings(alone, self_collision, padding, acm, kinematics, bodies, switches)
         self._prepare(scene if scene is not None else Scene("empty"), None)
 
     def _prepare(self, scene: Scene, earlier: StateChecker | None) -> None:
@@ -187,15 +146,10 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         """Proves pairs apart where it can; returns the pairs (m, 2) fixed to the world that are not proved apart."""
         self._proofs = self._meeting_proofs(None if earlier is None else earlier._proofs)
         candidates, count = np.concatenate([self.pairs, at_rest]), len(self.pairs)
-        is_wanted = self._settings.switches.reach
+        is_wanted = self._settings.tuning.reach
         apart, static = self._proofs.of(candidates) if is_wanted else np.zeros((2, len(candidates)), dtype=bool)
         self.unreachable, self.static = read_only(apart[:count]), read_only(static[:count])
         return at_rest[~apart[count:]]
-
-    @property
-    def resting(self) -> Bools:
-        """`static` by its former name, for one release."""
-        return self.static
 
     def _scene_taken(self, earlier: StateChecker | None) -> None:
         """A hook: a subclass renews here what depends on the scene."""
@@ -204,15 +158,15 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         return MeetingProofs(self.robot, self.bodies, self._preparation, self._kernel is not None, earlier)
 
     def _compile(self) -> None:
-        is_wanted = self._settings.switches.apart_cells
+        is_wanted = self._settings.tuning.apart_cells
         in_cells = self._proofs.in_cells(self.pairs[~self.unreachable]) if is_wanted else ()
         self._tables = CompiledTables(self._pair_source(), self.pairs, self.unreachable, in_cells)
         self._judge_row, self._judge_set = self._tables.judges(self._kernel)
 
     def _pair_source(self) -> PairSource:
-        switches = self._settings.switches
-        kernel = self._kernel if switches.static_poses else None
-        return PairSource(self.robot, self.bodies, self._preparation, switches.core_options(), kernel)
+        tuning = self._settings.tuning
+        kernel = self._kernel if tuning.static_poses else None
+        return PairSource(self.robot, self.bodies, self._preparation, core_tuning(tuning), kernel)
 
     def __getstate__(self) -> dict[str, Any]:
         """The state for a pickle: prepared bodies and tables, but nothing compiled."""
@@ -253,6 +207,23 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
             raise PlannercheckError("a checker with stand-ins for its bodies can't take another scene: build a new one")
         other = copy.copy(self)
         other._prepare(scene if scene is not None else Scene("empty"), self)
+        return other
+
+    def with_bodies(self: Same, bodies: Sequence[GeometryObject]) -> Same:
+        """The same checker with stand-ins, e.g. coarser ones, for the robot's bodies and then the scene's.
+
+        Args:
+            bodies: One for each body, on the same link, in their order; the pairs stay as they are.
+
+        Returns:
+            A checker with the settings of this one, which takes no other scene.
+
+        Raises:
+            PlannercheckError: If the bodies are not as many, or on other links.
+        """
+        other = copy.copy(self)
+        other._settings = replace(self._settings, bodies=tuple(bodies))
+        other._prepare(self.scene, None)
         return other
 
     def _link_pose(self, link: str, q: ArrayLike) -> Floats:

@@ -30,9 +30,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from plannercheck.bodies.half_space_certificates import is_of_half_space
-from plannercheck.bodies.intersection import pair_options
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, InflatedHull
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.checking.reach_bounds import MOST_COLUMNS, BoundingBall, Boxes, Chains, Cut, Joints
 from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
 from plannercheck.common.core import core

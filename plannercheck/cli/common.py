@@ -96,7 +96,7 @@ def space_checker(options: argparse.Namespace, own_joints: bool = False) -> Chec
     if own_joints and robot.group is None and robot.nq:
         robot = robot.with_group(joints_of_their_own(robot.model, robot.mimics), "all joints")
     scene = scene_of(options)
-    return Checker(robot, scene, not options.no_self_collision, padding_of(options, scene))
+    return Checker(robot, scene, self_collision=not options.no_self_collision, padding=padding_of(options, scene))
 
 
 def scene_of(options: argparse.Namespace) -> Scene:

@@ -20,6 +20,7 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
 from plannercheck.bodies.solids import Solid, open_meshes
 from plannercheck.bodies.triangle_meshes import TriangleMesh
+from plannercheck.bodies.tuning import Tuning
 from plannercheck.checking.hull_fidelity import largest_filling
 from plannercheck.checking.input_hints import always_hint
 from plannercheck.checking.left_out_pairs import left_out_pairs
@@ -311,7 +312,7 @@ def _words(name: str) -> str:
 
 
 def _show_without(checker: Checker, self_collision: bool, q: NDArray[np.float64]) -> None:
-    build = functools.partial(Checker, checker.robot, checker.scene, self_collision)
+    build = functools.partial(Checker, checker.robot, checker.scene, self_collision=self_collision)
     spent = times_without(build, q, _ROUNDS)
     rows = [
         (_words(name), SKIPS.get(name, ""), f"{1e6 * seconds / len(q):.2f}", f"{seconds / spent['nothing']:.2f}")
@@ -325,7 +326,7 @@ def times_without(build: Callable[..., Checker], q: NDArray[np.float64], rounds:
     """Least CPU seconds for a set of configurations, with all ways of skipping work and without each of `SKIPS`.
 
     Args:
-        build: Makes a checker from switches.
+        build: Makes a checker from `tuning=`.
         q: (n, nq) rad and m.
         rounds: How often all take turns, forwards and backwards.
 
@@ -334,5 +335,5 @@ def times_without(build: Callable[..., Checker], q: NDArray[np.float64], rounds:
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of links that rest on obstacles: they were given before
-        checkers = {"nothing": build(), **{skip: build(**{skip: False}) for skip in SKIPS}}
+        checkers = {"nothing": build(), **{skip: build(tuning=Tuning().without(skip)) for skip in SKIPS}}
     return least_seconds({name: functools.partial(each.check_states, q) for name, each in checkers.items()}, rounds)

@@ -55,4 +55,4 @@ def _checker(robot: Robot, options: argparse.Namespace) -> Checker:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # the checker that is shown has said them
         scene = scene_of(options)
-        return Checker(robot, scene, not options.no_self_collision, padding_of(options, scene))
+        return Checker(robot, scene, self_collision=not options.no_self_collision, padding=padding_of(options, scene))

@@ -80,7 +80,9 @@ def _in_space(options: argparse.Namespace) -> list[Judged]:
         with error_context(f"path file {str(path)!r}"):
             if held not in checkers:
                 posed = robot.holding(file.others) if held else robot
-                checkers[held] = Checker(posed, scene, not options.no_self_collision, padding_of(options, scene))
+                checkers[held] = Checker(
+                    posed, scene, self_collision=not options.no_self_collision, padding=padding_of(options, scene)
+                )
             verdicts.append(_judged(checkers[held], path, file, options))
     return verdicts
 

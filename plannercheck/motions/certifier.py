@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import GeometryObject
+from plannercheck.bodies.tuning import Tuning
 from plannercheck.checking.compiled_tables import CompiledTables
 from plannercheck.common.angles import nearest_turn
 from plannercheck.common.array_types import Bools, Floats, Ints
@@ -38,7 +39,7 @@ from plannercheck.motions.certifier_answers import (
     proofs_of,
     verdicts,
 )
-from plannercheck.motions.certifier_pairs import ChainedPairs, MotionSwitches
+from plannercheck.motions.certifier_pairs import ChainedPairs
 from plannercheck.motions.rounding_bounds import RoundingBounds
 from plannercheck.robots.robot import Robot
 
@@ -66,7 +67,7 @@ class MotionCertifier:
         pairs: Ints,
         tables: CompiledTables,
         excess: float,
-        switches: MotionSwitches,
+        tuning: Tuning,
         path: MotionPath = "screw",
     ) -> None:
         """Prepares the chains of joints.
@@ -77,7 +78,7 @@ class MotionCertifier:
             pairs: (k, 2) indices into bodies.
             tables: These pairs, compiled: those that can meet within the limits, and all of them.
             excess: How far polytopes of curved shapes stick out, as a part of the radius.
-            switches: Ways to save work.
+            tuning: What saves work.
             path: How planar and floating joints move.
 
         Raises:
@@ -91,10 +92,10 @@ class MotionCertifier:
         self._robot, self._limits = robot, tables.limits
         mounts = tables.mounts(robot.kinematics)
         self._pairs_within_limits = ChainedPairs(
-            robot, bodies, pairs, tables.within_limits, mounts, excess, switches, path
+            robot, bodies, pairs, tables.within_limits, mounts, excess, tuning, path
         )
         self._compile_all_pairs: Callable[[], ChainedPairs] = lambda: ChainedPairs(
-            robot, bodies, pairs, tables.all, mounts, excess, switches, path
+            robot, bodies, pairs, tables.all, mounts, excess, tuning, path
         )
         self._errors = errors = robot.remembered("rounding bounds", lambda: RoundingBounds(robot))
         self._range = errors.low, errors.high

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from plannercheck.bodies.part_certificates import PartSeparation
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.bodies.solid_separations import SolidSeparation
+from plannercheck.bodies.tuning import Tuning, core_tuning
 from plannercheck.checking.compiled_pairs import CompiledPairs
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.core import core
@@ -28,28 +28,6 @@ from plannercheck.robots.robot_memory import RobotMemory
 # Two bodies that never move relative to each other and are further apart than this, m, are apart at every
 # configuration: it is far above the rounding of kinematics.
 _PERMANENT_GAP = 1e-9
-
-
-class MotionSwitches(NamedTuple):
-    """Ways to save work; verdicts depend on none of them.
-
-    Attributes:
-        hints: Planes of earlier motions are tried.
-        bounds: Pairs that are far apart at one state are left out by bounds of speed.
-        overlaps: A ball inside one body that meets a box inside the other refuses a motion.
-        part_trees: Trees of boxes, planes of many parts, and boxes around several bodies settle sets of parts.
-        dents: Of solids with shallow dents, hulls that meet deeper than these refuse a motion, and triangles are looked
-            at only on intervals on which bodies go less far than such dents reach.
-        middle_states: The middle states of several motions are judged first, together; then the ends, where these often
-            collide.
-    """
-
-    hints: bool = True
-    bounds: bool = True
-    overlaps: bool = True
-    part_trees: bool = True
-    dents: bool = True
-    middle_states: bool = True
 
 
 class ChainedPairs:
@@ -71,7 +49,7 @@ class ChainedPairs:
         part: CompiledPairs,
         mounts: tuple[Ints, Floats],
         excess: float,
-        switches: MotionSwitches,
+        tuning: Tuning,
         path: MotionPath = "screw",
     ) -> None:
         """Prepares the chains of joints.
@@ -83,7 +61,7 @@ class ChainedPairs:
             part: The rows of pairs to take.
             mounts: The links that bodies hang on, and their poses there, see `compiled_pairs.body_placements`.
             excess: How far polytopes of curved shapes stick out, as a part of the radius.
-            switches: Ways to save work.
+            tuning: What saves work.
             path: How planar and floating joints move.
         """
         links, placements = mounts
@@ -115,8 +93,8 @@ class ChainedPairs:
             of_robot.leverage,
             of_robot.depth,
             *of_robot.spread,
-            *switches[:5],
-            [part.core] if switches.middle_states else [],
+            core_tuning(tuning),
+            [part.core] if tuning.middle_states else [],
         )
 
 

@@ -21,7 +21,6 @@ from plannercheck.common.motion_paths import MotionPath, check_path
 from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import MOST_THREADS, checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE, JudgeMotion, MotionCertifier
-from plannercheck.motions.certifier_pairs import MotionSwitches
 from plannercheck.motions.explanation import explained_motion
 from plannercheck.motions.joint_drives import split_joints
 from plannercheck.motions.motion_ends import checked_ends, with_given_ends
@@ -251,16 +250,8 @@ class Checker(StateChecker):
                 f"motions of {self.robot.name!r} are proved free for the compiled kinematics only, and Pinocchio poses "
                 "here: choose sampled motions by resolution=, in m"
             )
-        chosen = self._settings.switches
-        switches = MotionSwitches(
-            chosen.pair.cached_plane,
-            chosen.bounds,
-            chosen.overlaps,
-            chosen.part_trees,
-            chosen.pair.dents,
-            chosen.middle_states,
-        )
-        return MotionCertifier(self.robot, self.bodies, self.pairs, self._tables, self.excess, switches, path)
+        tuning = self._settings.tuning
+        return MotionCertifier(self.robot, self.bodies, self.pairs, self._tables, self.excess, tuning, path)
 
     def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
         """Starts and ends (n, nq); continuous joints take the short way."""

@@ -23,7 +23,7 @@ from table import ErrorTable
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.fcl_bodies import FclBodies
-from plannercheck.bodies.intersection import Method
+from plannercheck.bodies.tuning import Method
 from plannercheck.evaluation.stress import body_families as families
 from plannercheck.evaluation.stress import contact_poses as contacts
 from plannercheck.evaluation.stress.contact_poses import Points, Solid

@@ -20,7 +20,7 @@ from ompl import base
 
 import plannercheck as pc
 from plannercheck.bodies.coal_bodies import coal_hull
-from plannercheck.bodies.intersection import pair_options
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.bench.pairs import GAPS
 from plannercheck.evaluation.bench.records import write_record

@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 from solids import random_poses
 
 import plannercheck as pc
-from plannercheck.bodies.intersection import pair_options
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.bench.records import write_record
 from plannercheck.evaluation.stress import body_families as families

@@ -10,7 +10,7 @@ import pytest
 from test_filter_bounds import CUBE, OCTAHEDRON, checker_of, free_bodies, stretched
 
 import plannercheck as pc
-from plannercheck.bodies.intersection import pair_options
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress.contact_poses import identities
 from plannercheck.evaluation.stress.random_cases import OFF_RIGID
@@ -75,7 +75,7 @@ def judged(first, second, kinematics, q, **switches):
     counted = []
     found = []
     for rows in (len(q), 3, 1):
-        checker = checker_of([first, second], [0, 1], [[0, 1]], options=pair_options(**switches))
+        checker = checker_of([first, second], [0, 1], [[0, 1]], **switches)
         parts = [
             checker.check_states(kinematics, np.ascontiguousarray(q[k : k + rows]), 1) for k in range(0, len(q), rows)
         ]

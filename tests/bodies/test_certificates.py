@@ -15,7 +15,7 @@ import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.certificates import ExactPoint, Mixture, Separation, SharedPoint
 from plannercheck.bodies.exact_planes import ExactPlane, PosedBody
-from plannercheck.bodies.intersection import METHODS
+from plannercheck.bodies.tuning import METHODS
 from plannercheck.common.array_types import Floats
 
 CUBE = np.array(list(product((-1.0, 1.0), repeat=3)))

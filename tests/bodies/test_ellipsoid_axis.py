@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from solids import random_poses
 
 import plannercheck as pc
-from plannercheck.bodies.intersection import pair_options
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress.body_families import family
 from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses
@@ -97,7 +97,7 @@ def test_a_robot_needs_the_solver_less():
     q = pc.Robot.load("panda").random_configurations(2000, 1)
     solver = {}
     for turned in (True, False):
-        checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("cage"), turned_axis=turned)
+        checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("cage"), tuning=pc.Tuning(turned_axis=turned))
         verdict = checker.check_states(q)
         solver[turned] = verdict, checker.statistics()["solver"]
     np.testing.assert_array_equal(solver[True][0], solver[False][0])

@@ -10,7 +10,7 @@ import pytest
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
-from plannercheck.bodies.intersection import METHODS, pair_options
+from plannercheck.bodies.tuning import METHODS, pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress import contact_poses as contacts
 from plannercheck.evaluation.stress.sample_bodies import base_points
@@ -48,7 +48,6 @@ def test_boxes_whose_differences_overflow_floats(exponent):
     pose[0, 3], placements[1, 0, 3] = 2 * scale, -2 * scale
     links, pairs, nothing = np.array([0, -1], dtype=np.int32), np.array([[0, 1]], dtype=np.int32), np.zeros(0)
     for bounds, boxes in itertools.product((True, False), (True, False)):
-        switches = bounds, boxes, True, True, True, True, True
         checker = core.Checker(
             [body, body],
             links,
@@ -57,8 +56,7 @@ def test_boxes_whose_differences_overflow_floats(exponent):
             1,
             nothing,
             nothing,
-            pair_options(),
-            *switches,
+            pair_options(bounds=bounds, boxes=boxes),
             core.sampled_poses(pose[None, None]),
             [],
         )
@@ -79,7 +77,7 @@ def test_what_is_beyond_floats_may_be_anywhere(exponent, first):
     pairs = np.array([[0, 2], [1, 2]], dtype=np.int32)
     pose, nothing = np.eye(4)[None, None], np.zeros(0)
     checker = core.Checker(
-        bodies, links, placements, pairs, 1, nothing, nothing, pair_options(), *[True] * 7, core.sampled_poses(pose), []
+        bodies, links, placements, pairs, 1, nothing, nothing, pair_options(), core.sampled_poses(pose), []
     )
     assert checker.first_of_poses(np.repeat(pose, 8, axis=0), 1).tolist() == [first] * 8
 

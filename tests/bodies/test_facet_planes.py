@@ -8,7 +8,7 @@ from solids import solid_of
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
-from plannercheck.bodies.intersection import pair_options
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress import contact_poses as contacts
 

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
-from plannercheck.bodies.intersection import pair_options
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress.body_families import FAMILIES, THIN_FAMILIES
 from plannercheck.evaluation.stress.contact_poses import identities, random_directions, turned, turns_onto, unit
@@ -28,17 +28,16 @@ CUBE = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
 OCTAHEDRON = np.vstack([np.eye(3), -np.eye(3)])
 
 
-def checker_of(bodies, links, pairs, placements=None, overlaps=False, options=None):
+def checker_of(bodies, links, pairs, placements=None, overlaps=False, **switches):
     """A core checker of bodies on links, -1 being the world; all filters but, unless asked for, the inner shapes."""
     placements = identities(len(bodies)) if placements is None else placements
     nothing, links = np.zeros(0), np.array(links, dtype=np.int32)
     moving = identities(int(links.max()) + 1)
-    switches = True, True, overlaps, True, True, True, True
+    tuning = pair_options(overlaps=overlaps, **switches)
     cores = [body.core for body in bodies]
     return core.Checker(
         cores, links, placements, np.array(pairs, dtype=np.int32), len(moving), nothing, nothing,
-        pair_options() if options is None else options,
-        *switches, core.sampled_poses(moving[None]), [],
+        tuning, core.sampled_poses(moving[None]), [],
     )  # fmt: skip
 
 

@@ -16,8 +16,8 @@ from random_poses import pose_at
 
 import plannercheck as pc
 from plannercheck.bodies.given_shapes import given_shape
-from plannercheck.bodies.intersection import METHODS
 from plannercheck.bodies.part_certificates import PartSeparation
+from plannercheck.bodies.tuning import METHODS
 
 
 def exact_heights(half_space, pose, points, pose_of_points):

@@ -7,7 +7,7 @@ import pytest
 from solid_meshes import both, box, dimpled, inflated, meshes, prepared, random_pose, ring
 
 import plannercheck as pc
-from plannercheck.bodies.intersection import pair_options
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress_solids.bodies import DENTED, decided
 from plannercheck.evaluation.stress_solids.draws import dented_draw

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from solid_meshes import box, inflated, meshes, prepared, random_pose
 
-from plannercheck.bodies.intersection import pair_options
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core
 
 # How far poses are off rigid, a little less than they may be.

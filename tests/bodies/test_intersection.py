@@ -11,7 +11,7 @@ from solids import dyadic_poses, random_poses, solid_of
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
-from plannercheck.bodies.intersection import METHODS, pair_options
+from plannercheck.bodies.tuning import METHODS, pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress import body_families as families
 from plannercheck.evaluation.stress import contact_poses as contacts
@@ -136,7 +136,9 @@ def test_neighbouring_poses_use_the_cached_plane_and_agree():
     poses[:, 0, 3], poses[:, 1, 3] = steps, 0.3 * np.sin(9 * steps)
     verdicts = {}
     for way in WAYS:
-        shared, stages, _ = core.intersect_batch(P.core, poses, R.core, np.eye(4)[None], pair_options(*way))
+        shared, stages, _ = core.intersect_batch(
+            P.core, poses, R.core, np.eye(4)[None], pair_options(way[0], cached_plane=way[1], centre_axis=way[2])
+        )
         verdicts[way] = shared.tolist()
         assert (0 in stages) == (way[0] != "exact" and way[1])
     assert len({tuple(v) for v in verdicts.values()}) == 1

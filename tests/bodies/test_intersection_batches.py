@@ -10,7 +10,7 @@ from solids import random_poses
 import plannercheck as pc
 from plannercheck.bodies.certificates import separation
 from plannercheck.bodies.exact_planes import PosedBody, direction_of
-from plannercheck.bodies.intersection import pair_options
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress.body_families import family
 from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses
@@ -157,7 +157,9 @@ def test_planes_that_poses_nearby_have_left_separate(first, second, step):
 def test_other_methods_go_one_by_one(method, cached_plane):
     P, R = BODIES["round"], BODIES["cone"]
     poses = tuple(rows[::5] for rows in posed(P, R))
-    on, off = (pair_options(method, cached_plane, interleaving=interleaving) for interleaving in (True, False))
+    on, off = (
+        pair_options(method, cached_plane=cached_plane, interleaving=interleaving) for interleaving in (True, False)
+    )
     assert judged(P, R, *poses, on) == judged(P, R, *poses, off)
 
 

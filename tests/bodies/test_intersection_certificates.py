@@ -12,7 +12,7 @@ from solids import solid_of
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
-from plannercheck.bodies.intersection import METHODS, pair_options
+from plannercheck.bodies.tuning import METHODS, pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress import body_families as families
 from plannercheck.evaluation.stress import contact_poses as contacts

@@ -11,7 +11,7 @@ from solids import dyadic_poses, solid_of
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
-from plannercheck.bodies.intersection import METHODS, pair_options
+from plannercheck.bodies.tuning import METHODS, pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress import contact_poses as contacts
 from plannercheck.evaluation.stress.body_families import family

@@ -10,9 +10,10 @@ import pytest
 
 import plannercheck as pc
 from plannercheck.bodies.distance import distance_checked
-from plannercheck.bodies.intersection import intersects_checked, pair_options
+from plannercheck.bodies.intersection import intersects_checked
 from plannercheck.bodies.pair_queries import queries
 from plannercheck.bodies.shapes import RIGID_TOLERANCE, _checked_matrix, checked_pose
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress.body_families import family
 

@@ -192,7 +192,7 @@ import numpy as np
 import plannercheck as pc
 from body_layout import fields
 from plannercheck.common.core import core
-from plannercheck.bodies.intersection import METHODS, pair_options
+from plannercheck.bodies.tuning import METHODS, pair_options
 from plannercheck.evaluation.stress.body_families import family
 
 sound = pc.Polytope(family(sys.argv[1], int(sys.argv[2]), seed=1)).core

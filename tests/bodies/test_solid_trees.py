@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from solid_meshes import inflated, meshes, prepared, random_pose, ring
 
-from plannercheck.bodies.intersection import pair_options
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core
 
 SWITCHES = ("boxes", "nearest_first", "lanes", "reaching_out")

@@ -27,7 +27,7 @@ def test_verdicts_are_those_without_memory(name, scene):
     robot, scene = pc.Robot.load(name), pc.Scene.load(scene)
     q = near_contact(robot, scene, 25, seed=11)
     learning = pc.Checker(robot, scene)
-    plain = pc.Checker(robot, scene, cached_plane=False, bounds=False)
+    plain = pc.Checker(robot, scene, tuning=pc.Tuning(cached_plane=False, bounds=False))
     expected = plain.check_states(q)
     assert 0.2 < expected.mean() < 0.8
     order = np.random.default_rng(12).permutation(len(q))
@@ -42,7 +42,7 @@ def test_less_rounds_are_needed():
     q = near_contact(robot, scene, 25, seed=13)
     rounds = []
     for remembers in (True, False):
-        checker = pc.Checker(robot, scene, cached_plane=remembers)
+        checker = pc.Checker(robot, scene, tuning=pc.Tuning(cached_plane=remembers))
         checker.check_states(q)
         rounds.append(checker.statistics()["queries"]["rounds"] / checker.statistics()["solver"])
     assert rounds[0] < 0.7 * rounds[1]

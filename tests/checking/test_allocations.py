@@ -59,7 +59,7 @@ import sys
 import numpy as np
 import plannercheck as pc
 from plannercheck.common.core import core
-from plannercheck.bodies.intersection import pair_options
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses
 from solids import random_poses
 from plannercheck.evaluation.stress.body_families import family

@@ -19,7 +19,7 @@ def checkers(name, scene=None):
     """With cells and without."""
     robot = pc.Robot.load(name)
     scene = None if scene is None else pc.Scene.load(scene)
-    return tuple(pc.Checker(robot, scene, apart_cells=each) for each in (True, False))
+    return tuple(pc.Checker(robot, scene, tuning=pc.Tuning(apart_cells=each)) for each in (True, False))
 
 
 def cells_of(checker):
@@ -137,7 +137,7 @@ def with_made_up_cells(may_meet):
 
     It learns nothing, as it would ask pairs that collided lately before it looks up their cells.
     """
-    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene(), learning=False)
+    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene(), tuning=pc.Tuning(learning=False))
     robot = checker.robot
     (real,) = cells_of(checker)
     low, high = robot.lower[[5, 6]], robot.upper[[5, 6]]
@@ -153,7 +153,7 @@ def test_a_state_is_looked_up_in_its_own_cell(shape):
     rng = np.random.default_rng(6)
     may_meet = rng.integers(0, 256, size=shape, dtype=np.uint8)
     checker, rows = with_made_up_cells(may_meet)
-    plain = pc.Checker(checker.robot, pc.Scene(), apart_cells=False)
+    plain = pc.Checker(checker.robot, pc.Scene(), tuning=pc.Tuning(apart_cells=False))
     robot = checker.robot
     q = robot.random_configurations(120_000, seed=7)
     q = q[~plain.check_states(q)]
@@ -174,7 +174,7 @@ def test_a_state_is_looked_up_in_its_own_cell(shape):
 
 def test_poses_alone_are_in_no_cell():
     checker, _ = with_made_up_cells(np.zeros((4, 4), dtype=np.uint8))
-    plain = pc.Checker(checker.robot, pc.Scene(), apart_cells=False)
+    plain = pc.Checker(checker.robot, pc.Scene(), tuning=pc.Tuning(apart_cells=False))
     q = checker.robot.random_configurations(3000, seed=8)
     assert (checker.check_states(q) != plain.check_states(q)).any()
     poses = checker.robot.link_poses(q)
@@ -185,7 +185,7 @@ def test_poses_alone_are_in_no_cell():
 def test_states_beyond_the_limits_are_in_no_cell():
     """Whatever the cells say: the table of all pairs judges these, and its pairs are in none."""
     checker, _ = with_made_up_cells(np.zeros((4, 4), dtype=np.uint8))
-    plain = pc.Checker(checker.robot, pc.Scene(), apart_cells=False)
+    plain = pc.Checker(checker.robot, pc.Scene(), tuning=pc.Tuning(apart_cells=False))
     q = checker.robot.random_configurations(3000, seed=9)
     q[:, 0] = checker.robot.upper[0] + 0.1
     assert (checker.check_states(q) == plain.check_states(q)).all()
@@ -197,7 +197,7 @@ def test_cells_are_of_the_fingers_as_they_are_held():
     tables = []
     for width in (0.0, 0.04):
         held = robot.holding({"panda_finger_joint1": width})
-        on, off = (pc.Checker(held, pc.Scene(), apart_cells=each) for each in (True, False))
+        on, off = (pc.Checker(held, pc.Scene(), tuning=pc.Tuning(apart_cells=each)) for each in (True, False))
         q = held.random_configurations(4000, seed=10)
         assert (on.check_states(q) == off.check_states(q)).all()
         tables.append(np.array([apart for *_, apart in found_cells(on)]))
@@ -206,7 +206,9 @@ def test_cells_are_of_the_fingers_as_they_are_held():
 
 def test_padding_counts():
     robot = pc.Robot.load("panda")
-    on, off = (pc.Checker(robot, pc.Scene(), padding=0.03, apart_cells=each) for each in (True, False))
+    on, off = (
+        pc.Checker(robot, pc.Scene(), padding=0.03, tuning=pc.Tuning(apart_cells=each)) for each in (True, False)
+    )
     q = robot.random_configurations(4000, seed=11)
     assert cells_of(on)
     assert (on.check_states(q) == off.check_states(q)).all()
@@ -220,7 +222,7 @@ def test_carried_objects_are_in_no_cell():
     scene = pc.Scene.load("bookshelf")
     scene.add("mug", pc.Cylinder(0.04, 0.1), robot.link_poses(robot.reference)[robot.link_index("panda_hand")])
     scene.attach("mug", "panda_hand")
-    on, off = (pc.Checker(robot, scene, apart_cells=each) for each in (True, False))
+    on, off = (pc.Checker(robot, scene, tuning=pc.Tuning(apart_cells=each)) for each in (True, False))
     carried = {k for k, body in enumerate(on.bodies) if body.carried is not None}
     pairs = on.pairs[~on.unreachable]
     assert carried
@@ -233,7 +235,8 @@ def test_carried_objects_are_in_no_cell():
 
 def test_solids():
     on, off = (
-        pc.Checker(pc.Robot.load("xarm7", geometry="solid"), pc.Scene(), apart_cells=each) for each in (True, False)
+        pc.Checker(pc.Robot.load("xarm7", geometry="solid"), pc.Scene(), tuning=pc.Tuning(apart_cells=each))
+        for each in (True, False)
     )
     assert cells_of(on)
     q = on.robot.random_configurations(2000, seed=13)
@@ -310,7 +313,9 @@ def test_each_cell_file_is_of_one_robot(tmp_path, monkeypatch):
         (0.0, {"width": 0.05}),
     ]:
         made = robot(**settings)
-        on, off = (pc.Checker(made, pc.Scene(), padding=padding, apart_cells=each) for each in (True, False))
+        on, off = (
+            pc.Checker(made, pc.Scene(), padding=padding, tuning=pc.Tuning(apart_cells=each)) for each in (True, False)
+        )
         assert cells_of(on)
         q = made.random_configurations(4000, seed=14)
         assert (on.check_states(q) == off.check_states(q)).all()
@@ -334,9 +339,9 @@ def test_bodies_at_rest_are_in_no_cell(tmp_path, monkeypatch, count):
     )
     robot = pc.Robot.from_urdf(tmp_path / "r.urdf")
     q = robot.random_configurations(3000, seed=15)
-    expected = pc.Checker(robot, pc.Scene(), apart_cells=False).check_states(q)
+    expected = pc.Checker(robot, pc.Scene(), tuning=pc.Tuning(apart_cells=False)).check_states(q)
     for static_poses in (True, False):
-        checker = pc.Checker(robot, pc.Scene(), static_poses=static_poses)
+        checker = pc.Checker(robot, pc.Scene(), tuning=pc.Tuning(static_poses=static_poses))
         assert not cells_of(checker)
         assert (checker.check_states(q) == expected).all()
         assert [checker.is_valid(row) for row in q[:500]] == expected[:500].tolist()
@@ -381,7 +386,10 @@ def test_limits_far_from_zero_have_no_cells(tmp_path, monkeypatch, low, has_cell
         for k in range(3)
     )
     (tmp_path / "r.urdf").write_text(f'<robot name="r">{links}{joints}</robot>')
-    on, off = (pc.Checker(pc.Robot.from_urdf(tmp_path / "r.urdf"), pc.Scene(), apart_cells=e) for e in (True, False))
+    on, off = (
+        pc.Checker(pc.Robot.from_urdf(tmp_path / "r.urdf"), pc.Scene(), tuning=pc.Tuning(apart_cells=e))
+        for e in (True, False)
+    )
     assert bool(cells_of(on)) == has_cells
     q = on.robot.random_configurations(2000, seed=16)
     assert (on.check_states(q) == off.check_states(q)).all()

@@ -150,7 +150,7 @@ def test_a_chain_of_changes_ends_where_a_new_checker_does(panda, q):
         {"padding": 0.03},
         {"padding": {HAND: 0.02, "ball": 0.05}},
         {"kinematics": "pinocchio"},
-        {"reach": False},
+        {"tuning": pc.Tuning(reach=False)},
         {"self_collision": False},
     ],
 )
@@ -428,7 +428,7 @@ def test_what_is_carried_and_always_touches_is_said(panda):
         (lambda s, c: c.attach("box", None, HAND, at(0, 0, 0), q=np.zeros(7)), "not both"),
         (lambda s, c: c.detach("box"), "unknown attached object 'box'"),
         (lambda s, c: c.with_scene("bookshelf"), "with_scene takes a Scene, not str"),
-        (lambda s, c: pc.Checker(c.robot, s, bodies=c.bodies).with_scene(s), "stand-ins"),
+        (lambda s, c: pc.Checker(c.robot, s).with_bodies(pc.Checker(c.robot, s).bodies).with_scene(s), "stand-ins"),
     ],
 )
 def test_mistakes_are_named(panda, change, message):

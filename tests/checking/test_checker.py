@@ -97,7 +97,7 @@ def test_what_is_no_configuration(checker, bad):
 
 @pytest.mark.parametrize("reach", [True, False])
 def test_what_is_too_large_is_refused_one_by_one_as_well(panda, scene, reach):
-    checker = pc.Checker(panda, scene, reach=reach)
+    checker = pc.Checker(panda, scene, tuning=pc.Tuning(reach=reach))
     q = np.full(7, 1e16)
     for form in (q, q.tolist()):
         with pytest.raises(pc.PlannercheckError, match=r"at most 1e\+15"):
@@ -132,7 +132,7 @@ def test_order_and_batch_size_do_not_matter(panda, scene, samples, verdicts):
 @pytest.mark.parametrize("off", [(), *itertools.combinations(SWITCHES, 1), SWITCHES])
 def test_every_switch_leaves_the_verdicts(panda, scene, checker, samples, method, off):
     few = samples[::8] if method == "exact" and off else samples[::2]
-    other = pc.Checker(panda, scene, method=method, **dict.fromkeys(off, False))
+    other = pc.Checker(panda, scene, tuning=pc.Tuning(method=method, **dict.fromkeys(off, False)))
     np.testing.assert_array_equal(other.first_colliding_pair(few), checker.first_colliding_pair(few))
     statistics = other.statistics()
     for switch in set(off) & set(COUNTED):
@@ -279,7 +279,8 @@ def test_the_same_with_a_prismatic_and_a_mobile_robot():
             "table", [0.5, 1.0, 0.05], np.array([[1, 0, 0, 0.8], [0, 1, 0, 0], [0, 0, 1, 0.7], [0, 0, 0, 1.0]])
         )
         found = pc.Checker(robot, scene).first_colliding_pair(q)
-        for other in ({"method": "walk"}, {"bounds": False, "boxes": False}, {"kinematics": "pinocchio"}):
+        walk, plain = {"tuning": pc.Tuning(method="walk")}, {"tuning": pc.Tuning(bounds=False, boxes=False)}
+        for other in (walk, plain, {"kinematics": "pinocchio"}):
             np.testing.assert_array_equal(pc.Checker(robot, scene, **other).first_colliding_pair(q), found)
 
 
@@ -293,10 +294,12 @@ def test_blocks_judge_as_single_states_and_as_no_filter(panda, obstacles):
         pose[:3, :3], pose[:3, 3] = turn * np.linalg.det(turn), rng.uniform(-1, 1, 3)
         scene.add_box(f"box {k}", rng.uniform(0.002, 0.15, 3), pose)
     q = panda.random_configurations(203, 5)
-    truth = pc.Checker(panda, scene, bounds=False, boxes=False, reach=False, method="walk").colliding_pairs(q)
+    truth = pc.Checker(
+        panda, scene, tuning=pc.Tuning(bounds=False, boxes=False, reach=False, method="walk")
+    ).colliding_pairs(q)
     assert 0 < truth.any(axis=1).sum() < len(q)
     for switches in ({}, {"bounds": False}, {"boxes": False}, {"float_poses": False}):
-        checker = pc.Checker(panda, scene, **switches)
+        checker = pc.Checker(panda, scene, tuning=pc.Tuning(**switches))
         np.testing.assert_array_equal(checker.colliding_pairs(q), truth)
         for size in (1, 2, 3, 8, 203):
             parts = [checker.check_states(q[k : k + size]) for k in range(0, len(q), size)]
@@ -315,7 +318,8 @@ def test_moving_and_fixed_pairs_of_a_floating_base():
     q = robot.random_configurations(60, 2)
     q[:, :3] *= 2
     np.testing.assert_array_equal(
-        checker.check_states(q), pc.Checker(robot, scene, bounds=False, boxes=False, method="walk").check_states(q)
+        checker.check_states(q),
+        pc.Checker(robot, scene, tuning=pc.Tuning(bounds=False, boxes=False, method="walk")).check_states(q),
     )
     assert 0 < checker.check_states(q).sum() < 60
     q[0, 3:7] *= 1.05  # one by one, too, quaternions have to be of length 1
@@ -344,7 +348,7 @@ def test_threads_may_share_a_checker(checker, samples, verdicts):
     [
         ({"kinematics": "mine"}, "'batch' or 'pinocchio', not 'mine'"),
         ({"acm": "srdf"}, "'robot' or 'scene', not 'srdf'"),
-        ({"method": "gjk"}, "unknown method 'gjk'"),
+        ({"tuning": {"bounds": False}}, "must be a Tuning"),
         ({"excess": -1.0}, "excess"),
     ],
 )
@@ -421,7 +425,7 @@ def test_touching_obstacles_count_as_collisions():
     scene = pc.Scene()
     scene.add_box("wall", [1, 1, 1], None)
     for method in ("oracle", "walk", "exact"):
-        checker = pc.Checker(robot, scene, method=method)
+        checker = pc.Checker(robot, scene, tuning=pc.Tuning(method=method))
         near = np.array([[1.0], [np.nextafter(1, 2)], [-1.0], [np.nextafter(-1, -2)], [0.0], [3.0]])
         assert checker.check_states(near).tolist() == [False, True, False, True, False, True]
 

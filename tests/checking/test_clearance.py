@@ -84,7 +84,9 @@ def test_padding_is_exact(panda, scene, samples, padding):
     assert (plain.check_states(samples) & ~truth).any()
     np.testing.assert_array_equal([padded.is_valid(q) for q in samples], truth)
     np.testing.assert_array_equal(~padded.colliding_pairs(samples).any(axis=1), truth)
-    unbounded = pc.Checker(panda, scene, padding=padding, bounds=False, boxes=False, reach=False, method="exact")
+    unbounded = pc.Checker(
+        panda, scene, padding=padding, tuning=pc.Tuning(bounds=False, boxes=False, reach=False, method="exact")
+    )
     np.testing.assert_array_equal(unbounded.check_states(samples), truth)
 
 
@@ -194,7 +196,7 @@ def test_padding_of_pairs(panda, scene, samples):
     assert (plain.check_states(samples) & ~padded.check_states(samples)).any()
     free = plain.check_states(samples)
     np.testing.assert_allclose(padded.clearances(samples)[free], plain.clearances(samples)[free], rtol=1e-8, atol=1e-12)
-    whole = pc.Checker(panda, scene, padding=padding, reach=False)
+    whole = pc.Checker(panda, scene, padding=padding, tuning=pc.Tuning(reach=False))
     np.testing.assert_array_equal(whole.check_states(samples), padded.check_states(samples))
     np.testing.assert_array_equal(
         whole.check_motions(samples[:-1], samples[1:]), padded.check_motions(samples[:-1], samples[1:])

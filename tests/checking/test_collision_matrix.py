@@ -31,7 +31,7 @@ def everything():
     """A checker that tests all bodies on different joints but adjacent ones, without skips."""
     description = description_of("panda")
     plain = pc.Robot.from_urdf(description.urdf, package_dirs=example_robot_data())
-    return pc.Checker(with_all_joints(plain), reach=False, learning=False)
+    return pc.Checker(with_all_joints(plain), tuning=pc.Tuning(reach=False, learning=False))
 
 
 def test_counts_are_those_of_a_checker_of_all_pairs(panda, everything):

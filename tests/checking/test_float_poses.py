@@ -185,7 +185,7 @@ ROBOTS = [("panda", "bookshelf"), ("panda", "cage"), ("ur5", "kitchen"), ("baxte
 def checkers(request):
     name, scene = request.param
     robot, scene = pc.Robot.load(name), None if scene is None else pc.Scene.load(scene)
-    return tuple(pc.Checker(robot, scene, float_poses=each) for each in (True, False))
+    return tuple(pc.Checker(robot, scene, tuning=pc.Tuning(float_poses=each)) for each in (True, False))
 
 
 @pytest.mark.parametrize("size", [2, 3, 7, 8, 9, 15, 16, 17, 33, 511, 3000])
@@ -205,7 +205,7 @@ def test_each_pair_is_counted_once(checkers):
     counted = []
     for floats in (True, False):
         # Blocks in floats learn which pair to try first, and then bound no other one.
-        checker = pc.Checker(checkers[0].robot, checkers[0].scene, float_poses=floats, learning=False)
+        checker = pc.Checker(checkers[0].robot, checkers[0].scene, tuning=pc.Tuning(float_poses=floats, learning=False))
         checker.check_states(checker.robot.random_configurations(2000, seed=1))
         counted.append(checker.statistics())
     decided = ("bounds", "overlaps", "boxes", "skipped", "trees", "unreachable")
@@ -282,7 +282,7 @@ def test_contacts_that_floats_miss_by_far(tmp_path, shape, slides):
             scene = pc.Scene("touched")
             scene.add_box("box", [2 * HALF] * 3, place)
             for overlaps in (True, False):
-                checker = pc.Checker(robot, scene, reach=False, overlaps=overlaps)
+                checker = pc.Checker(robot, scene, tuning=pc.Tuning(reach=False, overlaps=overlaps))
                 assert checker.is_valid(row) == (gap > 0)
                 assert (checker.check_states(np.repeat(row[None], 17, axis=0)) == (gap > 0)).all()
 
@@ -302,7 +302,7 @@ def test_crossed_edges_that_floats_miss_by_far(tmp_path):
             place[:3, :3] = pose[:3, :3] @ (side * Rotation.from_euler("y", np.pi / 4)).as_matrix()
             scene = pc.Scene("crossed")
             scene.add_box("bar", [2 * HALF, 6 * HALF, 2 * HALF], place)
-            checker = pc.Checker(robot, scene, reach=False)
+            checker = pc.Checker(robot, scene, tuning=pc.Tuning(reach=False))
             assert checker.is_valid(row) == (gap > 0)
             assert (checker.check_states(np.repeat(row[None], 17, axis=0)) == (gap > 0)).all()
 
@@ -333,7 +333,7 @@ def test_contacts_of_what_is_far_away(tmp_path, joint, far):
     )
     scene = pc.Scene("touched")
     scene.add_box("box", [1.0, 1.0, 1.0], translation(face + 0.5))
-    checker = pc.Checker(pc.Robot.from_urdf(path), scene, reach=False, overlaps=False)
+    checker = pc.Checker(pc.Robot.from_urdf(path), scene, tuning=pc.Tuning(reach=False, overlaps=False))
     checker.check_states(np.zeros((17, 1)))
     assert not checker.check_states(np.full((17, 1), far)).any()
 
@@ -348,7 +348,7 @@ def beside_by_the_bound(folder, **switches):
     place, scene = np.eye(4), pc.Scene("beside")
     place[0, 3] = 2 * HALF + bound / 2
     scene.add_box("box", [2 * HALF] * 3, place)
-    return pc.Checker(robot, scene, reach=False, boxes=False, **switches)
+    return pc.Checker(robot, scene, tuning=pc.Tuning(reach=False, boxes=False, **switches))
 
 
 def test_sets_are_posed_in_floats_first(tmp_path):
@@ -389,7 +389,7 @@ def test_random_robots_have_the_same_verdicts(tmp_path, seed):
     for k in range(10):
         pose = np.vstack([random_placement(rng), [0, 0, 0, 1]])
         scene.add_box(f"box{k}", rng.uniform(0.05, 0.6, 3).tolist(), pose)
-    in_floats, plain = (pc.Checker(robot, scene, float_poses=each) for each in (True, False))
+    in_floats, plain = (pc.Checker(robot, scene, tuning=pc.Tuning(float_poses=each)) for each in (True, False))
     q = robot.random_configurations(1500, seed)
     endless = ~np.isfinite(robot.upper)
     q[::97, endless] *= 1e6

@@ -95,12 +95,12 @@ def test_verdicts_are_those_of_each_prism_by_itself(kind: str, padding: float, i
     shape, pose = FIELDS[kind](rng), turned(rng) if is_turned else np.eye(4)
     robot, scene = walker(str(tmp_path)), scene_of(shape, pose)
     q = around(shape, pose, 200, rng)
-    plain = pc.Checker(robot, scene, padding=padding, bounds=False, boxes=False, part_trees=False)
+    plain = pc.Checker(robot, scene, padding=padding, tuning=pc.Tuning(bounds=False, boxes=False, part_trees=False))
     expected = plain.check_states(q)
     assert 0 < expected.mean() < 1
     pairs = plain.colliding_pairs(q)
     for switches in ({}, {"bounds": False}, {"part_trees": False}, {"boxes": False, "overlaps": False}):
-        checker = pc.Checker(robot, scene, padding=padding, **switches)
+        checker = pc.Checker(robot, scene, padding=padding, tuning=pc.Tuning(**switches))
         assert (checker.check_states(q) == expected).all(), switches
         assert [checker.is_valid(row) for row in q] == expected.tolist(), switches
         assert ((checker.first_colliding_pair(q) < 0) == expected).all(), switches
@@ -124,12 +124,14 @@ def test_most_bodies_over_the_ground_are_looked_up(tmp_path) -> None:
     shape = pc.HeightField(smooth((200, 200), 0.05), 0.05, 0.0)
     q = around(shape, np.eye(4), 300, rng)
     q[:, :2], q[:, 2] = np.clip(q[:, :2], 0.5, 9.0), 0.75
-    checker = pc.Checker(walker(str(tmp_path)), scene_of(shape, np.eye(4)), part_trees=False)
+    checker = pc.Checker(walker(str(tmp_path)), scene_of(shape, np.eye(4)), tuning=pc.Tuning(part_trees=False))
     assert checker.check_states(q).all()
     assert all(checker.is_valid(row) for row in q)
     found = checker.statistics()
     assert found["bounds"] > 0.99 * found["pairs"]
-    plain = pc.Checker(walker(str(tmp_path)), scene_of(shape, np.eye(4)), bounds=False, part_trees=False)
+    plain = pc.Checker(
+        walker(str(tmp_path)), scene_of(shape, np.eye(4)), tuning=pc.Tuning(bounds=False, part_trees=False)
+    )
     plain.check_states(q[:5])
     assert plain.statistics()["bounds"] == 0
 

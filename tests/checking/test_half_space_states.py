@@ -75,15 +75,19 @@ def test_states_are_judged_by_the_lowest_vertices(panda, padding):
 @pytest.mark.parametrize(
     "off",
     [{}, {"bounds": False}, {"boxes": False, "overlaps": False}, {"learning": False}, {"reach": False},
-     {"static_poses": False}, {"kinematics": "pinocchio"}],
+     {"static_poses": False}],
 )  # fmt: skip
 def test_verdicts_do_not_depend_on_switches(panda, off):
     scene = scene_of_both()
     scene.add_box("post", (0.1, 0.1, 1.5), tilted())
     q = panda.random_configurations(1500, seed=2)
-    expected, found = pc.Checker(panda, scene), pc.Checker(panda, scene, **off)
-    np.testing.assert_array_equal(found.check_states(q), expected.check_states(q))
-    np.testing.assert_array_equal(found.colliding_pairs(q), expected.colliding_pairs(q))
+    expected = pc.Checker(panda, scene)
+    for found in (
+        pc.Checker(panda, scene, tuning=pc.Tuning(**off)),
+        pc.Checker(panda, scene, kinematics="pinocchio", tuning=pc.Tuning(**off)),
+    ):
+        np.testing.assert_array_equal(found.check_states(q), expected.check_states(q))
+        np.testing.assert_array_equal(found.colliding_pairs(q), expected.colliding_pairs(q))
     numbers = found.statistics()
     assert numbers["pairs"] > 0
 
@@ -116,7 +120,7 @@ def test_touching_is_decided_exactly(panda):
     """A plane through the very vertex, as posed, and one a unit in the last place below it."""
     robot = panda
     q = robot.random_configurations(40, seed=5)
-    plain = pc.Checker(robot, pc.Scene(), self_collision=False, reach=False)
+    plain = pc.Checker(robot, pc.Scene(), self_collision=False, tuning=pc.Tuning(reach=False))
     hand = next(k for k, body in enumerate(plain.bodies) if body.link == "panda_hand")
     points = pc.Polytope(plain.bodies[hand].shape).vertices
     decided = 0

@@ -132,7 +132,10 @@ def checkers(robot, shape, obstacle, pose, padding):
     scene.add("obstacle", obstacle, pose)
     hand = shapes.GeometryObject("hand", "hand", robot.bodies[0].pose, shape)
     bodies = [hand, *scene.bodies]
-    return [pc.Checker(robot, scene, bodies=bodies, padding=padding, overlaps=on) for on in (True, False)]
+    return [
+        pc.Checker(robot, scene, padding=padding, tuning=pc.Tuning(overlaps=on)).with_bodies(bodies)
+        for on in (True, False)
+    ]
 
 
 def configuration(robot, pose):
@@ -199,7 +202,9 @@ def test_balls_far_from_their_links_overlap_only_what_they_do(free_link, far):
     scene = pc.Scene("one")
     scene.add("box", shapes.Box((1.0, 1.0, 1.0)))
     bodies = [shapes.GeometryObject("hand", "hand", placement, shapes.Sphere(radius)), *scene.bodies]
-    with_overlaps, without = (pc.Checker(free_link, scene, bodies=bodies, overlaps=on) for on in (True, False))
+    with_overlaps, without = (
+        pc.Checker(free_link, scene, tuning=pc.Tuning(overlaps=on)).with_bodies(bodies) for on in (True, False)
+    )
     links = contacts.identities(len(gaps))
     links[:, :3, :3] = contacts.frames(contacts.random_directions(len(gaps), rng))
     centres = rng.uniform(-0.4, 0.4, (len(gaps), 3))
@@ -219,7 +224,7 @@ def test_differences_that_overflow_floats(free_link):
     scene = pc.Scene("huge")
     scene.add("box", shapes.Hull(3.41e38 * (2.0 * np.indices((2, 2, 2)).reshape(3, 8).T - 1)), pose)
     bodies = [shapes.GeometryObject("hand", "hand", far, shapes.Sphere(3e37)), *scene.bodies]
-    checker = pc.Checker(free_link, scene, bodies=bodies)
+    checker = pc.Checker(free_link, scene).with_bodies(bodies)
     assert checker.check_states(np.tile([0, 0, 0, 0, 0, 0, 1.0], (8, 1))).all()
     assert checker.statistics()["overlaps"] == 0
 
@@ -229,7 +234,7 @@ def test_robots(robot, scene):
     """The same verdicts; most collisions are found by overlaps, in blocks and one by one."""
     robot, scene = pc.Robot.load(robot), None if scene is None else pc.Scene.load(scene)
     q = robot.random_configurations(1003, 5)
-    with_overlaps, without = (pc.Checker(robot, scene, overlaps=on) for on in (True, False))
+    with_overlaps, without = (pc.Checker(robot, scene, tuning=pc.Tuning(overlaps=on)) for on in (True, False))
     truth = without.check_states(q)
     np.testing.assert_array_equal(with_overlaps.check_states(q), truth)
     assert with_overlaps.statistics()["overlaps"] > 0.5 * (~truth).sum()

@@ -151,7 +151,7 @@ def test_stand_ins_are_not_the_robots_own_bodies():
     robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
     own = pc.Checker(robot, scene)
     rounds = [GeometryObject(body.name, body.link, body.pose, Sphere(0.2)) for body in own.bodies]
-    assert_as_computed_anew(pc.Checker(robot, scene, bodies=rounds))
+    assert_as_computed_anew(own.with_bodies(rounds))
     assert_as_computed_anew(pc.Checker(robot, scene))
 
 

@@ -23,7 +23,7 @@ def walks(panda):
 
 @pytest.mark.parametrize("scene", ["bookshelf", "cage"])
 def test_verdicts_do_not_depend_on_what_was_asked_before(panda, walks, scene):
-    learning, plain = (pc.Checker(panda, pc.Scene.load(scene), learning=on) for on in (True, False))
+    learning, plain = (pc.Checker(panda, pc.Scene.load(scene), tuning=pc.Tuning(learning=on)) for on in (True, False))
     expected = plain.check_states(walks)
     assert 0.1 < expected.mean() < 0.9
     assert [learning.is_valid(row) for row in walks] == expected.tolist()
@@ -39,7 +39,7 @@ def test_free_states_behind_blocks_that_collide_alike(panda, count):
     """In their own block, or in one with states that collide."""
     checker = pc.Checker(panda, pc.Scene.load("cage"))
     q = panda.random_configurations(300, seed=8)
-    valid = pc.Checker(panda, pc.Scene.load("cage"), bounds=False).check_states(q)
+    valid = pc.Checker(panda, pc.Scene.load("cage"), tuning=pc.Tuning(bounds=False)).check_states(q)
     for colliding, free in zip(q[~valid][:20], q[valid][:20], strict=True):
         rows = np.concatenate([np.tile(colliding, (32 + count, 1)), [free], np.tile(colliding, (16, 1)), [free] * 8])
         assert checker.check_states(rows).tolist() == [False] * (32 + count) + [True] + [False] * 16 + [True] * 8
@@ -69,7 +69,7 @@ def test_each_pair_of_a_state_counts_once(name, scene):
     checker = pc.Checker(robot, pc.Scene.load(scene))
     q = robot.random_configurations(640, seed=10)
     along = np.concatenate([np.linspace(a, b, 64) for a, b in zip(q[:10], q[10:20], strict=True)])
-    plain = pc.Checker(robot, pc.Scene.load(scene), bounds=False)
+    plain = pc.Checker(robot, pc.Scene.load(scene), tuning=pc.Tuning(bounds=False))
     for rows in (q, along):
         assert checker.check_states(rows).tolist() == plain.check_states(rows).tolist()
         counted = checker.statistics()

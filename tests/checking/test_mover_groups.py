@@ -20,7 +20,9 @@ def test_companies_change_nothing_but_time(robot, monkeypatch):
         known = pc.Robot.load(robot)
         if samples is not None:
             monkeypatch.setattr(pc.Robot, "sampled_link_poses", property(lambda _, poses=samples: poses))
-        checker = pc.Checker(known, pc.Scene.load("kitchen"), overlaps=False, learning=False, apart_cells=False)
+        checker = pc.Checker(
+            known, pc.Scene.load("kitchen"), tuning=pc.Tuning(overlaps=False, learning=False, apart_cells=False)
+        )
         verdicts, colliding = checker.check_states(q), checker.colliding_pairs(q)
         counted = checker.statistics()
         found.append((verdicts, colliding, {k: counted[k] for k in ("pairs", "bounds", "boxes", "skipped")}))

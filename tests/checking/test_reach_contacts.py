@@ -23,7 +23,7 @@ def scene_of_cubes(points, size):
 def assert_nothing_that_touches_is_unreachable(robot, scene, q, least):
     """Both with few and with all obstacles; returns the share of pairs that are proved never to meet."""
     checker = pc.Checker(robot, scene)
-    touching = pc.Checker(robot, scene, reach=False).colliding_pairs(q).any(axis=0)
+    touching = pc.Checker(robot, scene, tuning=pc.Tuning(reach=False)).colliding_pairs(q).any(axis=0)
     assert touching.sum() >= least
     wrong = [checker.pair_names(k) for k in np.flatnonzero(touching & checker.unreachable)]
     assert not wrong
@@ -61,7 +61,7 @@ def test_branches_that_touch(tmp_path, seed, sizes, padding):
     offsets = ends + 0.95 * padding * away / np.linalg.norm(away, axis=1, keepdims=True)
     robot = tree.robot(tmp_path, points_on_others(bare, q, *links.T, offsets), 1e-4)
     checker = pc.Checker(robot, padding=padding)
-    touching = pc.Checker(robot, padding=padding, reach=False).colliding_pairs(q).any(axis=0)
+    touching = pc.Checker(robot, padding=padding, tuning=pc.Tuning(reach=False)).colliding_pairs(q).any(axis=0)
     assert touching.sum() >= CONTACTS // 4
     assert not [checker.pair_names(k) for k in np.flatnonzero(touching & checker.unreachable)]
 
@@ -86,7 +86,7 @@ def test_what_rests_within_rounding_is_not_said_to_be_apart(tmp_path, shape):
     for gap in (0.0, 1e-16, 2e-16, 1e-15, 1e-9, 1e-7, 1e-3):
         held = {"hold": 0.5, "hold2": gap}
         robot = pc.Robot.from_urdf(tmp_path / "held.urdf", group=["turn"]).holding(held)
-        checker, full = pc.Checker(robot), pc.Checker(robot, reach=False)
+        checker, full = pc.Checker(robot), pc.Checker(robot, tuning=pc.Tuning(reach=False))
         (k,) = [k for k in range(len(checker.pairs)) if set(checker.pair_names(k)) == {"a", "b"}]
         assert checker.static[k]
         assert checker.unreachable[k] == (gap == 1e-3)

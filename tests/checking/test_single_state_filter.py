@@ -25,7 +25,7 @@ def _boxes(count, size):
 @pytest.mark.filterwarnings("ignore:.*touches obstacle:RuntimeWarning")
 @pytest.mark.parametrize("robot", ["panda", "baxter"])
 def test_single_states_find_the_same_pairs(robot, count):
-    checker = pc.Checker(pc.Robot.load(robot), _boxes(count, 0.05), overlaps=False)
+    checker = pc.Checker(pc.Robot.load(robot), _boxes(count, 0.05), tuning=pc.Tuning(overlaps=False))
     q = checker.robot.random_configurations(60, seed=count)
     together, before = checker.colliding_pairs(q), checker.statistics()
     alone = np.concatenate([checker.colliding_pairs(row[None]) for row in q])
@@ -45,7 +45,7 @@ def test_only_the_near_box_is_found(place):
         pose[2, 3] = 0.4 if k == place else 50 + k
         scene.add_box(f"box{k}", [0.1] * 3, pose)
     panda = pc.Robot.load("panda")
-    checker = pc.Checker(panda, scene, self_collision=False, reach=False)
+    checker = pc.Checker(panda, scene, self_collision=False, tuning=pc.Tuning(reach=False))
     assert not checker.is_valid(panda.reference)
     counted = checker.statistics()
     assert counted["bounds"] >= 8 * len(panda.bodies) - 8
@@ -100,7 +100,7 @@ def test_slices_of_rods_leave_out_no_pair(tmp_path, seed):
     robot = pc.Robot.from_urdf(path)
     # Cells would take most pairs, and none would be left for slices.
     on, off = {"overlaps": False, "apart_cells": False}, {"overlaps": False, "bounds": False}
-    single, together, plain = (pc.Checker(robot, **switches) for switches in (on, on, off))
+    single, together, plain = (pc.Checker(robot, tuning=pc.Tuning(**switches)) for switches in (on, on, off))
     q = robot.random_configurations(400, seed=seed)
     valid = plain.check_states(q).tolist()
     assert 10 < sum(valid) < 390
@@ -127,7 +127,7 @@ def test_every_slice_of_a_rod_is_found(tmp_path, x, height, gap, padding, free):
     robot = pc.Robot.from_urdf(path)
     home = np.zeros(robot.nq)
     away = np.where(np.arange(robot.nq) == 2, 2.0, home)  # the body is turned away from the rod
-    checker = pc.Checker(robot, padding=padding, overlaps=False, apart_cells=False)
+    checker = pc.Checker(robot, padding=padding, tuning=pc.Tuning(overlaps=False, apart_cells=False))
     assert checker.is_valid(home) == free
     assert checker.check_states(home[None])[0] == free
     assert checker.check_states(np.array([away] * 11 + [home] + [away] * 11))[11] == free

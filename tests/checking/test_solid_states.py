@@ -144,8 +144,8 @@ def test_switches_do_not_change_verdicts(rail):
         "facet_plane",
         "trees_first",
     ):
-        assert pc.Checker(rail(), **{switch: False}).check_states(ROWS).tolist() == expected
-    assert pc.Checker(rail(), method="exact").check_states(ROWS).tolist() == expected
+        assert pc.Checker(rail(), tuning=pc.Tuning(**{switch: False})).check_states(ROWS).tolist() == expected
+    assert pc.Checker(rail(), tuning=pc.Tuning(method="exact")).check_states(ROWS).tolist() == expected
 
 
 def test_padding_grows_the_set(rail):
@@ -255,7 +255,7 @@ def test_what_is_not_there_yet_says_so(rail):
 
 def test_pairs_that_trees_decide_are_counted_once(rail):
     for switch in (True, False):
-        checker = pc.Checker(rail(), trees_first=switch, bounds=False, boxes=False, overlaps=False)
+        checker = pc.Checker(rail(), tuning=pc.Tuning(trees_first=switch, bounds=False, boxes=False, overlaps=False))
         checker.check_states(ROWS)
         counted = checker.statistics()
         stages = (

@@ -43,11 +43,11 @@ def test_obstacles_are_found_where_they_touch(tmp_path, count, seed, self_collis
     contacts = limit_states(rng, robot, count)
     scene = touched_at(rng, robot, contacts, 0.01)
     q = np.concatenate([contacts, robot.random_configurations(61, seed)])[rng.permutation(count + 61)]
-    truth = pc.Checker(robot, scene, self_collision, **UNFILTERED).colliding_pairs(q)
+    truth = pc.Checker(robot, scene, self_collision=self_collision, tuning=pc.Tuning(**UNFILTERED)).colliding_pairs(q)
     pairs_with_obstacles = truth[:, -count * (len(robot.link_names)) :]
     assert pairs_with_obstacles.any(axis=1).sum() >= count
     assert not truth.any(axis=1).all()
-    checker = pc.Checker(robot, scene, self_collision)
+    checker = pc.Checker(robot, scene, self_collision=self_collision)
     np.testing.assert_array_equal(checker.colliding_pairs(q), truth)
     first = np.where(truth.any(axis=1), truth.argmax(axis=1), -1)
     for size in (1, 2, 3, 5, 8, 17, len(q)):
@@ -58,7 +58,7 @@ def test_obstacles_are_found_where_they_touch(tmp_path, count, seed, self_collis
             np.testing.assert_array_equal(found, first)
     assert [checker.is_valid(row) for row in q] == (first < 0).tolist()
     for switch in ("bounds", "boxes", "overlaps", "learning"):
-        other = pc.Checker(robot, scene, self_collision, **{switch: False})
+        other = pc.Checker(robot, scene, self_collision=self_collision, tuning=pc.Tuning(**{switch: False}))
         np.testing.assert_array_equal(other.check_states(q[::-1]), first[::-1] < 0)
 
 
@@ -86,7 +86,7 @@ def test_small_bodies_that_pass_each_other_far_from_the_origin_are_free(tmp_path
             pose, away = np.eye(4), rng.normal(size=3)
             pose[:3, 3] = poses[k, :3, 3] + rng.uniform(3e-4, 8e-3) * away / np.linalg.norm(away)
             scene.add_box(f"box{k}", [1e-4] * 3, pose)
-        truth = pc.Checker(robot, scene, **UNFILTERED).check_states(q[None])[0]
+        truth = pc.Checker(robot, scene, tuning=pc.Tuning(**UNFILTERED)).check_states(q[None])[0]
         checker = pc.Checker(robot, scene)
         assert checker.is_valid(q) == truth
         assert (checker.check_states(np.repeat(q[None], 9, axis=0)) == truth).all()

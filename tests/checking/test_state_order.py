@@ -12,7 +12,7 @@ SIZES = (511, 512, 513, 1000, 8191, 8192, 16_384, 16_385 + 600)
 def checkers(request):
     name, scene = request.param
     robot, scene = pc.Robot.load(name), None if scene is None else pc.Scene.load(scene)
-    return tuple(pc.Checker(robot, scene, sorted_states=each) for each in (True, False))
+    return tuple(pc.Checker(robot, scene, tuning=pc.Tuning(sorted_states=each)) for each in (True, False))
 
 
 def walks(robot, count, steps, seed):
@@ -49,7 +49,9 @@ def test_states_along_motions(checkers, steps):
 def test_numbers_that_hardly_vary():
     """Columns of one value, of two values, of a value with outliers, and sets of one state."""
     robot = pc.Robot.load("panda")
-    with_order, plain = (pc.Checker(robot, pc.Scene.load("bookshelf"), sorted_states=each) for each in (True, False))
+    with_order, plain = (
+        pc.Checker(robot, pc.Scene.load("bookshelf"), tuning=pc.Tuning(sorted_states=each)) for each in (True, False)
+    )
     for seed in range(20):
         rng = np.random.default_rng(seed)
         q = robot.random_configurations(2000, seed=seed)
@@ -68,7 +70,7 @@ def test_like_states_follow_each_other():
     q = np.clip(q, robot.lower, robot.upper)
     settled = []
     for each in (True, False):
-        checker = pc.Checker(robot, pc.Scene(), sorted_states=each)
+        checker = pc.Checker(robot, pc.Scene(), tuning=pc.Tuning(sorted_states=each))
         checker.check_states(q)
         settled.append(checker.statistics()["cached_plane"])
     assert settled[0] > 1.5 * settled[1]

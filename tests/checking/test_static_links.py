@@ -36,7 +36,7 @@ def _settled(counted):
 def test_verdicts_are_those_of_links_posed_every_time(robot, scene):
     robot = pc.Robot.load(robot)
     q = robot.random_configurations(400, 1)
-    once, always = (pc.Checker(robot, _scene(scene), static_poses=on) for on in (True, False))
+    once, always = (pc.Checker(robot, _scene(scene), tuning=pc.Tuning(static_poses=on)) for on in (True, False))
     np.testing.assert_array_equal(once.check_states(q), always.check_states(q))
     np.testing.assert_array_equal(once.first_colliding_pair(q), always.first_colliding_pair(q))
     np.testing.assert_array_equal(once.colliding_pairs(q), always.colliding_pairs(q))
@@ -49,7 +49,7 @@ def test_a_held_arm_in_an_obstacle_leaves_no_valid_state(switches):
     baxter = pc.Robot.load("baxter")
     scene = _box_over_the_right_arm(baxter, -0.01)
     q = baxter.random_configurations(200, 2)
-    once, always = (pc.Checker(baxter, scene, static_poses=on, **switches) for on in (True, False))
+    once, always = (pc.Checker(baxter, scene, tuning=pc.Tuning(static_poses=on, **switches)) for on in (True, False))
     if not switches:
         assert not once.check_states(q).any()
         counted = once.statistics()
@@ -74,7 +74,11 @@ def test_a_held_arm_just_above_an_obstacle_does_no_harm(gap):
     baxter = pc.Robot.load("baxter")
     scene = _box_over_the_right_arm(baxter, gap)
     q = baxter.random_configurations(200, 2)
-    once, always, alone = pc.Checker(baxter, scene), pc.Checker(baxter, scene, static_poses=False), pc.Checker(baxter)
+    once, always, alone = (
+        pc.Checker(baxter, scene),
+        pc.Checker(baxter, scene, tuning=pc.Tuning(static_poses=False)),
+        pc.Checker(baxter),
+    )
     np.testing.assert_array_equal(once.check_states(q), always.check_states(q))
     free, robot_bodies = alone.check_states(q), baxter.bodies
     assert free.any()
@@ -104,7 +108,7 @@ def test_an_object_in_a_held_hand_stands_still_too():
     pose[2, 3] = 0.1
     checkers = []
     for on in (True, False):
-        checker = pc.Checker(baxter, pc.Scene.load("table"), static_poses=on)
+        checker = pc.Checker(baxter, pc.Scene.load("table"), tuning=pc.Tuning(static_poses=on))
         checkers.append(checker.attach("held", pc.Box([0.05] * 3), "right_hand_link", pose, touched))
     q = baxter.random_configurations(200, 4)
     once, always = checkers

@@ -75,7 +75,7 @@ def mixed_states(robot, n, seed):
 @pytest.mark.parametrize("name", [*ROBOTS, "whole talos"])
 def test_verdicts_are_those_of_the_full_table(robots, name):
     robot, scene = robots[name], pc.Scene.load(ROBOTS.get(name, "empty"))
-    checker, full = pc.Checker(robot, scene), pc.Checker(robot, scene, reach=False)
+    checker, full = pc.Checker(robot, scene), pc.Checker(robot, scene, tuning=pc.Tuning(reach=False))
     assert checker.unreachable.any()
     assert not full.unreachable.any()
     q = mixed_states(robot, 600, 5)
@@ -93,7 +93,9 @@ def test_motions_are_those_of_the_full_table(robots, name):
     robot, scene = robots[name], pc.Scene.load(ROBOTS[name])
     q = mixed_states(robot, 24, 6)
     ends = q + np.random.default_rng(7).normal(0, 0.1, q.shape)
-    found, truth = (pc.Checker(robot, scene, reach=on).check_motions(q, ends, 0.02) for on in (True, False))
+    found, truth = (
+        pc.Checker(robot, scene, tuning=pc.Tuning(reach=on)).check_motions(q, ends, 0.02) for on in (True, False)
+    )
     np.testing.assert_array_equal(found, truth)
 
 

@@ -105,10 +105,10 @@ def test_methods_err_only_on_their_side(checker):
 
 
 def test_stand_ins_keep_links_and_pairs(checker):
-    again = Checker(checker.robot, checker.scene, bodies=checker.bodies)
+    again = checker.with_bodies(checker.bodies)
     assert np.array_equal(again.pairs, checker.pairs)
     with pytest.raises(PlannercheckError, match="stand in for"):
-        Checker(checker.robot, checker.scene, bodies=checker.bodies[1:])
+        checker.with_bodies(checker.bodies[1:])
 
 
 def test_stand_ins_are_out_of_reach_only_where_they_are(checker):

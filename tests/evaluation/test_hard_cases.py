@@ -9,7 +9,7 @@ import pytest
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
-from plannercheck.bodies.intersection import METHODS
+from plannercheck.bodies.tuning import METHODS
 from plannercheck.evaluation.stress.failing_cases import Case
 
 HARD = Path(__file__).parent / "hard_cases"

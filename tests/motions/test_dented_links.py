@@ -21,7 +21,7 @@ def robot(request):
 
 @pytest.mark.parametrize("padding", [0.0, 0.002])
 def test_the_switch_changes_no_verdict(robot, padding):
-    with_dents, without = (pc.Checker(robot, padding=padding, dents=each) for each in (True, False))
+    with_dents, without = (pc.Checker(robot, padding=padding, tuning=pc.Tuning(dents=each)) for each in (True, False))
     q = robot.random_configurations(600, seed=3)
     assert np.array_equal(with_dents.colliding_pairs(q), without.colliding_pairs(q))
     valid = with_dents.check_states(q)
@@ -45,7 +45,7 @@ def test_a_ball_moves_within_a_dent(tmp_path, dents):
     pose = np.eye(4)
     pose[2, 3] = -1
     scene.add("dish", dish, pose)
-    checker = pc.Checker(pc.Robot.from_urdf(path), scene, dents=dents)
+    checker = pc.Checker(pc.Robot.from_urdf(path), scene, tuning=pc.Tuning(dents=dents))
     free = np.array([[-0.1, -0.02], [0.1, -0.02], [0.0, -0.029], [0.0, 0.1]])
     hits = np.array([[0.0, -0.031], [0.7, 0.001], [0.0, -1.0]])
     assert checker.check_states(free).all()

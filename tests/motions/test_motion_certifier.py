@@ -220,7 +220,7 @@ def test_pinocchios_own_poses_prove_nothing():
 @pytest.mark.parametrize("name", ["panda", "tiago"])
 def test_pairs_that_never_meet_within_the_limits_change_no_verdict(name):
     robot = pc.Robot.load(name)
-    live, plain = (pc.Checker(robot, pc.Scene.load("table"), reach=on) for on in (True, False))
+    live, plain = (pc.Checker(robot, pc.Scene.load("table"), tuning=pc.Tuning(reach=on)) for on in (True, False))
     assert live.unreachable.any()
     q = robot.random_configurations(200, 9)
     q0, q1 = q[::2], q[::2] + 0.3 * (q[1::2] - q[::2])

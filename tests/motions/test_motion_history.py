@@ -132,7 +132,7 @@ def test_planes_of_earlier_motions_change_no_verdict():
     """Motions that are close to each other, and far apart, one after the other: with and without hints."""
     rng = np.random.default_rng(7)
     robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
-    hinted, plain = (pc.Checker(robot, scene, cached_plane=on) for on in (True, False))
+    hinted, plain = (pc.Checker(robot, scene, tuning=pc.Tuning(cached_plane=on)) for on in (True, False))
     starts = robot.random_configurations(60, 3)
     starts = np.repeat(starts[hinted.check_states(starts)][:12], 25, axis=0)
     ends = starts + 10.0 ** rng.uniform(-3, 0, (len(starts), 1)) * rng.normal(size=starts.shape)
@@ -152,7 +152,7 @@ def test_hints_are_held_at_every_state(tmp_path):
     robot, scene = pc.Robot.from_urdf(tmp_path / "arm.urdf"), pc.Scene("tetrahedra")
     for k in range(10):
         scene.add_hull(f"tetrahedron{k}", rng.normal(size=3) + rng.uniform(0.1, 0.5) * rng.normal(size=(4, 3)))
-    hinted, plain = (pc.Checker(robot, scene, cached_plane=on) for on in (True, False))
+    hinted, plain = (pc.Checker(robot, scene, tuning=pc.Tuning(cached_plane=on)) for on in (True, False))
     starts = np.repeat(rng.uniform(-3, 3, (60, 2)), 30, axis=0)
     ends = starts + rng.uniform(-0.3, 0.3, starts.shape)
     free = plain.check_motions(starts, ends, tolerance=1e-6)
@@ -177,7 +177,9 @@ def test_what_was_prepared_for_a_kinematics_does_not_serve_the_next_one_at_its_p
         return certifier.check(kernel, *ends, 1e-4, 1e-12, 1).tolist()
 
     def certifier():
-        return pc.Checker(robot.with_group(["second"]), scene, reach=False).motion_certifier._pairs_within_limits.core
+        return pc.Checker(
+            robot.with_group(["second"]), scene, tuning=pc.Tuning(reach=False)
+        ).motion_certifier._pairs_within_limits.core
 
     used, first, other = certifier(), core.Kinematics(*table_of(robot, ["second"])), table_of(robot, ["first"])
     by_second, place = answer(used, first), id(first)

@@ -1,4 +1,4 @@
-"""Ways to save work on motions change no verdict: bounds of speed, a tree of obstacles, collisions proved by balls."""
+"""No field of `Tuning` changes a verdict: each one off, and all, on states and motions of robots among obstacles."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ import pinocchio as pin
 import pytest
 
 import plannercheck as pc
+from plannercheck.bodies.tuning import tuning_table
 from plannercheck.common.package_data import example_robot_data
 from plannercheck.robots.description import find_description, read_description
 
 TOLERANCES = (1e-6, 1e-4, 2e-2)
-SWITCHES = ("bounds", "overlaps", "middle_states")
+SWITCHES = tuple(row.name for row in tuning_table() if row.type == "bool")
 
 
 def whole_robot(name, floating=False):
@@ -69,7 +70,7 @@ def motions(checker, generator, n):
 def with_switches(robot, scene, own):
     """A checker with all switches on, one with each of them off, and one with all of them off."""
     chosen = [{}, *({name: False} for name in SWITCHES), dict.fromkeys(SWITCHES, False)]
-    return [pc.Checker(robot, scene, self_collision=own, **off) for off in chosen]
+    return [pc.Checker(robot, scene, self_collision=own, tuning=pc.Tuning(**off)) for off in chosen]
 
 
 # Up to 1,024 obstacles are tested in lanes, more by the tree.
@@ -85,6 +86,10 @@ def test_switches_change_no_verdict(name, obstacles):
     own = not name.startswith(("go2", "tiago"))
     checker, *others = with_switches(robot, scene, own)
     starts, ends = motions(checker, generator, 100)
+    pairs = checker.colliding_pairs(ends)
+    for other in others:
+        assert (other.colliding_pairs(ends) == pairs).all()
+        assert (other.check_states(ends) == ~pairs.any(axis=1)).all()
     kinds = []
     for tolerance in TOLERANCES:
         free = checker.check_motions(starts, ends, tolerance=tolerance)
@@ -205,7 +210,7 @@ def test_middles_of_far_motions_do_not_hide_that_rounding_is_too_large(way):
 def test_middles_that_often_collide_are_judged_first():
     """Sets of motions between free ends: many whose middles collide, none, and again many; then paths of ten."""
     robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
-    checker, plain = pc.Checker(robot, scene), pc.Checker(robot, scene, middle_states=False)
+    checker, plain = pc.Checker(robot, scene), pc.Checker(robot, scene, tuning=pc.Tuning(middle_states=False))
     starts, ends = (robot.random_configurations(12000, seed) for seed in (1, 2))
     ends = starts + 0.3 * (ends - starts)
     middles = plain.check_states((starts + ends) / 2)
@@ -230,7 +235,7 @@ def test_middles_that_often_collide_are_judged_first():
 def test_late_states_that_often_collide_are_judged_first():
     """Sets of motions with free middles and ends that collide at three quarters; most are refused without a grid."""
     robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
-    checker, plain = pc.Checker(robot, scene), pc.Checker(robot, scene, middle_states=False)
+    checker, plain = pc.Checker(robot, scene), pc.Checker(robot, scene, tuning=pc.Tuning(middle_states=False))
     starts, ends = (robot.random_configurations(30000, seed) for seed in (1, 2))
     ends = starts + 0.4 * (ends - starts)
     early, late, last = (plain.check_states(starts + t * (ends - starts)) for t in (0.5, 0.75, 1.0))
@@ -303,7 +308,7 @@ def test_links_of_several_bodies_that_meet_between_states(tmp_path):
 def test_ends_that_often_collide_are_judged_first():
     """Sets of motions with free middles: many whose ends collide, none, and again many; at last, with others."""
     robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
-    checker, plain = pc.Checker(robot, scene), pc.Checker(robot, scene, middle_states=False)
+    checker, plain = pc.Checker(robot, scene), pc.Checker(robot, scene, tuning=pc.Tuning(middle_states=False))
     starts, ends = (robot.random_configurations(12000, seed) for seed in (1, 2))
     ends = starts + 0.3 * (ends - starts)
     valid = [plain.check_states(q) for q in (starts, (starts + ends) / 2, ends)]

@@ -66,7 +66,7 @@ def test_states_are_judged_as_before_balls_of_their_own() -> None:
 def test_states_do_not_depend_on_switches() -> None:
     cloud, _ = cloud_and_balls(2000, 0.01)
     q = panda().random_configurations(1500, seed=6)
-    plain = pc.Checker(panda(), cloud, bounds=False, boxes=False, overlaps=False, learning=False)
+    plain = pc.Checker(panda(), cloud, tuning=pc.Tuning(bounds=False, boxes=False, overlaps=False, learning=False))
     assert np.array_equal(plain.check_states(q), pc.Checker(panda(), cloud).check_states(q))
 
 
@@ -217,7 +217,7 @@ def test_a_box_around_bodies_has_room_for_their_own_rounding(part: float, tmp_pa
     shared = pc.intersects(box, ball, at, pc_pose(np.array([far + near, 0.0, 0.0])))
     assert shared
     for boxes in (True, False):
-        checker = pc.Checker(pc.Robot.load(tmp_path / "two.urdf"), scene, boxes=boxes)
+        checker = pc.Checker(pc.Robot.load(tmp_path / "two.urdf"), scene, tuning=pc.Tuning(boxes=boxes))
         assert checker.is_valid([far]) != shared
 
 
@@ -231,7 +231,7 @@ def test_ways_to_save_work_change_no_verdict_before_a_cloud() -> None:
     assert np.array_equal(free, [saving.check_motion(a, b) for a, b in zip(start, end, strict=True)])
     switches = ("bounds", "overlaps", "middle_states", "boxes", "learning")
     for off in (*({name: False} for name in switches), dict.fromkeys(switches, False)):
-        plain = pc.Checker(panda(), scene, **off)
+        plain = pc.Checker(panda(), scene, tuning=pc.Tuning(**off))
         assert np.array_equal(free, plain.check_motions(start, end)), off
         assert np.array_equal(saving.check_states(end), plain.check_states(end)), off
 
@@ -255,7 +255,9 @@ def test_clearances_that_are_looked_up_change_no_verdict(kind: str, padding: flo
     """Nor do looks at all poses of a motion at once."""
     scene = pc.Scene()
     scene.add("camera", *sensed(kind, np.random.default_rng(11)))
-    saving, plain = (pc.Checker(panda(), scene, padding=padding, bounds=bounds) for bounds in (True, False))
+    saving, plain = (
+        pc.Checker(panda(), scene, padding=padding, tuning=pc.Tuning(bounds=bounds)) for bounds in (True, False)
+    )
     q = panda().random_configurations(3000, seed=12)
     free = saving.check_states(q)
     assert 0.05 < free.mean() < 0.98

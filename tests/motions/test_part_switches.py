@@ -75,7 +75,10 @@ def motions(count, seed, length):
 @pytest.mark.parametrize("padding", [0.0, 0.02])
 def test_verdicts_of_states(name, others, padding):
     scene = scene_of(SETS[name](), tilted())
-    on, off = (pc.Checker(panda(), scene, padding=padding, part_trees=each, **others) for each in (True, False))
+    on, off = (
+        pc.Checker(panda(), scene, padding=padding, tuning=pc.Tuning(part_trees=each, **others))
+        for each in (True, False)
+    )
     q = states(400, 3)
     valid = on.check_states(q)
     assert (off.check_states(q) == valid).all()
@@ -90,8 +93,10 @@ def test_verdicts_of_states(name, others, padding):
 @pytest.mark.parametrize("bounds", [True, False])
 def test_verdicts_of_motions(name, length, bounds):
     scene = scene_of(SETS[name](), tilted())
-    others = {"self_collision": False, "bounds": bounds}
-    on, off = (pc.Checker(panda(), scene, part_trees=each, **others) for each in (True, False))
+    on, off = (
+        pc.Checker(panda(), scene, self_collision=False, tuning=pc.Tuning(part_trees=each, bounds=bounds))
+        for each in (True, False)
+    )
     start, end = motions(120, 5, length)
     free, plainly = on.check_motions(start, end), off.check_motions(start, end)
     for k in np.flatnonzero(free != plainly):  # either may refuse what comes within the tolerance
@@ -110,7 +115,7 @@ def test_verdicts_of_two_sets():
     scene.attach("held", "panda_hand", parts=held)
     for finger in ("panda_hand", "panda_leftfinger", "panda_rightfinger", "panda_link7", "panda_link8"):
         scene.allow("held", finger)
-    on, off = (pc.Checker(panda(), scene, part_trees=each) for each in (True, False))
+    on, off = (pc.Checker(panda(), scene, tuning=pc.Tuning(part_trees=each)) for each in (True, False))
     q = states(400, 9)
     valid = on.check_states(q)
     assert (off.check_states(q) == valid).all()
@@ -124,7 +129,9 @@ def test_verdicts_of_solids_before_a_cloud():
     scene = pc.Scene("sensed")
     points = np.random.default_rng(0).uniform((-1, -1, -0.2), (1, 1, 1.2), size=(25, 3))
     scene.add("camera", pc.PointCloud(points, 0.04))
-    on, off = (pc.Checker(robot, scene, part_trees=each, self_collision=False) for each in (True, False))
+    on, off = (
+        pc.Checker(robot, scene, tuning=pc.Tuning(part_trees=each), self_collision=False) for each in (True, False)
+    )
     q = robot.random_configurations(300, seed=1)
     valid = on.check_states(q)
     assert (off.check_states(q) == valid).all()
@@ -135,7 +142,9 @@ def test_the_switch_does_something():
     """Off, no part is left out: links are asked for their support far more often."""
     counts = []
     for each in (True, False):
-        checker = pc.Checker(panda(), scene_of(octree()), self_collision=False, bounds=False, part_trees=each)
+        checker = pc.Checker(
+            panda(), scene_of(octree()), self_collision=False, tuning=pc.Tuning(bounds=False, part_trees=each)
+        )
         assert not checker.check_states(states(300, 6)).all()
         queries = checker.statistics()["queries"]
         counts.append(queries["guest_queries"] + queries["host_queries"])
@@ -149,7 +158,9 @@ def test_the_filter_before_half_spaces_has_its_switch(height):
     scene.add("floor", pc.HalfSpace((0.1, 0.0, 1.0), height))
     for link in ("panda_link0", "panda_link1"):
         scene.allow("floor", link)
-    on, off = (pc.Checker(panda(), scene, bounds=each, self_collision=False) for each in (True, False))
+    on, off = (
+        pc.Checker(panda(), scene, tuning=pc.Tuning(bounds=each), self_collision=False) for each in (True, False)
+    )
     q = states(500, 4)
     valid = on.check_states(q)
     assert (off.check_states(q) == valid).all()

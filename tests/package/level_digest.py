@@ -13,7 +13,7 @@ import json
 import numpy as np
 
 import plannercheck as pc
-from plannercheck.bodies.intersection import METHODS, pair_options
+from plannercheck.bodies.tuning import METHODS, pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress.random_cases import Draw, draws
 

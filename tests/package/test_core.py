@@ -22,7 +22,7 @@ import numpy as np
 from plannercheck.evaluation.stress import body_families as families, contact_poses as contacts
 import plannercheck as pc
 from plannercheck.common.core import core
-from plannercheck.bodies.intersection import METHODS, pair_options
+from plannercheck.bodies.tuning import METHODS, pair_options
 
 out = {{"level": core.level}}
 digest = lambda data: hashlib.sha256(bytes(data)).hexdigest()

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import plannercheck as pc
-from plannercheck.bodies.intersection import METHODS, Method, pair_options
+from plannercheck.bodies.tuning import METHODS, Method, pair_options
 from plannercheck.common.core import available_levels, core
 from plannercheck.evaluation.stress.random_cases import draws
 

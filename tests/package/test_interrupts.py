@@ -42,7 +42,7 @@ def ends_by_ctrl_c(call, clocks=(time.perf_counter, time.process_time)):
 def checker():
     """One that takes its time: some 20 µs a state."""
     switches = dict.fromkeys(["bounds", "boxes", "overlaps", "cached_plane", "centre_axis"], False)
-    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"), **switches)
+    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"), tuning=pc.Tuning(**switches))
 
 
 @pytest.fixture(scope="module")

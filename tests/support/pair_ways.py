@@ -10,7 +10,7 @@ import itertools
 import numpy as np
 
 from plannercheck.bodies import exact_reference as exact
-from plannercheck.bodies.intersection import METHODS, pair_options
+from plannercheck.bodies.tuning import METHODS, pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress.body_families import MESHES
 
@@ -30,7 +30,7 @@ def assert_all_ways_agree(first, second, poses_p, poses_r):
     )
     poses_p, poses_r = np.ascontiguousarray(poses_p), np.ascontiguousarray(poses_r)
     for way in WAYS:
-        options = pair_options(*way)
+        options = pair_options(way[0], cached_plane=way[1], centre_axis=way[2])
         shared, _, _ = core.intersect_batch(first.core, poses_p, second.core, poses_r, options)
         np.testing.assert_array_equal(shared.astype(bool), truth, err_msg=f"{way}")
         shared, _, _ = core.intersect_batch(second.core, poses_r, first.core, poses_p, options)

@@ -6,7 +6,7 @@ from itertools import product
 
 import numpy as np
 
-from plannercheck.bodies.intersection import pair_options
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core
 
 # A vertex's sum of solid angles, over 4π, is this close to a whole number unless it is on a triangle.

@@ -27,7 +27,7 @@ def main() -> None:
     q = robot.random_configurations(STATES, 1)
     q[::7] = robot.upper + 0.1  # these need the full table, which the first caller compiles
     ends = q + 0.05
-    expected = pc.Checker(robot, pc.Scene.load("bookshelf"), reach=False).check_states(q)
+    expected = pc.Checker(robot, pc.Scene.load("bookshelf"), tuning=pc.Tuning(reach=False)).check_states(q)
     calls: list[Callable[[], object]] = [
         lambda: checker.check_states(q, threads=4),
         lambda: checker.first_colliding_pair(q, threads=3) < 0,

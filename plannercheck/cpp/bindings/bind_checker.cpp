@@ -39,11 +39,9 @@ class BoundChecker : public Pooled<CheckerCore> {
  public:
   BoundChecker(std::vector<std::shared_ptr<Polytope>> bodies, InputArray<std::int32_t, -1> links,
                InputArray<double, -1, 4, 4> placements, InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count,
-               InputArray<double, -1> lower, InputArray<double, -1> upper, const PairOptions& options, bool bounds,
-               bool boxes, bool overlaps, bool learning, bool part_trees, bool sorted_states, bool float_poses,
+               InputArray<double, -1> lower, InputArray<double, -1> upper, const Tuning& tuning,
                std::shared_ptr<SampledPoses> sampled, const CellsOfPairs& in_cells)
-      : Pooled(geometry_objects(bodies, links, placements), pairs_from(pairs), link_count,
-               CheckerOptions{options, bounds, boxes, overlaps, learning, part_trees, sorted_states, float_poses},
+      : Pooled(geometry_objects(bodies, links, placements), pairs_from(pairs), link_count, tuning,
                of_links(std::move(sampled), link_count), pairs_in_cells(in_cells, pairs.shape(0))),
         limits_({lower.data(), lower.data() + lower.shape(0)}, {upper.data(), upper.data() + upper.shape(0)}) {}
 
@@ -263,8 +261,7 @@ void bind_checker(nb::module_& m) {
   nb::class_<BoundChecker>(m, "Checker")
       .def(nb::init<std::vector<std::shared_ptr<Polytope>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
                     InputArray<std::int32_t, -1, 2>, std::int32_t, InputArray<double, -1>, InputArray<double, -1>,
-                    const PairOptions&, bool, bool, bool, bool, bool, bool, bool, std::shared_ptr<SampledPoses>,
-                    const CellsOfPairs&>(),
+                    const Tuning&, std::shared_ptr<SampledPoses>, const CellsOfPairs&>(),
            plain_floats)
       .def("first_of_states", &first_of_states, plain_floats)
       .def("check_states", &check_states, plain_floats)

@@ -266,8 +266,7 @@ void bind_motion(nb::module_& m) {
              IndexTable<2> drives, InputArray<double, -1, 2> factors, InputArray<std::int32_t, -1> first_entry,
              IndexTable<3> entries, InputArray<double, -1> arms, InputArray<std::int32_t, -1> slides,
              IndexTable<2> parts, int width, int link_count, double defect, double leverage, int depth, double extent,
-             InputArray<double, -1> travel, int joints, bool hints, bool bounds, bool overlaps, bool part_trees,
-             bool dents, nb::list states) {
+             InputArray<double, -1> travel, int joints, const Tuning& tuning, nb::list states) {
             MotionModel model;
             for (std::size_t i = 0; i < bodies.size(); ++i)
               model.bodies.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
@@ -284,8 +283,8 @@ void bind_motion(nb::module_& m) {
             model.extent = extent;
             model.travel.assign(travel.data(), travel.data() + travel.shape(0));
             model.joints = joints;
-            new (self) BoundCertifier(std::move(model), MotionOptions{hints, bounds, overlaps, part_trees, dents},
-                                      states.size() == 0 ? nullptr : shared_checker_core(states[0]));
+            new (self)
+                BoundCertifier(std::move(model), tuning, states.size() == 0 ? nullptr : shared_checker_core(states[0]));
           },
           plain_floats)
       .def("check", &check_motions, plain_floats)

@@ -280,17 +280,6 @@ void bind_polytope(nb::module_& m) {
   m.attr("body_format") = kPolytopeFormat;
   nb::exception<HullError>(m, "HullError", PyExc_ValueError);
 
-  nb::enum_<Solver>(m, "Solver")
-      .value("oracle", Solver::kDoubleOracle)
-      .value("walk", Solver::kWalk)
-      .value("exact", Solver::kExact);
-
-  nb::class_<PairOptions>(m, "PairOptions")
-      .def(nb::init<Solver, bool, bool, bool, bool, bool, bool, bool, bool, bool, bool, bool>(), nb::arg("solver"),
-           nb::arg("cached_plane"), nb::arg("box_face"), nb::arg("centre_axis"), nb::arg("turned_axis"),
-           nb::arg("facet_plane"), nb::arg("nearest_points"), nb::arg("double_double"), nb::arg("warm_start"),
-           nb::arg("interleaving"), nb::arg("trees_first"), nb::arg("dents"), plain_floats);
-
   nb::class_<Polytope>(m, "Polytope")
       .def_static("from_points", &polytope_from_points, plain_floats)
       .def_static("from_faces", &polytope_from_faces, plain_floats)

@@ -10,6 +10,7 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   m.attr("lanes") = plannercheck::kLanes;
   plannercheck::bind_part_set(m);
   plannercheck::bind_solid(m);
+  plannercheck::bind_tuning(m);
   plannercheck::bind_polytope(m);
   plannercheck::bind_kinematics(m);
   plannercheck::bind_ompl_states(m);

@@ -15,6 +15,7 @@ std::shared_ptr<const CheckerCore> shared_checker_core(nanobind::object checker)
 void bind_kinematics(nanobind::module_& m);
 void bind_part_set(nanobind::module_& m);
 void bind_solid(nanobind::module_& m);
+void bind_tuning(nanobind::module_& m);
 void bind_polytope(nanobind::module_& m);
 void bind_ompl_states(nanobind::module_& m);
 void bind_checker(nanobind::module_& m);

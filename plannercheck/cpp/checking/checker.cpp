@@ -62,8 +62,8 @@ PoseColumns columns_in_lane(const Lanes* pose, std::size_t lane) {
   return out;
 }
 
-BroadPhase::Filters filters_of(const CheckerOptions& options, Query query) {
-  return {options.overlaps && query == Query::kAnyCollision, options.boxes, options.learning};
+BroadPhase::Filters filters_of(const Tuning& tuning, Query query) {
+  return {tuning.overlaps && query == Query::kAnyCollision, tuning.boxes, tuning.learning};
 }
 
 class HullsOfPair final : public HullTest {
@@ -111,9 +111,9 @@ CheckerCounters& operator+=(CheckerCounters& sum, const CheckerCounters& more) {
 }
 
 CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::array<std::int32_t, 2>> pairs,
-                         std::int32_t links, CheckerOptions options, std::shared_ptr<const SampledPoses> sampled,
+                         std::int32_t links, Tuning tuning, std::shared_ptr<const SampledPoses> sampled,
                          const std::vector<PairsInCells>& in_cells)
-    : bodies_(std::move(bodies)), pairs_(std::move(pairs)), links_(links), needed_(at(links), 0), options_(options) {
+    : bodies_(std::move(bodies)), pairs_(std::move(pairs)), links_(links), needed_(at(links), 0), tuning_(tuning) {
   for (auto& pair : pairs_) {
     if (choose_host(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body) == 0) std::swap(pair[0], pair[1]);
     for (const std::int32_t body : pair) {
@@ -124,8 +124,8 @@ CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::ar
   }
   part_groups_ = part_groups(bodies_, pairs_);
   clearances_ = std::make_shared<const PartClearances>(bodies_, largest_reach(bodies_, at(links_), sampled.get()));
-  broad_phase_ = std::make_shared<const BroadPhase>(
-      bodies_, pairs_, permanent_collisions(bodies_, pairs_, options_.pair), at(links_), std::move(sampled), in_cells);
+  broad_phase_ = std::make_shared<const BroadPhase>(bodies_, pairs_, permanent_collisions(bodies_, pairs_, tuning_),
+                                                    at(links_), std::move(sampled), in_cells);
 }
 
 std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
@@ -135,7 +135,7 @@ std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
   w->open = OpenStates(pairs_.size());
   w->memories.resize(pairs_.size());
   if (has_solids_) {
-    w->histories.resize(pairs_.size(), {{}, true, options_.pair.cached_plane});
+    w->histories.resize(pairs_.size(), {{}, true, tuning_.cached_plane});
     w->clear.resize(pairs_.size());
   }
   w->groups.resize(part_groups_.groups.size());
@@ -176,18 +176,18 @@ bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) co
   if (bodies_[guest].body->half_space || bodies_[host].body->half_space) return half_space_shared(pair, state, w);
   const PosedPolytope a{bodies_[guest].body.get(), posed(guest, state, w)};
   const PosedPolytope b{bodies_[host].body.get(), posed(host, state, w)};
-  const PairFrame frame(a, b, options_.pair.dents);
-  if (options_.boxes && !w.broad_phase.boxed && frame.boxes_apart()) {
+  const PairFrame frame(a, b, tuning_.dents);
+  if (tuning_.boxes && !w.broad_phase.boxed && frame.boxes_apart()) {
     ++w.counters.boxes;
     return false;
   }
-  const bool likely = options_.learning && 2 * w.hits[pair] > w.tests[pair]++;
-  HullsOfPair hulls(a, b, frame, likely, options_.pair, w.memories[pair], w.counters);
+  const bool likely = tuning_.learning && 2 * w.hits[pair] > w.tests[pair]++;
+  HullsOfPair hulls(a, b, frame, likely, tuning_, w.memories[pair], w.counters);
   bool shared;
   if (fill_their_hulls(a, b)) {
     shared = hulls.share() && (hulls.settled() || between_dents_share(a, b, w.histories[pair], w.counters.pair));
   } else {
-    shared = solids_share_with(a, b, hulls, options_.pair.trees_first, w.histories[pair], w.counters.pair);
+    shared = solids_share_with(a, b, hulls, tuning_.trees_first, w.histories[pair], w.counters.pair);
   }
   if (!hulls.was_asked()) ++w.counters.trees;
   w.hits[pair] += shared ? 1 : 0;
@@ -203,7 +203,7 @@ inline bool CheckerCore::is_free(std::size_t state, Workspace& w) const {
 bool CheckerCore::no_pair_collides(std::size_t state, Workspace& w) const {
   ++w.judged;
   auto& near = w.broad_phase.near[state];
-  if (options_.learning) {
+  if (tuning_.learning) {
     const auto likeliest = std::max_element(
         near.begin(), near.end(), [&](std::int32_t a, std::int32_t b) { return w.hits[at(a)] < w.hits[at(b)]; });
     std::swap(near.front(), *likeliest);
@@ -280,16 +280,16 @@ void CheckerCore::begin_block(int count, Workspace& w) {
 
 void CheckerCore::find_near(int count, Query query, Workspace& w, bool in_floats) const {
   begin_block(count, w);
-  if (!options_.bounds) {
+  if (!tuning_.bounds) {
     broad_phase_->take_all(count, w.broad_phase);
   } else if (w.state_links != nullptr) {
-    broad_phase_->find(w.state_links, w.state, filters_of(options_, query), w.broad_phase);
+    broad_phase_->find(w.state_links, w.state, filters_of(tuning_, query), w.broad_phase);
   } else if (in_floats) {
     const std::uint64_t posed_by = w.float_poser.errors_are_fixed() ? w.posed_by : 0;
     broad_phase_->find(w.float_poser.poses(), w.float_poser.errors(), posed_by, w.configurations, count,
-                       filters_of(options_, query), w.broad_phase);
+                       filters_of(tuning_, query), w.broad_phase);
   } else {
-    broad_phase_->find(w.links.data(), w.configurations, count, filters_of(options_, query), w.broad_phase);
+    broad_phase_->find(w.links.data(), w.configurations, count, filters_of(tuning_, query), w.broad_phase);
   }
   const auto& found = w.broad_phase;
   const long overlapping = __builtin_popcount(found.overlapping);
@@ -308,7 +308,7 @@ void CheckerCore::each_block(const double* q, std::size_t n, std::size_t width, 
   for (std::size_t first = 0; first < n; first += StateOrder::kMostRows) {
     const double* const part = q + first * width;
     const std::size_t rows = std::min(StateOrder::kMostRows, n - first);
-    if (options_.sorted_states) w.order.find(part, rows, width);
+    if (tuning_.sorted_states) w.order.find(part, rows, width);
     for (std::size_t i = 0; i < rows; i += kBlockStates) {
       if (first + i > 0) poll_interruption();
       const std::size_t count = std::min<std::size_t>(kBlockStates, rows - i);
@@ -330,7 +330,7 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
     find_near(1, query, w);
     return judge(0, 0);
   }
-  const bool can_use_floats = options_.bounds && options_.float_poses && w.float_poser.is_possible();
+  const bool can_use_floats = tuning_.bounds && tuning_.float_poses && w.float_poser.is_possible();
   each_block(q, n, width, w, [&](auto row_of, std::size_t count) {
     const bool in_floats = can_use_floats && w.open.floats_pay() && w.float_poser.pose(w.columns.data());
     if (!in_floats) pose_links(width, static_cast<int>(count), w);
@@ -359,7 +359,7 @@ void CheckerCore::judge_open(const double* q, std::size_t width, Workspace& w, J
   pose_links(width, static_cast<int>(count), w);
   begin_block(static_cast<int>(count), w);
   w.broad_phase.overlapping = 0, w.broad_phase.undecided = (1U << count) - 1;
-  w.broad_phase.boxed = options_.boxes;  // but those of a last block of one or two states
+  w.broad_phase.boxed = tuning_.boxes;  // but those of a last block of one or two states
   for (std::size_t state = 0; state < count; ++state) judge(rows[state], state);
 }
 

@@ -34,9 +34,9 @@ struct CheckerCounters {
 
 CheckerCounters& operator+=(CheckerCounters& sum, const CheckerCounters& more);
 
-struct CheckerOptions {
-  PairOptions pair;
-  bool bounds = true;  // balls and the tree of obstacles
+// What saves work, by the names of `Tuning` in Python. Verdicts depend on none of it.
+struct Tuning : PairOptions {
+  bool bounds = true;  // balls and the tree of obstacles; bounds of speed along motions
   bool boxes = true;
   bool overlaps = true;       // of balls inside bodies with boxes inside others, where any collision decides
   bool learning = true;       // tests the pair that collided most often first, where any collision decides
@@ -56,8 +56,7 @@ class CheckerCore {
   // `sampled`: states that determine which bodies are tested together; they have no effect on verdicts. `in_cells`:
   // pairs of bodies on links that are apart wherever their cells say so.
   CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::array<std::int32_t, 2>> pairs, std::int32_t links,
-              CheckerOptions options, std::shared_ptr<const SampledPoses> sampled,
-              const std::vector<PairsInCells>& in_cells);
+              Tuning tuning, std::shared_ptr<const SampledPoses> sampled, const std::vector<PairsInCells>& in_cells);
 
   // The poses, bounds, learnt order and counts of one thread.
   struct Workspace;
@@ -99,7 +98,7 @@ class CheckerCore {
   std::vector<unsigned char> needed_;  // links that carry a body of some pair
   bool has_solids_ = false;
   PartGroups part_groups_;
-  CheckerOptions options_;
+  Tuning tuning_;
   std::shared_ptr<const BroadPhase> broad_phase_;
   std::shared_ptr<const PartClearances> clearances_;
 

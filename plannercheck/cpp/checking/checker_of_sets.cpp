@@ -60,18 +60,18 @@ Answer CheckerCore::look_under(std::size_t pair, std::size_t state, const Worksp
 // The hull of a set of parts says nothing, so that it is not asked.
 bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w) const {
   const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
-  if (options_.part_trees) {
+  if (tuning_.part_trees) {
     const Answer seen = look_under(pair, state, w);
     if (seen == Answer::kSeparated) ++w.counters.bounds;
     if (seen == Answer::kShared) ++w.counters.overlaps, ++w.hits[pair], ++w.tests[pair];
     if (seen != Answer::kUndecided) return seen == Answer::kShared;
   }
-  if (options_.bounds && is_clear_of_parts(pair, state, w)) {
+  if (tuning_.bounds && is_clear_of_parts(pair, state, w)) {
     ++w.counters.bounds;
     return false;
   }
   const std::int32_t group = part_groups_.of_pair[pair];
-  if (options_.boxes && options_.part_trees && group >= 0 && group_is_far(at(group), state, w)) {
+  if (tuning_.boxes && tuning_.part_trees && group >= 0 && group_is_far(at(group), state, w)) {
     ++w.counters.boxes;
     return false;
   }
@@ -79,7 +79,7 @@ bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w)
   const PosedPolytope b{bodies_[host].body.get(), posed(host, state, w)};
   ++w.tests[pair];
   SolidOptions options;
-  options.part_trees = options_.part_trees;
+  options.part_trees = tuning_.part_trees;
   const SolidContact found = solids_contact(a, b, w.histories[pair].contact, w.counters.pair, options);
   ++w.counters.stages[static_cast<std::size_t>(Stage::kSolver)];
   if (found) w.histories[pair].contact = found;

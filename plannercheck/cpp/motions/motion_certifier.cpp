@@ -26,8 +26,8 @@ double size_of(const GeometryObject& object) {
 
 }  // namespace
 
-MotionCertifier::MotionCertifier(MotionModel model, MotionOptions options, std::shared_ptr<const CheckerCore> states)
-    : model_(std::move(model)), options_(options), states_(std::move(states)) {
+MotionCertifier::MotionCertifier(MotionModel model, const Tuning& tuning, std::shared_ptr<const CheckerCore> states)
+    : model_(std::move(model)), tuning_(tuning), states_(std::move(states)) {
   std::vector<std::int32_t> place;
   model_.chains = sorted_chains(model_.chains, place);
   for (CertifiedPair& pair : model_.pairs) {

@@ -60,15 +60,6 @@ inline MotionCounters& operator+=(MotionCounters& sum, const MotionCounters& mor
   return sum;
 }
 
-// Ways to save work. Verdicts depend on none of them.
-struct MotionOptions {
-  bool hints = true;       // planes of earlier motions are tried
-  bool bounds = true;      // pairs that are far apart at one state are left out by bounds of speed
-  bool overlaps = true;    // a ball inside one body that meets a box inside the other refuses a motion
-  bool part_trees = true;  // trees of sets of parts, boxes around several bodies, planes of several parts
-  bool dents = true;       // hulls mostly tell of solids with shallow dents, see hull_dents.hpp
-};
-
 class ChainTable;
 class MotionScreen;
 class MotionCollisions;
@@ -79,7 +70,7 @@ class MotionCertifier {
  public:
   // `states`: judges states by the same pairs, those apart that never move relative to each other and are apart; null
   // for none.
-  MotionCertifier(MotionModel model, MotionOptions options, std::shared_ptr<const CheckerCore> states = nullptr);
+  MotionCertifier(MotionModel model, const Tuning& tuning, std::shared_ptr<const CheckerCore> states = nullptr);
 
   struct Workspace;  // incomplete here, since it holds lanes
   std::shared_ptr<Workspace> new_workspace() const;
@@ -102,7 +93,7 @@ class MotionCertifier {
   friend class MotionRun;
 
   MotionModel model_;
-  MotionOptions options_;
+  Tuning tuning_;
   std::shared_ptr<const CheckerCore> states_;
   std::vector<std::int32_t> movers_;  // bodies that move and are in a pair
   std::vector<std::int32_t> frames_;  // links

@@ -124,7 +124,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   // In order, where a motion is free up to may depend on pairs that the bounds of speed leave out.
   void find_candidates() {
-    if (certifier_.options_.bounds && !ordered_) {
+    if (certifier_.tuning_.bounds && !ordered_) {
       certifier_.screen_->find_by_speeds(w_.grid, filters_, w_.bounds, 2 * tolerance_, w_.screen, w_.candidates);
     } else {
       certifier_.screen_->find_by_paths(filters_, w_.candidates);
@@ -142,8 +142,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   // By twice the tolerance, as what bounds of speed leave out.
   unsigned near_parts(std::int32_t index, unsigned near) {
-    if (proofs_ != nullptr || !certifier_.options_.part_trees) return near;
-    if (certifier_.options_.bounds) {
+    if (proofs_ != nullptr || !certifier_.tuning_.part_trees) return near;
+    if (certifier_.tuning_.bounds) {
       near = near_by_clearances(*certifier_.clearances_, pairs_[at(index)], filters_, w_.grid, 2 * tolerance_, near);
     }
     if (near == 0) return 0;
@@ -151,8 +151,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   }
 
   bool begin_collisions() {
-    if (certifier_.options_.overlaps) certifier_.collisions_->begin(w_.grid, w_.collisions);
-    return certifier_.options_.overlaps;
+    if (certifier_.tuning_.overlaps) certifier_.collisions_->begin(w_.grid, w_.collisions);
+    return certifier_.tuning_.overlaps;
   }
 
   bool surely_collides(const NearPair& near) {
@@ -188,7 +188,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   unsigned open_parts(std::int32_t index, unsigned near) {
     const CertifiedPair& pair = pairs_[at(index)];
     // One interval is looked at when it is settled.
-    if (!certifier_.options_.bounds || !certifier_.options_.part_trees || (near & (near - 1)) == 0) return near;
+    if (!certifier_.tuning_.bounds || !certifier_.tuning_.part_trees || (near & (near - 1)) == 0) return near;
     std::array<PosedPair, kGridStates> poses;
     int count = 0;
     for (unsigned states = near | near << 1; states != 0; states &= states - 1) {
@@ -200,7 +200,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   bool parts_stay_further(const CertifiedPair& pair, const PosedPair* poses, int count, double limit) {
     return parts_further(filters_.body(pair.a), filters_.body(pair.b), poses, count, limit, w_.counters.pair,
-                         certifier_.options_.part_trees);
+                         certifier_.tuning_.part_trees);
   }
 
   PartScreen part_screen() { return {model_, certifier_.part_groups_, filters_, w_.grid, 2 * tolerance_}; }
@@ -209,7 +209,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   // no state of this motion is within the tolerance. Without hints a pair is refused only by such a state, so it would
   // be settled as well. A hint that leaves any interval open is discarded.
   bool hint_settles(const CertifiedPair& pair, const DirectedPair& found, Vec3 direction) {
-    if (ordered_ || !certifier_.options_.hints) return false;
+    if (ordered_ || !certifier_.tuning_.cached_plane) return false;
     DirectedPair left = found;
     filters_.boxes_settle(left, direction, 2 * tolerance_);
     if (left.open == 0) return true;
@@ -307,10 +307,10 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     const PosedPair pose = filters_.posed(s.pair, state);
     if (is_of_parts(s.pair)) {
       const double further = limit + filters_.inflation_radii(s.pair);
-      if (certifier_.options_.part_trees && parts_stay_further(s.pair, &pose, 1, further)) return true;
+      if (certifier_.tuning_.part_trees && parts_stay_further(s.pair, &pose, 1, further)) return true;
       const PosedPolytope a = posed_a(s, pose), b = posed_b(s, pose);
       return !share_a_point(s, pose) &&
-             parts_distance(a, b, limit, 0, w_.counters.pair, certifier_.options_.part_trees).lower > limit;
+             parts_distance(a, b, limit, 0, w_.counters.pair, certifier_.tuning_.part_trees).lower > limit;
     }
     return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), &pose, 1,
                           limit + filters_.inflation_radii(s.pair)) &&
@@ -342,7 +342,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   }
   // How far points of hulls are at most from points of the bodies, in m; infinite where that is not known.
   double dents(const CertifiedPair& pair) const {
-    if (!certifier_.options_.dents && is_of_solids(pair)) return kUnknownDent;
+    if (!certifier_.tuning_.dents && is_of_solids(pair)) return kUnknownDent;
     return reach_of_dents(filters_.body(pair.a), filters_.body(pair.b));
   }
 
@@ -373,10 +373,10 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     const PosedPolytope a = posed_a(s, pose), b = posed_b(s, pose);
     if (is_of_half_space(s.pair)) return half_space_contact(a, b, w_.counters.pair).shared;
     SolidOptions options;
-    options.part_trees = certifier_.options_.part_trees;
+    options.part_trees = certifier_.tuning_.part_trees;
     if (is_of_parts(s.pair)) return static_cast<bool>(solids_contact(a, b, {}, w_.counters.pair, options));
     PairOptions of_pair;
-    of_pair.dents = certifier_.options_.dents;
+    of_pair.dents = certifier_.tuning_.dents;
     return bodies_share(test_pair(a, b, of_pair, nullptr, w_.counters.pair), a, b, w_.counters.pair);
   }
 

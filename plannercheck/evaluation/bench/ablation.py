@@ -6,12 +6,11 @@ compared nevertheless.
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
+from plannercheck.bodies.tuning import Tuning, tuning_table
 from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.bench.motion_sets import along_motions
 from plannercheck.evaluation.bench.timing import least_seconds
@@ -19,26 +18,6 @@ from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
 
-# Arguments of `Checker`, all True by default, in the order of the stages.
-SWITCHES = (
-    "reach",
-    "static_poses",
-    "sorted_states",
-    "float_poses",
-    "apart_cells",
-    "bounds",
-    "overlaps",
-    "boxes",
-    "learning",
-    "cached_plane",
-    "box_face",
-    "centre_axis",
-    "turned_axis",
-    "facet_plane",
-    "nearest_points",
-    "trees_first",
-    "dents",
-)
 ALL_ON = "all on"
 WALK = "walk for oracle"
 
@@ -75,7 +54,7 @@ def measure(robot: Robot, scene: Scene, states: int, rounds: int, seed: int) -> 
     Returns:
         A row for each kind of states and switch, the first of each with all on.
     """
-    checkers = {off: Checker(robot, scene, **arguments) for off, arguments in _variants().items()}
+    checkers = {off: Checker(robot, scene, tuning=tuning) for off, tuning in _variants().items()}
     random = robot.random_configurations(states, seed)
     return [
         *_rows("random", checkers, random, rounds),
@@ -83,11 +62,10 @@ def measure(robot: Robot, scene: Scene, states: int, rounds: int, seed: int) -> 
     ]
 
 
-def _variants() -> dict[str, dict[str, Any]]:
-    known = inspect.signature(Checker).parameters
-    variants: dict[str, dict[str, Any]] = {ALL_ON: {}}
-    variants |= {switch: {switch: False} for switch in SWITCHES if switch in known}
-    return variants | {WALK: {"method": "walk"}}
+def _variants() -> dict[str, Tuning]:
+    switches = [row.name for row in tuning_table() if row.type == "bool"]
+    variants = {ALL_ON: Tuning(), **{switch: Tuning().without(switch) for switch in switches}}
+    return variants | {WALK: Tuning(method="walk")}
 
 
 def _rows(states: str, checkers: Mapping[str, Checker], q: Floats, rounds: int) -> list[SwitchRow]:

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from plannercheck import ndim, planar
-from plannercheck.bodies.intersection import Method, pair_options
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.tuning import Method, pair_options
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 from plannercheck.evaluation.bench import dobkin_kirkpatrick

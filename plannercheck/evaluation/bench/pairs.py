@@ -14,8 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plannercheck.bodies.intersection import Method, intersects, pair_options
+from plannercheck.bodies.intersection import intersects
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.tuning import Method, pair_options
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.pair_peers import COAL, PEERS, Bodies, Judge, JudgeMaker, Posed

@@ -57,7 +57,7 @@ def substituted(checker: Checker, substitutes: Mapping[int, GeometryObject]) -> 
     bodies = [substitutes.get(k, body) for k, body in enumerate(checker.bodies)]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of static pairs, which the exact checker has given
-        return Checker(checker.robot, checker.scene, bodies=bodies)
+        return checker.with_bodies(bodies)
 
 
 def nested_pairs(checker: Checker, state: Floats) -> tuple[Ints64, Bools]:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from plannercheck.bodies import exact_reference as exact
-from plannercheck.bodies.intersection import METHODS, pair_options
+from plannercheck.bodies.tuning import METHODS, pair_options
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress.contact_poses import Points

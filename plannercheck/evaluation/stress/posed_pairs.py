@@ -10,8 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Generic, Protocol, TypeVar
 
-from plannercheck.bodies.intersection import METHODS, intersects, pair_options
+from plannercheck.bodies.intersection import intersects
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.tuning import METHODS, pair_options
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress.failure_tables import EXCEPTION, TIMEOUT

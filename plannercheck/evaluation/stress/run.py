@@ -16,8 +16,9 @@ from typing import NamedTuple
 
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.certificates import SharedPoint
-from plannercheck.bodies.intersection import METHODS, Method, certify, pair_options
+from plannercheck.bodies.intersection import certify
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.tuning import METHODS, Method, pair_options
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress.failing_cases import Case, shrunk

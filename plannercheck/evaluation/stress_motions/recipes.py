@@ -247,7 +247,7 @@ def space_checker(recipe: SpaceRecipe, robot: Robot | None = None) -> Checker:
     for k, body in enumerate(recipe["obstacles"]):
         scene.add(f"obstacle {k}", shape_of(body["shape"]), np.array(body["pose"]))
     made = robot if robot is not None else robot_of(recipe)
-    return Checker(made, scene, recipe["self_collision"], recipe["padding"])
+    return Checker(made, scene, self_collision=recipe["self_collision"], padding=recipe["padding"])
 
 
 def planar_robot_of(recipe: PlaneRecipe) -> planar.Robot:

@@ -1,0 +1,40 @@
+// The record of tuning in Python: a member by its name. `bodies/tuning.py` has the table that fills it.
+#include <nanobind/nanobind.h>
+
+#include "bindings/module.hpp"
+#include "checking/checker.hpp"
+
+namespace nb = nanobind;
+
+namespace plannercheck {
+
+void bind_tuning(nb::module_& m) {
+  nb::enum_<Solver>(m, "Solver")
+      .value("oracle", Solver::kDoubleOracle)
+      .value("walk", Solver::kWalk)
+      .value("exact", Solver::kExact);
+  nb::class_<PairOptions>(m, "PairOptions")
+      .def_rw("method", &PairOptions::solver)
+      .def_rw("cached_plane", &PairOptions::cached_plane)
+      .def_rw("box_face", &PairOptions::box_face)
+      .def_rw("centre_axis", &PairOptions::centre_axis)
+      .def_rw("turned_axis", &PairOptions::turned_axis)
+      .def_rw("facet_plane", &PairOptions::facet_plane)
+      .def_rw("nearest_points", &PairOptions::nearest_points)
+      .def_rw("double_double", &PairOptions::double_double)
+      .def_rw("warm_start", &PairOptions::warm_start)
+      .def_rw("interleaving", &PairOptions::interleaving)
+      .def_rw("trees_first", &PairOptions::trees_first)
+      .def_rw("dents", &PairOptions::dents);
+  nb::class_<Tuning, PairOptions>(m, "Tuning")
+      .def(nb::init<>())
+      .def_rw("bounds", &Tuning::bounds)
+      .def_rw("boxes", &Tuning::boxes)
+      .def_rw("overlaps", &Tuning::overlaps)
+      .def_rw("learning", &Tuning::learning)
+      .def_rw("part_trees", &Tuning::part_trees)
+      .def_rw("sorted_states", &Tuning::sorted_states)
+      .def_rw("float_poses", &Tuning::float_poses);
+}
+
+}  // namespace plannercheck
