@@ -7,6 +7,7 @@ import functools
 import time
 import warnings
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,6 @@ from plannercheck.bodies.solids import Solid, open_meshes
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.checking.hull_fidelity import largest_filling
 from plannercheck.checking.input_hints import always_hint
-from plannercheck.checking.left_out_pairs import left_out_pairs
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli.common import (
     add_checker_arguments,
@@ -33,6 +33,7 @@ from plannercheck.cli.common import (
     table,
 )
 from plannercheck.cli.inspect_geometry import show_geometries
+from plannercheck.cli.inspect_summary import show_summary
 from plannercheck.cli.robot_options import described
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.timing import least_seconds
@@ -129,24 +130,36 @@ def run(options: argparse.Namespace) -> int:
         raise PlannercheckError("--states must be at least 1 and --seed at least 0")
     began = time.perf_counter()
     checker = load_checker(options)
-    print(f"{checker!r}, prepared in {time.perf_counter() - began:.2f} s\n")
+    prepared = time.perf_counter() - began
+    assert isinstance(checker, Checker | planar.Checker)
+    if not isinstance(checker, Checker):
+        _refuse_in_the_plane(options)
+    q = checker.robot.random_configurations(options.states, options.seed)
+    valid, statistics = show_summary(checker, q)
+    print()
     if isinstance(checker, Checker):
-        _show_bodies(checker, meshes_of(checker, described(options)))
+        _show_bodies(checker, meshes_of(checker, described(options)), prepared)
     else:
         _show_polygons(checker)
     if options.fidelity:
-        _check_fidelity(checker)
         _show_fidelity(checker, options)
-    _show_sample(checker, options.states, options.seed)
-    if options.without:
-        if not isinstance(checker, Checker):
-            raise PlannercheckError("--without times the skips of checkers in space; planar ones have others")
-        q = checker.robot.random_configurations(options.states, options.seed)
+    _show_stages(statistics, len(q))
+    if isinstance(checker, Checker) and options.without:
         _show_without(checker, not options.no_self_collision, q)
+    if not valid and (hint := always_hint(checker, q)):
+        warnings.warn(hint, RuntimeWarning, stacklevel=2)
     return 0
 
 
-def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
+def _refuse_in_the_plane(options: argparse.Namespace) -> None:
+    """Raises for what planar checkers do not have."""
+    if options.fidelity:
+        raise PlannercheckError("--fidelity compares hulls with meshes, which planar robots do not have")
+    if options.without:
+        raise PlannercheckError("--without times the skips of checkers in space; planar ones have others")
+
+
+def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh], prepared: float) -> None:
     pairs = np.bincount(checker.pairs.ravel(), minlength=len(checker.bodies)).tolist()
     rows = []
     within = checker.prepared  # a body that no pair needs within the limits is prepared only now
@@ -160,17 +173,8 @@ def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
     header = ("body", "link", "geometry", "vertices", "facets", "kB", "pairs", "radius m", "hull cm³", "mesh cm³")
     print(table((*header, "hull / mesh"), rows))
     _show_meshes(checker, meshes)
-    moving = np.array([body.link is not None for body in checker.bodies], dtype=bool)
-    own = int(moving[checker.pairs].all(axis=1).sum())
     total = sum({id(p): p.nbytes for p in within if p is not None}.values())
-    print(f"\n{len(checker.pairs)} pairs: {own} self pairs, {len(checker.pairs) - own} with the scene")
-    by_limits, at_rest = (int((checker.unreachable & part).sum()) for part in (~checker.static, checker.static))
-    print(
-        f"dropped within the joint limits: {by_limits} pairs that cannot reach each other, and {at_rest} of the "
-        f"{int(checker.static.sum())} that no joint of the group moves, since they are apart"
-    )
-    print(f"\n{_left_out(checker)}\n")
-    print(f"prepared bodies take {total / 2**20:.1f} MB, equal shapes counted once")
+    print(f"\nprepared in {prepared:.2f} s; bodies take {total / 2**20:.1f} MB, equal shapes counted once")
 
 
 def _counts(shape: Shape, numbers: Mapping[str, int]) -> tuple[object, object]:
@@ -191,11 +195,6 @@ def _geometry(checker: Checker, body: GeometryObject) -> str:
     return "piece" if is_piece else type(shape).__name__.lower()
 
 
-def _check_fidelity(checker: AnyChecker) -> None:
-    if not isinstance(checker, Checker):
-        raise PlannercheckError("--fidelity compares hulls with meshes, which planar robots do not have")
-
-
 def _show_fidelity(checker: AnyChecker, options: argparse.Namespace) -> None:
     """How far hulls are from meshes, and what that refuses."""
     assert isinstance(checker, Checker)
@@ -214,15 +213,6 @@ def _show_fidelity(checker: AnyChecker, options: argparse.Namespace) -> None:
     else:
         print("no body is the hull of a mesh, so there is no distance of hulls from meshes to show")
     show_geometries(options)
-
-
-def _left_out(checker: Checker) -> str:
-    """A table of all places where pairs are left out, in the order in which they act."""
-    rows = [
-        (each.where, each.why, "-" if each.number is None else each.number, each.left)
-        for each in left_out_pairs(checker)
-    ]
-    return table(("pairs are left out by", "why", "left out", "left"), rows)
 
 
 def _volumes(polytope: Polytope | None, mesh: TriangleMesh | None) -> tuple[str, str, str, str]:
@@ -282,28 +272,17 @@ def _show_polygons(checker: AnyChecker) -> None:
     print(table(("body", "link", "vertices", "pairs"), rows))
 
 
-def _show_sample(checker: AnyChecker, states: int, seed: int) -> None:
-    q = checker.robot.random_configurations(states, seed)
-    began = time.perf_counter()
-    valid = int(checker.check_states(q).sum())
-    spent = time.perf_counter() - began
-    print(
-        f"\n{states} random configurations within the limits: {valid} valid ({percentage(valid, states)}), "
-        f"{1e6 * spent / states:.2f} µs each\n"
-    )
-    statistics = checker.statistics()
+def _show_stages(statistics: dict[str, Any], states: int) -> None:
+    """What settled the pairs of random states."""
     queries = statistics.pop("queries")
     pairs = statistics["pairs"]
     settled = [
         (_words(name), STAGES.get(name, ""), n, f"{n / states:.2f}", percentage(n, pairs))
         for name, n in statistics.items()
     ]
-    print(table(("pairs settled by", "what that is", "pairs", "a configuration", "of all pairs"), settled[1:]))
-    print()
+    print(f"\n{table(('pairs settled by', 'what that is', 'pairs', 'a configuration', 'of all pairs'), settled[1:])}\n")
     tests = [(*PAIR_TEST.get(name, (_words(name), "")), n, f"{n / states:.2f}") for name, n in queries.items()]
     print(table(("pair test", "what that is", "number", "a configuration"), tests))
-    if not valid and (hint := always_hint(checker, q)):
-        warnings.warn(hint, RuntimeWarning, stacklevel=2)
 
 
 def _words(name: str) -> str:

@@ -10,6 +10,7 @@ import re
 
 import numpy as np
 import pytest
+import yaml
 
 import plannercheck as pc
 from plannercheck.cli.main import main
@@ -312,3 +313,31 @@ def test_moveits_padding_is_used_on_request(folder, capsys):
     assert "--padding scene" in said(capsys, *command, code=0)
     said(capsys, *command, "--padding", "scene", code=1)
     assert "--padding must be a length in m or 'scene', not '2cm'" in said(capsys, *command, "--padding", "2cm")
+
+
+@pytest.mark.parametrize(
+    ("name", "keys"),
+    [
+        *((f"part.{suffix}", ["mesh"]) for suffix in ("stl", "dae", "obj", "off", "gltf", "glb", "STL")),
+        ("part.ply", ["mesh", "cloud"]),
+        *((f"part.{suffix}", ["cloud"]) for suffix in ("pcd", "npy", "npz", "xyz", "csv")),
+        *((f"part.{suffix}", ["octree"]) for suffix in ("bt", "ot")),
+    ],
+)
+def test_geometry_in_place_of_a_scene_says_what_to_write(name, keys, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / name).write_bytes(b"\x00")
+    error = said(capsys, "inspect", "--robot", "panda", "--scene", name)
+    assert f"scene file '{name}': is geometry, not a scene: write a YAML file beside it with" in error
+    written = [yaml.safe_load(text) for text in re.findall(r"(objects: \[\{.*?\}\]) ?(?=\(|$|,)", error)]
+    assert [next(iter(each["objects"][0].keys() - {"name"})) for each in written] == keys
+    assert all(each["objects"][0][key]["file"] == name for each, key in zip(written, keys, strict=True))
+
+
+def test_what_to_write_for_a_mesh_loads(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "part.stl").write_text(stl(TETRAHEDRON))
+    error = said(capsys, "inspect", "--robot", "panda", "--scene", "part.stl")
+    (tmp_path / "scene.yaml").write_text(re.search(r"objects: \[.*?\]", error)[0])
+    with pytest.warns(RuntimeWarning, match="millimetres"):
+        assert pc.Scene.load("scene.yaml").object_names == ("part",)
