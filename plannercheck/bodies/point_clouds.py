@@ -66,7 +66,7 @@ class PointCloud(PartSet):
 
     @classmethod
     def load(cls, path: str | Path, radius: ArrayLike, invalid: Invalid = "error") -> PointCloud:
-        """Loads a file of points: ply, pcd, npy, npz, xyz, txt or csv.
+        """Loads a file of points: ply, pcd, npy, npz, xyz, pts, txt or csv.
 
         Args:
             path: The file. Its numbers are in m; a PCD file's viewpoint is not applied.

@@ -22,7 +22,7 @@ from plannercheck.bodies.mesh_files import MeshFile, MeshUnits, mesh_hint, read_
 from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.package_files import folders_above, package_file, where_sought
+from plannercheck.common.package_files import address_hint, folders_above, package_file, where_sought
 from plannercheck.common.silence import urdf_silence
 from plannercheck.robots.geometry_elements import ElementKind, GeometryElement, MeshReference, geometry_elements
 from plannercheck.robots.urdf_file import UrdfFile
@@ -138,7 +138,8 @@ class _Meshes:
     def _path(self, element: MeshReference) -> Path:
         path = package_file(element.filename, self._package_dirs, self._above)
         if path is None:
-            raise PlannercheckError(f"mesh {element.filename} could not be found. {where_sought(self._package_dirs)}")
+            hint, where = address_hint(element.filename), where_sought(self._package_dirs)
+            raise PlannercheckError(f"mesh {element.filename} could not be found{hint}. {where}")
         return path
 
     def warn(self) -> None:
