@@ -104,4 +104,3 @@ _READERS: dict[str, Callable[[Path], Floats]] = {
     ".txt": _of_text,
     ".csv": _of_text,
 }
-CLOUD_SUFFIXES = tuple(_READERS)

@@ -19,7 +19,7 @@ from plannercheck.bodies.pieces import polytope_volume
 from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
-from plannercheck.bodies.solids import Solid, open_meshes
+from plannercheck.bodies.solids import Solid
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.checking.hull_fidelity import largest_filling
 from plannercheck.checking.input_hints import always_hint
@@ -33,14 +33,12 @@ from plannercheck.cli.common import (
     table,
 )
 from plannercheck.cli.inspect_geometry import show_geometries
+from plannercheck.cli.inspect_meshes import mesh_files, show_meshes, triangle_meshes
 from plannercheck.cli.inspect_summary import show_summary
 from plannercheck.cli.robot_options import described
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.timing import least_seconds
 from plannercheck.motions.checker import Checker
-from plannercheck.robots.description import RobotDescription
-from plannercheck.robots.loading import collision_meshes
-from plannercheck.scenes.scene_meshes import source_mesh
 
 _EPILOG = """\
 Example:
@@ -138,7 +136,9 @@ def run(options: argparse.Namespace) -> int:
     valid, statistics = show_summary(checker, q)
     print()
     if isinstance(checker, Checker):
-        _show_bodies(checker, meshes_of(checker, described(options)), prepared)
+        files = mesh_files(checker, described(options))
+        _show_bodies(checker, triangle_meshes(files), prepared)
+        show_meshes(checker, files)
     else:
         _show_polygons(checker)
     if options.fidelity:
@@ -172,9 +172,8 @@ def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh], prepared: fl
         rows.append((body.name, body.link or "(scene)", _geometry(checker, body), *sizes, count, *volumes))
     header = ("body", "link", "geometry", "vertices", "facets", "kB", "pairs", "radius m", "hull cm³", "mesh cm³")
     print(table((*header, "hull / mesh"), rows))
-    _show_meshes(checker, meshes)
     total = sum({id(p): p.nbytes for p in within if p is not None}.values())
-    print(f"\nprepared in {prepared:.2f} s; bodies take {total / 2**20:.1f} MB, equal shapes counted once")
+    print(f"prepared in {prepared:.2f} s; bodies take {total / 2**20:.1f} MB, equal shapes counted once")
 
 
 def _counts(shape: Shape, numbers: Mapping[str, int]) -> tuple[object, object]:
@@ -198,7 +197,7 @@ def _geometry(checker: Checker, body: GeometryObject) -> str:
 def _show_fidelity(checker: AnyChecker, options: argparse.Namespace) -> None:
     """How far hulls are from meshes, and what that refuses."""
     assert isinstance(checker, Checker)
-    meshes = meshes_of(checker, described(options))
+    meshes = triangle_meshes(mesh_files(checker, described(options)))
     rows = []
     for body, polytope in zip(checker.bodies, checker.polytopes, strict=True):
         mesh = meshes.get(body.name)
@@ -227,38 +226,6 @@ def _volumes(polytope: Polytope | None, mesh: TriangleMesh | None) -> tuple[str,
     if mesh is None or not mesh.volume:
         return f"{radius:.3f}", of_hull, "-", "-"
     return f"{radius:.3f}", of_hull, f"{1e6 * mesh.volume:.1f}", f"{hull / mesh.volume:.2f}"
-
-
-def _show_meshes(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
-    """Says what hulls add to meshes, and what was decomposed."""
-    names = {body.name for body in checker.bodies}
-    is_open = [name for name, mesh in meshes.items() if mesh.volume is None and name in names]
-    if is_open:
-        print(f"\nopen meshes, whose volume means nothing (not watertight): {', '.join(is_open)}")
-    words = open_meshes({body.name: body.shape for body in checker.bodies if isinstance(body.shape, Solid)})
-    if words:
-        print(words)
-    for name, pieces in checker.robot.pieces.items():
-        volume = pieces.mesh_volume
-        times = (
-            ""
-            if not volume
-            else f", {pieces.volume / volume:.2f} times the mesh (its hull {pieces.hull_volume / volume:.2f})"
-        )
-        print(
-            f"{name}: {len(pieces.points)} convex pieces{times}; they hold all its triangles, and stick out of "
-            f"it by at most {1e3 * pieces.protrusion:.3g} mm"
-        )
-
-
-def meshes_of(checker: Checker, description: RobotDescription) -> dict[str, TriangleMesh]:
-    """The meshes of a robot, and of the scene's objects from files, by name of the body."""
-    found = collision_meshes(description)
-    for item in (*checker.scene.objects, *checker.scene.attached):
-        for part, body in zip(item.parts, item.bodies, strict=True):
-            if part.source is not None and not isinstance(part.shape, PartSet):
-                found[body.name] = source_mesh(*part.source)
-    return {name: TriangleMesh.of(mesh.points, mesh.triangles) for name, mesh in found.items()}
 
 
 def _show_polygons(checker: AnyChecker) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from plannercheck.bodies.hull_excess import hull_between, hull_excess
+from plannercheck.bodies.hull_excess import excess_words
 from plannercheck.bodies.mesh_files import MeshFile, MeshUnits, mesh_hint, read_mesh
 from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
 from plannercheck.common.checked_yaml import error_context
@@ -161,7 +161,7 @@ class _Meshes:
 def warn_of_large_hulls(path: Path, links: LinkBodies) -> None:
     """Warns of meshes whose hulls are much larger than they are, where hulls were taken by default."""
     distinct = {id(mesh): (body, mesh) for body, mesh in zip(links.bodies, links.meshes, strict=True) if mesh}
-    found = [(body.link, words) for body, mesh in distinct.values() if (words := _excess(mesh))]
+    found = [(body.link, words) for body, mesh in distinct.values() if (words := excess_words(mesh))]
     if found:
         link, words = found[0]
         more = f", and {len(found) - 1} more links" if len(found) > 1 else ""
@@ -169,10 +169,6 @@ def warn_of_large_hulls(path: Path, links: LinkBodies) -> None:
             f'URDF {path}: mesh of link {link!r}: {words}{more}: geometry="solid" (--geometry solid) takes meshes as '
             'they are, "pieces" splits them, "hull" says that hulls are meant; plannercheck inspect lists all'
         )
-
-
-def _excess(mesh: MeshFile) -> str:
-    return hull_between(mesh) or hull_excess(mesh.points, mesh.triangles)
 
 
 def _warn(message: str) -> None:

@@ -18,7 +18,6 @@ from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.mesh_files import MESH_SUFFIXES, MeshUnits
 from plannercheck.bodies.objects import Part
 from plannercheck.bodies.octomap_files import OCTREE_SUFFIXES
-from plannercheck.bodies.point_files import CLOUD_SUFFIXES
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Shape, Sphere, checked_pose
 from plannercheck.common.checked_yaml import (
     Node,
@@ -66,8 +65,8 @@ _SHAPE_KEYS = ("box", *SIZED, "ellipsoid", "half_space", "mesh", "hull", "solid"
 # Shapes that may be the name of their file alone.
 _NAMED = ("solid", *SENSED_KEYS)
 
-# Suffixes of files that are the geometry of one object, and how a scene names such a file.
-_GEOMETRY = {"mesh": MESH_SUFFIXES, "cloud": CLOUD_SUFFIXES, "octree": OCTREE_SUFFIXES}
+# Suffixes of files that are the geometry of one object, and how a scene names such a file. Arrays may be anything.
+_GEOMETRY = {"mesh": MESH_SUFFIXES, "cloud": (".ply", ".pcd", ".xyz", ".pts"), "octree": OCTREE_SUFFIXES}
 _AS_OBJECT = {
     "mesh": "objects: [{{name: {name}, mesh: {{file: {file}}}}}] (its hull; solid: in place of mesh: as it is)",
     "cloud": "objects: [{{name: {name}, cloud: {{file: {file}, radius: 0.01}}}}] (radius of the points, m)",

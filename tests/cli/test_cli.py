@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from plannercheck.cli.main import main
 from plannercheck.common.package_data import shipped_folder
@@ -263,6 +264,21 @@ def test_the_first_screen_of_inspect_counts_as_brute_force_does(capsys, checker)
     left_out = [int(count) for count in re.findall(r"^ +(\d+) not tested:", printed, re.MULTILINE)]
     bodies = len(checker.robot.bodies)
     assert len(checker.pairs) + sum(left_out) == bodies * (bodies - 1) // 2 + bodies * len(checker.scene.bodies)
+
+
+def test_inspect_lists_all_hulls_that_the_warning_counts(tmp_path, capsys):
+    """The warning names one link, and says that inspect lists all."""
+    cross = trimesh.util.concatenate([trimesh.creation.box([0.3, 0.01, 0.01]), trimesh.creation.box([0.01, 0.3, 0.01])])
+    cross.export(tmp_path / "cross.stl")
+    mesh = '<collision><geometry><mesh filename="cross.stl"/></geometry></collision>'
+    joint = '<joint name="turn" type="continuous"><parent link="a"/><child link="b"/></joint>'
+    links = f'<link name="a">{mesh}</link><link name="b">{mesh}</link>'
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{links}{joint}</robot>')
+    assert main(["inspect", "--robot", str(tmp_path / "arm.urdf"), "--states", "10"]) == 0
+    printed = capsys.readouterr()
+    assert "plannercheck inspect lists all" in printed.err
+    listed = re.findall(r"^  (\S+): the hull is (\S+) times as large as the mesh$", printed.out, re.MULTILINE)
+    assert [name for name, _ in listed] == ["a_0", "b_0"]
 
 
 def test_inspect_names_both_columns_of_a_continuous_joint(tmp_path, capsys):

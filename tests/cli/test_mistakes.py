@@ -413,7 +413,7 @@ def test_moveits_padding_is_used_on_request(folder, capsys):
     [
         *((f"part.{suffix}", ["mesh"]) for suffix in ("stl", "dae", "obj", "off", "gltf", "glb", "STL")),
         ("part.ply", ["mesh", "cloud"]),
-        *((f"part.{suffix}", ["cloud"]) for suffix in ("pcd", "npy", "npz", "xyz", "csv")),
+        *((f"part.{suffix}", ["cloud"]) for suffix in ("pcd", "xyz", "pts")),
         *((f"part.{suffix}", ["octree"]) for suffix in ("bt", "ot")),
     ],
 )
