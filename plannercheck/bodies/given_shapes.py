@@ -95,7 +95,9 @@ def in_frame(frame: Floats, pose: ArrayLike | None, what: str) -> Floats:
 
 
 def _library(value: object) -> str | None:
-    """The library that defines an object's class or one of its base classes."""
+    """The library that defines an object's class or one of its base classes; arrays of a library are arrays."""
+    if isinstance(value, np.ndarray):
+        return None
     modules = {each.__module__.partition(".")[0] for each in type(value).__mro__}
     return next((name for name in _READERS if name in modules), None)
 

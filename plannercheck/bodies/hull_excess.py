@@ -23,6 +23,11 @@ _DIRECTIONS = 64
 _SPACE = 3  # dimensions of a body that has volume
 
 
+def excess_words(mesh: MeshFile) -> str:
+    """Words on the hull of a mesh that holds much more than the mesh; empty if it does not."""
+    return hull_between(mesh) or hull_excess(mesh.points, mesh.triangles)
+
+
 def hull_excess(points: Floats, triangles: Ints64) -> str:
     """Words on the hull of points (n, 3), m, that is much larger than their closed mesh; empty if it is not."""
     volume = _enclosed(points, triangles)

@@ -34,6 +34,7 @@ MeshUnits: TypeAlias = Literal["file", "metre"]
 # Formats whose numbers have neither a unit nor axes of their own.
 _PLAIN = {".stl": objects_of_stl, ".obj": objects_of_obj, ".ply": objects_of_ply, ".off": objects_of_off}
 _WITH_AXES = (".dae", ".gltf", ".glb")
+MESH_SUFFIXES = (*_PLAIN, *_WITH_AXES)
 
 # No link or object is as large as this, m; meshes in millimetres are, from 2 cm on.
 _LARGEST_USUAL_MESH = 20.0
@@ -179,9 +180,8 @@ def _read(path: Path, units: MeshUnits) -> tuple[list[RawObject], str]:
         scene = scene_of_gltf(path, content)
         conversion = _gltf_conversion(scene.root)
         return scene.without_root if units == "metre" else _in_metres(scene.objects, Y_UP, 1.0), conversion
-    readable = ", ".join((*_PLAIN, *_WITH_AXES))
     raise PlannercheckError(
-        f"is of a format that is not read ({ending or 'no ending'}): convert it to one of {readable}"
+        f"is of a format that is not read ({ending or 'no ending'}): convert it to one of {', '.join(MESH_SUFFIXES)}"
     )
 
 

@@ -39,7 +39,7 @@ class Part:
     """
 
     shape: Shape
-    pose: ArrayLike | None = None
+    pose: ArrayLike | None = field(default=None, repr=False)
     source: tuple[Path, Mapping[str, Any]] | None = None
     name: str = ""
 
@@ -94,7 +94,7 @@ class PoseFrame:
     known: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class SceneObject:
     """An object of a scene.
 
@@ -161,6 +161,10 @@ class SceneObject:
         """The same object as an obstacle, with its frame at a pose (4, 4) in the world, m."""
         freed = dataclasses.replace(self, link=None, touch_links=(), pose_frame=None)
         return freed.moved(pose)
+
+    def __repr__(self) -> str:
+        carrier = f", on link {self.link!r}" if self.link else ""
+        return f"SceneObject({self.name!r}, {len(self.bodies)} bodies{carrier})"
 
 
 def _body_names(name: str, parts: tuple[Part, ...]) -> list[str]:

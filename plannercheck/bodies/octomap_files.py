@@ -34,6 +34,8 @@ _FREE, _OCCUPIED = np.float32(math.log(0.1192 / (1 - 0.1192))), np.float32(math.
 _BINARY_START, _FULL_START = b"# Octomap OcTree binary file", b"# Octomap OcTree file"
 _DEPRECATED_ID, _PLAIN_ID = "1", "OcTree"
 
+OCTREE_SUFFIXES = (".bt", ".ot")
+
 # Bytes between a node's log-odds and the byte of its children, by the tree's id. Time stamps are not in files.
 _FILLINGS = {"OcTree": 0, "ColorOcTree": 3, "OcTreeStamped": 0}
 

@@ -14,6 +14,7 @@ from typing import Any, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.bodies.depth_images import points_of_depth
 from plannercheck.bodies.part_sets import PartSet, check_coordinates, checked_rows, compiled_part_set
 from plannercheck.bodies.point_files import points_of_file
 from plannercheck.bodies.thinned_clouds import representatives, uncovered
@@ -66,7 +67,7 @@ class PointCloud(PartSet):
 
     @classmethod
     def load(cls, path: str | Path, radius: ArrayLike, invalid: Invalid = "error") -> PointCloud:
-        """Loads a file of points: ply, pcd, npy, npz, xyz, txt or csv.
+        """Loads a file of points: ply, pcd, npy, npz, xyz, pts, txt or csv.
 
         Args:
             path: The file. Its numbers are in m; a PCD file's viewpoint is not applied.
@@ -84,6 +85,34 @@ class PointCloud(PartSet):
             return cls(points, radius, invalid)  # type: ignore[arg-type]  # which checks it
         except PlannercheckError as error:
             raise PlannercheckError(f"cloud file {str(path)!r}: {error}") from None
+
+    @classmethod
+    def from_depth(
+        cls, depth: ArrayLike, intrinsics: ArrayLike, pose: ArrayLike | None, radius: ArrayLike
+    ) -> PointCloud:
+        """The cloud of a depth image, as REP 118 of ROS defines it, in doubles.
+
+        Args:
+            depth: (h, w) depth along z: floats in m, or uint16 in mm. NaN, 0 and +inf are no return.
+            intrinsics: K (3, 3), or (fx, fy, cx, cy), in pixels, of the rectified image; pixels have whole numbers in
+                their middle.
+            pose: (4, 4) of the camera's optical frame (z forward, x right, y down) in the world, m; None is the
+                identity.
+            radius: In m: one, or (h, w) one for each pixel, as in `depth * 0.71 / fx`, by which the balls of
+                one depth leave no hole. Those of pixels without a return do not matter.
+
+        Returns:
+            The cloud, row by row; `source` holds the pixel v * w + u of each point, `dropped` how many have no return.
+
+        Raises:
+            PlannercheckError: If the image is of another type or shape, or has negative depths; if intrinsics, pose or
+                radius are none.
+        """
+        points = points_of_depth(depth, intrinsics, pose)
+        radii = _radii(radius)
+        if radii.ndim == 2 and radii.shape == np.shape(depth):
+            radii = np.where(np.isnan(points[:, 0]), 1.0, radii.reshape(-1))  # any, of points that are dropped
+        return cls(points, radii, "drop")
 
     @property
     def count(self) -> int:
@@ -170,12 +199,17 @@ def _restored(points: Floats, radius: Floats, invalid: Invalid, source: Ints64 |
     return cloud
 
 
-def _checked_radius(values: ArrayLike, count: int) -> Floats:
-    """One radius (1,), or one for each point (n,), above 0."""
+def _radii(values: ArrayLike) -> Floats:
+    """A copy of the given radii, of one dimension or more."""
     try:
-        radius = np.atleast_1d(np.array(real_numbers(values), dtype=np.float64))
+        return np.atleast_1d(np.array(real_numbers(values), dtype=np.float64))
     except (TypeError, ValueError, OverflowError):
         raise PlannercheckError(f"radius of a cloud must be a length in m, not {shown_array(values)}") from None
+
+
+def _checked_radius(values: ArrayLike, count: int) -> Floats:
+    """One radius (1,), or one for each point (n,), above 0."""
+    radius = _radii(values)
     if radius.ndim != 1 or len(radius) not in (1, count):
         raise PlannercheckError(f"radius of a cloud must be one, or one for each of {count} points, not {radius.shape}")
     bad = np.flatnonzero(~((radius > 0) & np.isfinite(radius)))

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.array_files import whole_array
 from plannercheck.bodies.pcd_files import is_moved, read_pcd
 from plannercheck.bodies.ply_files import points_of_ply
+from plannercheck.bodies.point_texts import points_of_text
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import BROKEN_FILE
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
@@ -80,30 +81,17 @@ def _points_of_array(array: NDArray[Any]) -> Floats:
     if array.dtype.names and set(_AXES) <= set(array.dtype.names):
         array = np.stack([np.asarray(array[axis], dtype=np.float64) for axis in _AXES], axis=-1)
     if array.dtype.kind not in "fiu" or array.ndim not in (2, 3) or array.shape[-1] != len(_AXES):
+        more = array.dtype.kind in "fiu" and array.ndim in (2, 3) and array.shape[-1] > len(_AXES)
+        hint = ": save array[..., :3] if x, y and z are its first columns" if more else ""
         raise PlannercheckError(
             f"must have numbers of shape (n, 3) or (h, w, 3), or records with x, y and z, not {array.shape} of "
-            f"{shortened(array.dtype)}"
+            f"{shortened(array.dtype)}{hint}"
         )
     return np.asarray(array, dtype=np.float64).reshape(-1, 3)
 
 
 def _of_text(path: Path) -> Floats:
-    """Three numbers or more a line, as many in each, the first three of which are the point; comments begin with #."""
-    points: list[tuple[float, float, float]] = []
-    width = 0
-    for k, line in enumerate(path.read_text(encoding="latin-1").splitlines()):
-        words = line.partition("#")[0].replace(",", " ").replace(";", " ").split()
-        if not words:
-            continue
-        width = width or len(words)
-        try:
-            x, y, z = [float(word) for word in words][:3]
-        except ValueError:
-            raise PlannercheckError(f"line {k + 1} is {shortened(line)!r}, it must begin with x, y and z") from None
-        if len(words) != width:
-            raise PlannercheckError(f"line {k + 1} has {len(words)} numbers, the lines before have {width}")
-        points.append((x, y, z))
-    return np.array(points, dtype=np.float64).reshape(-1, 3)
+    return points_of_text(path.read_bytes())
 
 
 _READERS: dict[str, Callable[[Path], Floats]] = {
@@ -112,6 +100,7 @@ _READERS: dict[str, Callable[[Path], Floats]] = {
     ".npy": _of_npy,
     ".npz": _of_npz,
     ".xyz": _of_text,
+    ".pts": _of_text,
     ".txt": _of_text,
     ".csv": _of_text,
 }

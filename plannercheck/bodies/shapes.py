@@ -186,7 +186,7 @@ class Capsule(_AlongZ):
 
 
 @set_module("plannercheck")
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Hull:
     """The convex hull of points; meshes end up here, with their scale applied.
 
@@ -211,6 +211,9 @@ class Hull:
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """The points (n, 3) in m as given; faces are None, since the hull has to be computed."""
         return self.vertices, None
+
+    def __repr__(self) -> str:
+        return f"Hull({len(self.vertices)} points)"
 
 
 InflatedHull: TypeAlias = tuple[Points, Faces | None, float]

@@ -47,6 +47,8 @@ class Solid:
     - "triangles": the given triangles alone; a body inside does not collide.
     - "hull": the convex hull of the given triangles.
 
+    A mesh of a library, as a trimesh.Trimesh, may be given alone: `pc.Solid(mesh)` has its vertices and faces.
+
     Attributes:
         vertices: (n, 3) in m as given, read-only.
         triangles: (k, 3) indices of vertices as given, without caps, read-only.
@@ -54,13 +56,14 @@ class Solid:
     """
 
     vertices: Floats
-    triangles: NDArray[np.integer[Any]]
+    triangles: NDArray[np.integer[Any]] = None  # type: ignore[assignment]  # of a mesh, its faces
     open: OpenMesh = "cap"
 
     def __post_init__(self) -> None:
-        vertices = _checked_vertices(self.vertices)
+        points, faces = (self.vertices, self.triangles) if self.triangles is not None else _of_mesh(self.vertices)
+        vertices = _checked_vertices(points)
         object.__setattr__(self, "vertices", vertices)
-        object.__setattr__(self, "triangles", _checked_triangles(self.triangles, len(vertices)))
+        object.__setattr__(self, "triangles", _checked_triangles(faces, len(vertices)))
         if not isinstance(self.open, str) or self.open not in get_args(OpenMesh):
             raise unknown_name("way to take an open mesh", str(self.open), get_args(OpenMesh))
 
@@ -203,6 +206,17 @@ def _merged(points: Floats, triangles: NDArray[Any]) -> tuple[Floats, Ints]:
     used, corners = np.unique(triangles, return_inverse=True)
     distinct, index = np.unique(points[used] + 0.0, axis=0, return_inverse=True)
     return distinct, index.reshape(-1)[corners.reshape(-1)].reshape(-1, 3).astype(np.int32)
+
+
+def _of_mesh(mesh: Any) -> tuple[Any, Any]:
+    """The vertices and faces of a library's mesh object."""
+    try:
+        return mesh.vertices, mesh.faces
+    except AttributeError:
+        raise PlannercheckError(
+            "a solid needs vertices and triangles, or a mesh that has vertices and faces, such as a trimesh.Trimesh "
+            f"(of a trimesh.Scene, each mesh in turn), not {type(mesh).__name__} alone; pc.Hull takes points alone"
+        ) from None
 
 
 def _checked_vertices(values: ArrayLike) -> Floats:

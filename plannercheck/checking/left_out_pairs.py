@@ -30,6 +30,9 @@ import numpy as np
 
 from plannercheck.checking.state_checker import StateChecker
 
+# The first places of the list define the verdict.
+_DEFINING = 4
+
 
 class LeftOut(NamedTuple):
     """The pairs that one place leaves out.
@@ -37,6 +40,7 @@ class LeftOut(NamedTuple):
     Attributes:
         where: The file or folder.
         why: The reason, in a few words.
+        defines: Whether it decides what a verdict is about; else it saves work and changes no verdict.
         number: How many pairs it leaves out; None where another place counts them, or where the number depends on the
             configuration.
         left: How many pairs remain.
@@ -44,6 +48,7 @@ class LeftOut(NamedTuple):
 
     where: str
     why: str
+    defines: bool
     number: int | None
     left: int
 
@@ -60,25 +65,37 @@ def left_out_pairs(checker: StateChecker) -> tuple[LeftOut, ...]:
     of_carried = carried * own + carried * (carried - 1) // 2
     of_obstacles = len(robot.bodies) * obstacles
     numbers: list[tuple[str, str, int | None]] = [
-        ("robots/description.py", "disabled_pairs of the robot's YAML", disabled),
-        ("robots/self_pairs.py", "one joint, SRDF, or neighbours", of_robot - disabled - int(is_own.sum())),
-        ("robots/carried_objects.py", "objects on their links", of_carried - int((~is_own).sum())),
+        ("robots/description.py", "disabled by the robot's YAML", disabled),
+        (
+            "robots/self_pairs.py",
+            "on one joint, or disabled by the SRDF, or neighbours where there is no SRDF",
+            of_robot - disabled - int(is_own.sum()),
+        ),
+        (
+            "robots/carried_objects.py",
+            "carried objects and the links that may touch them",
+            of_carried - int((~is_own).sum()),
+        ),
         (
             "checking/pair_table.py",
-            "allowed by scene or SRDF, or both fixed",
+            "allowed by the scene or the SRDF, or both fixed to the world",
             len(robot.self_pairs) + of_obstacles - len(checker.pairs),
         ),
-        ("checking/unreachable_pairs.py", "can't reach each other", int((apart & ~static).sum())),
-        ("checking/pair_proofs.py", "no joint between them, and apart", int((apart & static).sum())),
-        ("checking/compiled_tables.py", "those two, within the limits", None),
-        ("cpp/checking/checker.cpp", "both static, tested once", int(compiled.is_still.sum())),
+        ("checking/unreachable_pairs.py", "never meet within the joint limits, by proof", int((apart & ~static).sum())),
+        (
+            "checking/pair_proofs.py",
+            "no joint moves one against the other, and they are apart",
+            int((apart & static).sum()),
+        ),
+        ("checking/compiled_tables.py", "both of these, within the limits", None),
+        ("cpp/checking/checker.cpp", "neither ever moves, so one test decides", int(compiled.is_still.sum())),
         ("cpp/broad_phase", "far apart at a configuration", None),
     ]
     left = of_robot + of_carried + of_obstacles
     found = []
-    for where, why, number in numbers:
+    for k, (where, why, number) in enumerate(numbers):
         left -= number or 0
-        found.append(LeftOut(where, why, number, left))
+        found.append(LeftOut(where, why, k < _DEFINING, number, left))
     return tuple(found)
 
 

@@ -7,6 +7,7 @@ import functools
 import time
 import warnings
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +19,11 @@ from plannercheck.bodies.pieces import polytope_volume
 from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
-from plannercheck.bodies.solids import Solid, open_meshes
+from plannercheck.bodies.solids import Solid
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.bodies.tuning import Tuning
 from plannercheck.checking.hull_fidelity import largest_filling
 from plannercheck.checking.input_hints import always_hint
-from plannercheck.checking.left_out_pairs import left_out_pairs
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli.common import (
     add_checker_arguments,
@@ -34,13 +34,12 @@ from plannercheck.cli.common import (
     table,
 )
 from plannercheck.cli.inspect_geometry import show_geometries
+from plannercheck.cli.inspect_meshes import mesh_files, show_meshes, triangle_meshes
+from plannercheck.cli.inspect_summary import show_summary
 from plannercheck.cli.robot_options import described
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.timing import least_seconds
 from plannercheck.motions.checker import Checker
-from plannercheck.robots.description import RobotDescription
-from plannercheck.robots.loading import collision_meshes
-from plannercheck.scenes.scene_meshes import source_mesh
 
 _EPILOG = """\
 Example:
@@ -130,24 +129,38 @@ def run(options: argparse.Namespace) -> int:
         raise PlannercheckError("--states must be at least 1 and --seed at least 0")
     began = time.perf_counter()
     checker = load_checker(options)
-    print(f"{checker!r}, prepared in {time.perf_counter() - began:.2f} s\n")
+    prepared = time.perf_counter() - began
+    assert isinstance(checker, Checker | planar.Checker)
+    if not isinstance(checker, Checker):
+        _refuse_in_the_plane(options)
+    q = checker.robot.random_configurations(options.states, options.seed)
+    valid, statistics = show_summary(checker, q)
+    print()
     if isinstance(checker, Checker):
-        _show_bodies(checker, meshes_of(checker, described(options)))
+        files = mesh_files(checker, described(options))
+        _show_bodies(checker, triangle_meshes(files), prepared)
+        show_meshes(checker, files)
     else:
         _show_polygons(checker)
     if options.fidelity:
-        _check_fidelity(checker)
         _show_fidelity(checker, options)
-    _show_sample(checker, options.states, options.seed)
-    if options.without:
-        if not isinstance(checker, Checker):
-            raise PlannercheckError("--without times the skips of checkers in space; planar ones have others")
-        q = checker.robot.random_configurations(options.states, options.seed)
+    _show_stages(statistics, len(q))
+    if isinstance(checker, Checker) and options.without:
         _show_without(checker, not options.no_self_collision, q)
+    if not valid and (hint := always_hint(checker, q)):
+        warnings.warn(hint, RuntimeWarning, stacklevel=2)
     return 0
 
 
-def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
+def _refuse_in_the_plane(options: argparse.Namespace) -> None:
+    """Raises for what planar checkers do not have."""
+    if options.fidelity:
+        raise PlannercheckError("--fidelity compares hulls with meshes, which planar robots do not have")
+    if options.without:
+        raise PlannercheckError("--without times the skips of checkers in space; planar ones have others")
+
+
+def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh], prepared: float) -> None:
     pairs = np.bincount(checker.pairs.ravel(), minlength=len(checker.bodies)).tolist()
     rows = []
     within = checker.prepared  # a body that no pair needs within the limits is prepared only now
@@ -160,18 +173,8 @@ def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
         rows.append((body.name, body.link or "(scene)", _geometry(checker, body), *sizes, count, *volumes))
     header = ("body", "link", "geometry", "vertices", "facets", "kB", "pairs", "radius m", "hull cm³", "mesh cm³")
     print(table((*header, "hull / mesh"), rows))
-    _show_meshes(checker, meshes)
-    moving = np.array([body.link is not None for body in checker.bodies], dtype=bool)
-    own = int(moving[checker.pairs].all(axis=1).sum())
     total = sum({id(p): p.nbytes for p in within if p is not None}.values())
-    print(f"\n{len(checker.pairs)} pairs: {own} self pairs, {len(checker.pairs) - own} with the scene")
-    by_limits, at_rest = (int((checker.unreachable & part).sum()) for part in (~checker.static, checker.static))
-    print(
-        f"dropped within the joint limits: {by_limits} pairs that cannot reach each other, and {at_rest} of the "
-        f"{int(checker.static.sum())} that no joint of the group moves, since they are apart"
-    )
-    print(f"\n{_left_out(checker)}\n")
-    print(f"prepared bodies take {total / 2**20:.1f} MB, equal shapes counted once")
+    print(f"prepared in {prepared:.2f} s; bodies take {total / 2**20:.1f} MB, equal shapes counted once")
 
 
 def _counts(shape: Shape, numbers: Mapping[str, int]) -> tuple[object, object]:
@@ -192,15 +195,10 @@ def _geometry(checker: Checker, body: GeometryObject) -> str:
     return "piece" if is_piece else type(shape).__name__.lower()
 
 
-def _check_fidelity(checker: AnyChecker) -> None:
-    if not isinstance(checker, Checker):
-        raise PlannercheckError("--fidelity compares hulls with meshes, which planar robots do not have")
-
-
 def _show_fidelity(checker: AnyChecker, options: argparse.Namespace) -> None:
     """How far hulls are from meshes, and what that refuses."""
     assert isinstance(checker, Checker)
-    meshes = meshes_of(checker, described(options))
+    meshes = triangle_meshes(mesh_files(checker, described(options)))
     rows = []
     for body, polytope in zip(checker.bodies, checker.polytopes, strict=True):
         mesh = meshes.get(body.name)
@@ -217,15 +215,6 @@ def _show_fidelity(checker: AnyChecker, options: argparse.Namespace) -> None:
     show_geometries(options)
 
 
-def _left_out(checker: Checker) -> str:
-    """A table of all places where pairs are left out, in the order in which they act."""
-    rows = [
-        (each.where, each.why, "-" if each.number is None else each.number, each.left)
-        for each in left_out_pairs(checker)
-    ]
-    return table(("pairs are left out by", "why", "left out", "left"), rows)
-
-
 def _volumes(polytope: Polytope | None, mesh: TriangleMesh | None) -> tuple[str, str, str, str]:
     """Cells: the ball around a body's centre, the volumes of hull and mesh, how many times as large the hull is."""
     if polytope is None or polytope.half_space is not None:
@@ -240,38 +229,6 @@ def _volumes(polytope: Polytope | None, mesh: TriangleMesh | None) -> tuple[str,
     return f"{radius:.3f}", of_hull, f"{1e6 * mesh.volume:.1f}", f"{hull / mesh.volume:.2f}"
 
 
-def _show_meshes(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
-    """Says what hulls add to meshes, and what was decomposed."""
-    names = {body.name for body in checker.bodies}
-    is_open = [name for name, mesh in meshes.items() if mesh.volume is None and name in names]
-    if is_open:
-        print(f"\nopen meshes, whose volume means nothing (not watertight): {', '.join(is_open)}")
-    words = open_meshes({body.name: body.shape for body in checker.bodies if isinstance(body.shape, Solid)})
-    if words:
-        print(words)
-    for name, pieces in checker.robot.pieces.items():
-        volume = pieces.mesh_volume
-        times = (
-            ""
-            if not volume
-            else f", {pieces.volume / volume:.2f} times the mesh (its hull {pieces.hull_volume / volume:.2f})"
-        )
-        print(
-            f"{name}: {len(pieces.points)} convex pieces{times}; they hold all its triangles, and stick out of "
-            f"it by at most {1e3 * pieces.protrusion:.3g} mm"
-        )
-
-
-def meshes_of(checker: Checker, description: RobotDescription) -> dict[str, TriangleMesh]:
-    """The meshes of a robot, and of the scene's objects from files, by name of the body."""
-    found = collision_meshes(description)
-    for item in (*checker.scene.objects, *checker.scene.attached):
-        for part, body in zip(item.parts, item.bodies, strict=True):
-            if part.source is not None and not isinstance(part.shape, PartSet):
-                found[body.name] = source_mesh(*part.source)
-    return {name: TriangleMesh.of(mesh.points, mesh.triangles) for name, mesh in found.items()}
-
-
 def _show_polygons(checker: AnyChecker) -> None:
     assert isinstance(checker, planar.Checker)
     pairs = np.bincount(checker.pairs.ravel(), minlength=len(checker.bodies)).tolist()
@@ -283,28 +240,17 @@ def _show_polygons(checker: AnyChecker) -> None:
     print(table(("body", "link", "vertices", "pairs"), rows))
 
 
-def _show_sample(checker: AnyChecker, states: int, seed: int) -> None:
-    q = checker.robot.random_configurations(states, seed)
-    began = time.perf_counter()
-    valid = int(checker.check_states(q).sum())
-    spent = time.perf_counter() - began
-    print(
-        f"\n{states} random configurations within the limits: {valid} valid ({percentage(valid, states)}), "
-        f"{1e6 * spent / states:.2f} µs each\n"
-    )
-    statistics = checker.statistics()
+def _show_stages(statistics: dict[str, Any], states: int) -> None:
+    """What settled the pairs of random states."""
     queries = statistics.pop("queries")
     pairs = statistics["pairs"]
     settled = [
         (_words(name), STAGES.get(name, ""), n, f"{n / states:.2f}", percentage(n, pairs))
         for name, n in statistics.items()
     ]
-    print(table(("pairs settled by", "what that is", "pairs", "a configuration", "of all pairs"), settled[1:]))
-    print()
+    print(f"\n{table(('pairs settled by', 'what that is', 'pairs', 'a configuration', 'of all pairs'), settled[1:])}\n")
     tests = [(*PAIR_TEST.get(name, (_words(name), "")), n, f"{n / states:.2f}") for name, n in queries.items()]
     print(table(("pair test", "what that is", "number", "a configuration"), tests))
-    if not valid and (hint := always_hint(checker, q)):
-        warnings.warn(hint, RuntimeWarning, stacklevel=2)
 
 
 def _words(name: str) -> str:

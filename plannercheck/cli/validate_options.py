@@ -197,8 +197,8 @@ def _add_path_arguments(parser: argparse.ArgumentParser) -> None:
         "--proof",
         type=Path,
         metavar="FILE",
-        help="with --path and --certify: where the proof is written, json or npz; default: beside the path, as "
-        "PATH.proof.json",
+        help="with --path and --certify: where the proof is written, json or npz; default: beside the path, "
+        "plan.proof.json of plan.json",
     )
 
 
@@ -208,7 +208,13 @@ def _names(text: str) -> tuple[str, ...]:
 
 def check_options(options: argparse.Namespace) -> None:
     """Raises if options contradict each other."""
-    if bool(options.files) == bool(options.path):
+    if options.files and options.path:
+        named = ", ".join(map(str, options.files))
+        raise PlannercheckError(
+            f"takes files with configurations ({named}) or --path with paths, not both; --proof FILE says where "
+            "--certify writes the proof of a path"
+        )
+    if not options.files and not options.path:
         raise PlannercheckError("needs either files with configurations or --path with paths")
     if options.path:
         _check_path_options(options)

@@ -1,9 +1,10 @@
-"""Finds the files of `package://NAME/...` addresses by the package's name, which is often not its folder's name.
+"""Finds the files of addresses: paths, `file:` URIs, and `package://NAME/...` by the package's name.
 
 In: an address, folders to look in. Out: a path. A package is a folder with a package.xml that names it, or a folder of
 that name. The search order: the given folders and those above the file; packages within the given folders, and beside
 the folders above the file; those on ROS_PACKAGE_PATH; those installed under AMENT_PREFIX_PATH. Symbolic links are
-followed, since colcon workspaces are made of them.
+followed, since colcon workspaces are made of them. The package's name is often not its folder's name. URIs are
+percent-encoded (RFC 3986), paths are not.
 """
 
 from __future__ import annotations
@@ -13,10 +14,13 @@ import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from urllib.parse import unquote
 
 from plannercheck.common.package_data import is_file, is_folder
 
-_SCHEMES = ("package://", "model://")
+PACKAGE_SCHEMES = ("package://", "model://")
+_FILE = re.compile(r"file:(//(localhost(?=/))?)?")  # RFC 8089: file:/path, file:///path, file://localhost/path
+_OTHER_SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):/")
 _NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
 _MANIFEST = "package.xml"
 
@@ -33,19 +37,35 @@ def package_file(address: str, folders: Sequence[Path], above: Sequence[Path] = 
     """The file that an address means.
 
     Args:
-        address: package://NAME/..., model://NAME/..., file://..., or a path.
+        address: package://NAME/..., model://NAME/..., file:/..., file:///..., or a path.
         folders: Folders that contain packages, or are packages.
         above: The folders above the file that names it.
 
     Returns:
         Its path; None if there is none.
     """
-    scheme = next((each for each in _SCHEMES if address.startswith(each)), None)
+    scheme = next((each for each in PACKAGE_SCHEMES if address.startswith(each)), None)
     if scheme is None:
-        return _first(folder / address.removeprefix("file://") for folder in (Path(), *folders, *above))
-    name, _, rest = address.removeprefix(scheme).partition("/")
-    found = _first(folder / name / rest for folder in (*folders, *above))
-    return found or _first(package / rest for package in _packages(name, folders, above))
+        paths = file_paths(address)
+        return _first(folder / path for folder in (Path(), *folders, *above) for path in paths)
+    name, _, encoded = address.removeprefix(scheme).partition("/")
+    rests = _decoded(encoded)
+    found = _first(folder / name / rest for folder in (*folders, *above) for rest in rests)
+    return found or _first(package / rest for package in _packages(name, folders, above) for rest in rests)
+
+
+def file_paths(address: str) -> tuple[str, ...]:
+    """The paths that an address without a package may mean: a path as it stands, a `file:` URI first decoded."""
+    found = _FILE.match(address)
+    return (address,) if found is None else _decoded(address[found.end() :])
+
+
+def address_hint(address: str) -> str:
+    """What is unusual about an address that leads nowhere, as a clause; empty if nothing is."""
+    scheme = _OTHER_SCHEME.match(address)
+    if scheme is not None and not address.startswith((*PACKAGE_SCHEMES, "file:")):
+        return f", since '{scheme[1]}:' is none of package://, model:// and file:"
+    return ", since it has backslashes: write / in their place" if "\\" in address else ""
 
 
 def package_folder(name: str, folders: Sequence[Path], above: Sequence[Path] = ()) -> Path | None:
@@ -65,6 +85,11 @@ def where_sought(folders: Sequence[Path]) -> str:
         "folder that contains NAME, or a folder whose package.xml calls it so, from package_dirs= (--package-dirs) or "
         "the robot YAML's package_dirs"
     )
+
+
+def _decoded(encoded: str) -> tuple[str, ...]:
+    """The path of a URI, then what stands there, for files whose names have a percent sign."""
+    return tuple(dict.fromkeys((unquote(encoded, errors="surrogateescape"), encoded)))
 
 
 def _first(paths: Iterable[Path]) -> Path | None:

@@ -20,10 +20,11 @@ from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.checked_yaml import BROKEN_FILE
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.escaping import csv_cell
+from plannercheck.common.html_tables import html_table
 from plannercheck.common.motion_paths import MotionPath, check_path
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Plan(OwnsArrays):
     """The result of a planner between two configurations.
 
@@ -70,6 +71,15 @@ class Plan(OwnsArrays):
             return cls(**values)
         except BROKEN_FILE as error:
             raise PlannercheckError(f"file {str(path)!r} is no plan in JSON: {error!s:.200}") from None
+
+    def __repr__(self) -> str:
+        found = f"{len(self.path)} states, length {self.length:.4g}" if self.solved else f"no path: {self.reason}"
+        return f"Plan({found}, {self.planner}, {self.time:.3g} s)"
+
+    def _repr_html_(self) -> str:
+        header = self.joint_names if len(self.joint_names) == self.path.shape[1] else range(self.path.shape[1])
+        rows = [(k, *(f"{value:.4f}" for value in row)) for k, row in enumerate(self.path.tolist())]
+        return html_table(repr(self), ("state", *map(str, header)), rows)
 
 
 def check_suffix(path: Path) -> None:

@@ -44,6 +44,7 @@ from plannercheck.common.checked_yaml import (
     text,
 )
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.html_tables import html_table
 from plannercheck.common.public_names import set_module
 from plannercheck.planar.links import GeometryObject
 from plannercheck.planar.pieces import convex_pieces
@@ -162,6 +163,13 @@ class Scene(DeclaredStates):
 
     def __repr__(self) -> str:
         return f"Scene({self.name!r}, {len(self._obstacles)} objects, {len(self.bodies)} bodies)"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, len(each.bodies), ", ".join(f"{value:.4g}" for value in each.pose[:2, 2]))
+            for name, each in self._obstacles.items()
+        ]
+        return html_table(repr(self), ("object", "convex pieces", "position, m"), rows)
 
 
 @set_module("plannercheck.planar")

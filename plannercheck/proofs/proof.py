@@ -65,6 +65,10 @@ class Proof(ProofData):
         """
         save_proofs([self], path)
 
+    def __repr__(self) -> str:
+        counts = f"{len(self.model.pairs)} pairs, {len(self.entries)} entries"
+        return f"Proof({self.robot!r} in {self.scene!r}, {counts}, margin {self.margin:.4g} m)"
+
     @classmethod
     def load(cls, path: str | Path) -> Proof:
         """Reads a file of one proof.

@@ -23,7 +23,7 @@ def description_text(description: RobotDescription, joints: Sequence[str] | None
         description: The robot's description; the text does not name its SRDF, since pairs and joints are written out.
         joints: The joints of the group; None for the whole robot.
         pairs: The YAML of its `disabled_pairs`.
-        path: The file that will hold the text; paths of files in its folder or below become relative to that folder.
+        path: The file that will hold the text; paths become relative to its folder.
 
     Returns:
         The text.
@@ -47,6 +47,8 @@ def description_text(description: RobotDescription, joints: Sequence[str] | None
     if description.geometry is not None:
         given = description.geometry
         content["geometry"] = given if isinstance(given, str) else dict(given)
+    if description.mesh_units is not None:
+        content["mesh_units"] = description.mesh_units
     if description.decomposition is not None:
         options = {key: value for key, value in vars(description.decomposition).items() if value is not None}
         content["convex_decomposition"] = {
@@ -57,6 +59,6 @@ def description_text(description: RobotDescription, joints: Sequence[str] | None
 
 
 def _named(path: Path, folder: Path) -> str:
-    """A path relative to a folder if it is below that folder, else the whole path."""
-    whole = path.resolve()
-    return os.path.relpath(whole, folder) if whole.is_relative_to(folder) else str(whole)
+    """A path relative to a folder; a file of example-robot-data as shipped robots name it."""
+    whole, shared = path.resolve(), example_robot_data()
+    return str(whole.relative_to(shared)) if whole.is_relative_to(shared) else os.path.relpath(whole, folder)

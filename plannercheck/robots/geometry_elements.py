@@ -32,7 +32,7 @@ class MeshReference:
     """A mesh as a URDF names it.
 
     Attributes:
-        filename: The address: package://NAME/..., file://..., or a path.
+        filename: The address: package://NAME/..., file:/..., or a path.
         scale: Factors along x, y and z.
     """
 

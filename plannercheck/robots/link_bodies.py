@@ -17,12 +17,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from plannercheck.bodies.hull_excess import hull_between, hull_excess
+from plannercheck.bodies.hull_excess import excess_words
 from plannercheck.bodies.mesh_files import MeshFile, MeshUnits, mesh_hint, read_mesh
 from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.package_files import folders_above, package_file, where_sought
+from plannercheck.common.package_files import address_hint, folders_above, package_file, where_sought
 from plannercheck.common.silence import urdf_silence
 from plannercheck.robots.geometry_elements import ElementKind, GeometryElement, MeshReference, geometry_elements
 from plannercheck.robots.urdf_file import UrdfFile
@@ -138,7 +138,8 @@ class _Meshes:
     def _path(self, element: MeshReference) -> Path:
         path = package_file(element.filename, self._package_dirs, self._above)
         if path is None:
-            raise PlannercheckError(f"mesh {element.filename} could not be found. {where_sought(self._package_dirs)}")
+            hint, where = address_hint(element.filename), where_sought(self._package_dirs)
+            raise PlannercheckError(f"mesh {element.filename} could not be found{hint}. {where}")
         return path
 
     def warn(self) -> None:
@@ -160,7 +161,7 @@ class _Meshes:
 def warn_of_large_hulls(path: Path, links: LinkBodies) -> None:
     """Warns of meshes whose hulls are much larger than they are, where hulls were taken by default."""
     distinct = {id(mesh): (body, mesh) for body, mesh in zip(links.bodies, links.meshes, strict=True) if mesh}
-    found = [(body.link, words) for body, mesh in distinct.values() if (words := _excess(mesh))]
+    found = [(body.link, words) for body, mesh in distinct.values() if (words := excess_words(mesh))]
     if found:
         link, words = found[0]
         more = f", and {len(found) - 1} more links" if len(found) > 1 else ""
@@ -168,10 +169,6 @@ def warn_of_large_hulls(path: Path, links: LinkBodies) -> None:
             f'URDF {path}: mesh of link {link!r}: {words}{more}: geometry="solid" (--geometry solid) takes meshes as '
             'they are, "pieces" splits them, "hull" says that hulls are meant; plannercheck inspect lists all'
         )
-
-
-def _excess(mesh: MeshFile) -> str:
-    return hull_between(mesh) or hull_excess(mesh.points, mesh.triangles)
 
 
 def _warn(message: str) -> None:

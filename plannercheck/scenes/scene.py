@@ -34,8 +34,8 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
                                                # triangles, three indices of vertices each; open: cap, triangles or
                                                # hull says what an open mesh is taken as
       - name: camera                           # what sensors see; these may be the name of a file alone, of which an
-        cloud: {file: frame.ply, radius: 0.01} # npz may hold the other keys, too; ply, pcd, npy, npz, xyz, txt, csv;
-                                               # invalid: drop leaves points out that are NaN
+        cloud: {file: frame.ply, radius: 0.01} # npz may hold the other keys, too; ply, pcd, npy, npz, xyz, pts,
+                                               # txt, csv; invalid: drop leaves points out that are NaN
       - name: map
         octree: {file: map.bt, unknown: free}  # or occupied; OctoMap's .bt or .ot; threshold: 0.5
       - name: grid

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.ellipsoids import ELLIPSOID_EXCESS, Ellipsoid
 from plannercheck.bodies.half_spaces import HalfSpace
-from plannercheck.bodies.mesh_files import MeshUnits
+from plannercheck.bodies.mesh_files import MESH_SUFFIXES, MeshUnits
 from plannercheck.bodies.objects import Part
+from plannercheck.bodies.octomap_files import OCTREE_SUFFIXES
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Shape, Sphere, checked_pose
 from plannercheck.common.checked_yaml import (
     Node,
@@ -64,6 +65,14 @@ _SHAPE_KEYS = ("box", *SIZED, "ellipsoid", "half_space", "mesh", "hull", "solid"
 # Shapes that may be the name of their file alone.
 _NAMED = ("solid", *SENSED_KEYS)
 
+# Suffixes of files that are the geometry of one object, and how a scene names such a file. Arrays may be anything.
+_GEOMETRY = {"mesh": MESH_SUFFIXES, "cloud": (".ply", ".pcd", ".xyz", ".pts"), "octree": OCTREE_SUFFIXES}
+_AS_OBJECT = {
+    "mesh": "objects: [{{name: {name}, mesh: {{file: {file}}}}}] (its hull; solid: in place of mesh: as it is)",
+    "cloud": "objects: [{{name: {name}, cloud: {{file: {file}, radius: 0.01}}}}] (radius of the points, m)",
+    "octree": "objects: [{{name: {name}, octree: {{file: {file}}}}}]",
+}
+
 
 def read_scene(
     scene: SceneContents,
@@ -84,6 +93,7 @@ def read_scene(
     if not is_file(path):
         raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if is_folder(path) else 'does not exist'}")
     with error_context(f"scene file {str(path)!r}"):
+        _refuse_geometry(path)
         content = read_bytes(path)
         if path.suffix.lower() == moveit_text.SUFFIX:
             moveit_text.read_scene_text(scene, content, meshes)
@@ -92,6 +102,15 @@ def read_scene(
         else:
             _read_yaml(scene, content, FindFile(path.parent, package_dirs, meshes, mesh_units))
     scene.name = scene.name or path.stem
+
+
+def _refuse_geometry(path: Path) -> None:
+    """Raises for the file of a mesh or a sensed shape, which a scene file names."""
+    suffix = path.suffix.lower()
+    keys = [key for key, suffixes in _GEOMETRY.items() if suffix in suffixes]
+    if keys:
+        named = ", or ".join(_AS_OBJECT[key].format(name=path.stem, file=path.name) for key in keys)
+        raise PlannercheckError(f"is geometry, not a scene: write a YAML file beside it with {named}")
 
 
 def _read_yaml(scene: SceneContents, content: bytes, find_file: FindFile) -> None:

@@ -6,7 +6,7 @@ network, and `serve` into a browser through viser (`pip install 'plannercheck[vi
 
 from plannercheck.view.frames import along_path as along_path
 from plannercheck.view.joints import joints_of as joints_of
-from plannercheck.view.model import Picture as Picture
+from plannercheck.view.page import Picture as Picture
 from plannercheck.view.page import write_page as write_page
 from plannercheck.view.picture import picture as picture
 from plannercheck.view.server import serve as serve

@@ -29,7 +29,7 @@ _TAIL = 0.01
 _LARGEST = 2**16 - 1
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class DrawnParts:
     """A body of many parts, drawn.
 
@@ -83,6 +83,9 @@ class DrawnParts:
         """Its name in a page, and what is not drawn."""
         shown = self.owner if self.owner == self.name else f"{self.owner} ({self.name})"
         return shown if self.drawn == self.count else f"{shown}: {self.drawn:,} of {self.count:,} {self.kind} drawn"
+
+    def __repr__(self) -> str:
+        return f"DrawnParts({self.title!r}, {self.drawn} {self.kind})"
 
 
 def has_many_parts(shape: Shape) -> bool:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.view.model import Picture
+from plannercheck.view.page import Picture
 from plannercheck.view.picture import picture
 from plannercheck.view.surfaces import Surface, Visual
 

@@ -1,7 +1,7 @@
 """The contents of a picture, in metres and world coordinates, for any renderer.
 
 In: numbers. Out: frozen values: meshes with a pose for each frame, separating planes, witness points. Both back ends
-(page.py, server.py) draw exactly these.
+(page.py, server.py) draw exactly these. `Picture` (page.py) is a `Drawing` that a notebook shows.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ FLOOR_OPACITY = 0.6
 VEIL_OPACITY = 0.35
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mesh:
     """A body, drawn.
 
@@ -65,6 +65,9 @@ class Mesh:
     def colour(self, frame: int) -> tuple[float, float, float]:
         """At a frame."""
         return COLLIDING if self.colliding[frame] else COLOURS[self.layer]
+
+    def __repr__(self) -> str:
+        return f"Mesh({self.name!r}, {self.layer}, {len(self.vertices)} vertices, {len(self.faces)} triangles)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +108,8 @@ class Witness:
     point: Floats
 
 
-@dataclass(frozen=True, eq=False)
-class Picture:
+@dataclass(frozen=True, eq=False, repr=False)
+class Drawing:
     """A robot in a scene at one or several configurations.
 
     Attributes:
@@ -142,3 +145,8 @@ class Picture:
         """A frame's verdict in words."""
         pairs = self.collisions[frame]
         return "collision: " + ", ".join(f"{a} – {b}" for a, b in pairs) if pairs else "free of collision"
+
+    def __repr__(self) -> str:
+        hit = sum(map(bool, self.collisions))
+        bodies = len(self.meshes) + len(self.parts)
+        return f"Picture({self.title!r}, {self.frames} frames, {hit} in collision, {bodies} bodies)"

@@ -1,7 +1,8 @@
 """A picture as one HTML file with data and renderer inlined; it loads nothing else.
 
-In: a `Picture`. Out: the file. Numbers are packed as little-endian 32-bit values in base64; viewer.html draws them with
-WebGL 2. Drawn coordinates are rounded to single precision; verdicts are not.
+In: a `Drawing`. Out: the file; and `Picture`, a drawing that is its own page in a notebook. Numbers are packed as
+little-endian 32-bit values in base64; viewer.html draws them with WebGL 2. Drawn coordinates are rounded to single
+precision; verdicts are not.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import base64
 import html
 import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +20,7 @@ from numpy.typing import NDArray
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.escaping import json_in_script
 from plannercheck.view.drawn_parts import DrawnParts
-from plannercheck.view.model import COLLIDING, COLOURS, PLANE, Mesh, Picture
+from plannercheck.view.model import COLLIDING, COLOURS, PLANE, Drawing, Mesh
 
 _TEMPLATE, *_SCRIPTS = (
     Path(__file__).with_name(name) for name in ("viewer.html", "viewer_parts.js", "viewer_layer.js")
@@ -26,13 +28,29 @@ _TEMPLATE, *_SCRIPTS = (
 _TITLE, _DATA, _PARTS = "<!--TITLE-->", "/*DATA*/", "/*PARTS*/"
 
 
-def write_page(picture: Picture, path: str | Path) -> None:
+# The height of a page in a notebook, pixels.
+_HEIGHT = 520
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Picture(Drawing):
+    """A `Drawing` that a notebook shows as `write_page` writes it."""
+
+    def _repr_html_(self) -> str:
+        page = html.escape(page_of(self))
+        # In a frame that may run its own script, and reach nothing of the notebook.
+        return (
+            f'<iframe sandbox="allow-scripts" style="width:100%;height:{_HEIGHT}px;border:0" srcdoc="{page}"></iframe>'
+        )
+
+
+def write_page(picture: Drawing, path: str | Path) -> None:
     """Writes a picture as one HTML file; aside first, then renamed."""
     text = page_of(picture)
     write_atomically(Path(path), lambda aside: aside.write_text(text, encoding="utf-8"))
 
 
-def page_of(picture: Picture) -> str:
+def page_of(picture: Drawing) -> str:
     """The HTML of a picture."""
     script = "".join(each.read_text(encoding="utf-8") for each in _SCRIPTS)
     parts = {_TITLE: html.escape(picture.title), _DATA: json_in_script(data_of(picture)), _PARTS: script}
@@ -41,7 +59,7 @@ def page_of(picture: Picture) -> str:
     return re.sub("|".join(map(re.escape, parts)), lambda match: parts[match[0]], template)
 
 
-def data_of(picture: Picture) -> dict[str, Any]:
+def data_of(picture: Drawing) -> dict[str, Any]:
     """What viewer.html reads."""
     return {
         "title": picture.title,
@@ -85,7 +103,7 @@ def _mesh(mesh: Mesh) -> dict[str, Any]:
     }
 
 
-def _parts(each: DrawnParts, picture: Picture) -> dict[str, Any]:
+def _parts(each: DrawnParts, picture: Drawing) -> dict[str, Any]:
     return {
         "name": each.title,
         "layer": each.layer,

@@ -20,7 +20,8 @@ from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.view.drawn_parts import DrawnParts, has_many_parts, parts_of
 from plannercheck.view.evidence import Evidence
 from plannercheck.view.floors import with_floor
-from plannercheck.view.model import OBSTACLE_OPACITY, VEIL_OPACITY, Mesh, Picture, Plane, Witness
+from plannercheck.view.model import OBSTACLE_OPACITY, VEIL_OPACITY, Mesh, Plane, Witness
+from plannercheck.view.page import Picture
 from plannercheck.view.planar_bodies import planar_meshes, planar_witnesses
 from plannercheck.view.surfaces import Surface, Visual, surface_of
 

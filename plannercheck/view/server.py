@@ -1,6 +1,6 @@
 """A picture in the browser through viser, for looking around, stepping through frames and moving joints.
 
-In: a `Picture`, the robot's `Joints` if there shall be sliders. Out: a running server, which only its own page can talk
+In: a `Drawing`, the robot's `Joints` if there shall be sliders. Out: a running server, which only its own page can talk
 to. Needs `pip install 'plannercheck[view]'`.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.transforms import quaternion_of_rotation
 from plannercheck.view.joints import Joints
-from plannercheck.view.model import PLANE, Mesh, Picture
+from plannercheck.view.model import PLANE, Drawing, Mesh
 from plannercheck.view.origins import own_pages_only
 
 DEFAULT_PORT = 8080
@@ -29,7 +29,7 @@ _SLIDER_STEP = 1e-3
 _POINT_PART, _LINE_PART = 0.008, 0.004
 
 
-def serve(picture: Picture, port: int = DEFAULT_PORT, host: str = "localhost", joints: Joints | None = None) -> Stage:
+def serve(picture: Drawing, port: int = DEFAULT_PORT, host: str = "localhost", joints: Joints | None = None) -> Stage:
     """Starts a viser server that shows a picture.
 
     Args:
@@ -66,7 +66,7 @@ class Stage:
         verdict: viser's handle of the words above the controls.
     """
 
-    def __init__(self, server: Any, picture: Picture, joints: Joints | None = None) -> None:
+    def __init__(self, server: Any, picture: Drawing, joints: Joints | None = None) -> None:
         self.server, self._picture, self._joints = server, picture, joints
         self._drawing = threading.RLock()  # viser calls from several threads
         self._at: list[float] | None = None  # the sliders' values that are shown; None while they are put there
@@ -151,7 +151,7 @@ class Stage:
             self._at = wanted
             self._draw(self._joints.picture_of(wanted), 0)
 
-    def _draw(self, picture: Picture, frame: int) -> None:
+    def _draw(self, picture: Drawing, frame: int) -> None:
         with self.server.atomic():
             for mesh, handle in zip(picture.meshes, self.meshes, strict=True):
                 x, y, z, w = quaternion_of_rotation(mesh.pose(frame)[:3, :3])
@@ -162,7 +162,7 @@ class Stage:
             self._marks = [*self._drawn_witnesses(picture, frame), *self._drawn_planes(picture, frame)]
         self.verdict.content = f"**{picture.labels[frame]}**: {picture.verdict(frame)}"
 
-    def _drawn_witnesses(self, picture: Picture, frame: int) -> list[Any]:
+    def _drawn_witnesses(self, picture: Drawing, frame: int) -> list[Any]:
         return [
             self.server.scene.add_icosphere(
                 f"/witness/{k}", radius=self._picture.radius * _POINT_PART, color=(20, 20, 20), position=each.point
@@ -171,7 +171,7 @@ class Stage:
             if each.frame == frame
         ]
 
-    def _drawn_planes(self, picture: Picture, frame: int) -> list[Any]:
+    def _drawn_planes(self, picture: Drawing, frame: int) -> list[Any]:
         drawn, scene, blue, thick = [], self.server.scene, _bytes(PLANE), self._picture.radius * _LINE_PART
         for k, plane in enumerate(picture.planes):
             if plane.frame == frame:

@@ -201,6 +201,34 @@ class Tensor:
         raise AssertionError("rows are not asked for one by one")
 
 
+class Named(np.ndarray):
+    """A subclass as libraries of units and of caches have it."""
+
+
+@pytest.mark.parametrize("kind", [trimesh.caching.TrackedArray, np.matrix, Named])
+def test_subclasses_of_arrays_are_arrays(kind):
+    points, far, pose = (array.view(kind) for array in (TETRAHEDRON, TETRAHEDRON + 5, np.eye(4)))
+    assert pc.intersects(points, points, pose, pose)
+    assert not pc.intersects(points, far)
+    assert pc.certify(points, far).verify()
+    assert pc.distance(points, far).distance == pc.distance(TETRAHEDRON, TETRAHEDRON + 5).distance
+    assert pc.Polytope(points, TRIANGLES.view(kind)).faces.shape == (4, 3)
+    assert pc.Solid(points, TRIANGLES.view(kind)).kind == "closed"
+    assert pc.PointCloud(points, 0.1).count == 4
+    scene = pc.Scene()
+    scene.add("points", points, pose)
+    assert np.array_equal(scene.bodies[0].shape.vertices, TETRAHEDRON)
+    robot = pc.Robot.load("panda")
+    q = robot.random_configurations(4, 0)
+    assert np.array_equal(pc.Checker(robot).check_states(q.view(kind)), pc.Checker(robot).check_states(q))
+
+
+def test_vertices_of_a_mesh_are_points():
+    mesh = trimesh.Trimesh(TETRAHEDRON, TRIANGLES)
+    assert pc.intersects(mesh.vertices, mesh.vertices + 0.1)
+    assert not pc.intersects(mesh.vertices, mesh.vertices + 1)
+
+
 def test_scenes_take_arrays_and_meshes():
     scene = pc.Scene()
     scene.add("array", CUBE)

@@ -380,19 +380,51 @@ def test_files_under_another_name(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("1 2 3\n4 5\n", "line 2 .* must begin with x, y and z"),
-        ("1 2 3\n4 5 6 7\n", "line 2 has 4 numbers"),
-        ("x,y,z\n1,2,3\n", "line 1"),
+        ("1 2 3\n4 5\n", "line 2 has 2 columns, the lines before have 3"),
+        ("1 2 3\n4 5 6 7\n", "line 2 has 4 columns"),
+        ("1 2\n", "line 1 is '1 2', it must be numbers, with x, y and z first"),
+        ("1 2 3_0\n", "line 1 is '1 2 3_0', it must be numbers"),
+        ("a,b,c\n1,2,3\n", "line 1 is 'a,b,c', it must begin with x, y and z, or name each of them once"),
+        ("x (mm),y (mm),z (mm)\n1,2,3\n", "line 1 .* or name each of them once, as a heading in m"),
+        ("x,y,z,x\n1,2,3,4\n", "line 1 .* as a heading"),
+        ("1 2 3\nx,y,z\n", "line 2 is 'x,y,z', it must be numbers"),
+        ("x,y,z\n1,2,3,4\n", "line 2 has 4 columns, the lines before have 3"),
+        ("1,5;2,0;3,5\n", "line 1 is '1,5;2,0;3,5': decimal commas are not read"),
+        ("1,5 2,0 3,5\n", "decimal commas are not read"),
+        ("3\n1 2 3\n4 5 6\n", "is cut short: its count says 1 more points"),
+        ("1\n1 2 3\n4 5 6\n", "line 3 is one point more than the count says"),
+        ("version: 1\nn_points: 2\n{\n1 2\n3 4\n}\n", "line 1 is 'version: 1'"),
         ("1 2 3\n4 5 6", None),
         ("# comment\n\n1, 2, 3\n4; 5; 6\n", None),
+        ("x,y,z\n1,2,3\n4,5,6\n", None),
+        ("\ufeffX;Y;Z;label\n1;2;3;0\n4;5;6;0\n", None),
+        ('"x [m]","y [m]","z [m]"\n1,2,3\n4,5,6\n', None),
+        ("time,z,y,x\n0,3,2,1\n1,6,5,4\n", None),
+        ("//X Y Z R G B\n1 2 3 0 0 0\n4 5 6 0 0 0\n", None),
+        ("// made by a scanner\n2\n1 2 3 -900 0 0 0\n4 5 6 -900 0 0 0\n", None),
+        ("1\n1 2 3\n1\n4 5 6\n", None),
+        ("# z y x\n3 2 1\n6 5 4\n", None),
+        ("# the order is z y x\n1 2 3\n4 5 6\n", None),
         ("", None),
     ],
 )
-def test_text(text: str, said: str | None, tmp_path: Path) -> None:
-    path = tmp_path / "c.csv"
-    path.write_text(text)
+@pytest.mark.parametrize("suffix", ["csv", "txt", "xyz", "pts"])
+def test_text(text: str, said: str | None, suffix: str, tmp_path: Path) -> None:
+    path = tmp_path / f"c.{suffix}"
+    path.write_text(text, encoding="utf-8")
     if said is None:
         assert points_of_file(path).tolist() == ([[1, 2, 3], [4, 5, 6]] if text else [])
     else:
         with pytest.raises(pc.PlannercheckError, match=said):
             points_of_file(path)
+
+
+@pytest.mark.parametrize("shape", [(5, 4), (5, 6), (4, 5, 4)])
+@pytest.mark.parametrize("suffix", ["npy", "npz"])
+def test_arrays_with_more_columns_say_which_to_save(shape: tuple[int, ...], suffix: str, tmp_path: Path) -> None:
+    array, path = np.arange(np.prod(shape), dtype=float).reshape(shape), tmp_path / f"c.{suffix}"
+    {"npy": np.save, "npz": np.savez}[suffix](path, array)
+    with pytest.raises(pc.PlannercheckError, match=r"save array\[\.\.\., :3\] if x, y and z are its first columns"):
+        points_of_file(path)
+    np.save(tmp_path / "d.npy", array[..., :3])
+    assert np.array_equal(points_of_file(tmp_path / "d.npy"), array[..., :3].reshape(-1, 3))

@@ -90,6 +90,21 @@ def test_wrong_arrays_are_refused(vertices, triangles, says):
         Solid(vertices, triangles)
 
 
+def test_a_mesh_of_a_library_is_a_solid_of_its_vertices_and_faces():
+    mesh = trimesh.creation.torus(1.0, 0.25)
+    solid = pc.Solid(mesh)
+    assert np.array_equal(solid.vertices, mesh.vertices)
+    assert np.array_equal(solid.triangles, mesh.faces)
+    assert not pc.intersects(solid, pc.Sphere(0.5))  # in its hole
+    assert pc.Solid(trimesh.Trimesh(CUBE.vertices, CUBE.faces[2:]), open="triangles").kind == "open"
+
+
+@pytest.mark.parametrize("value", [CUBE.vertices, trimesh.Scene([CUBE]), "cube.stl", None])
+def test_what_has_no_triangles_is_no_solid(value):
+    with pytest.raises(pc.PlannercheckError, match="needs vertices and triangles, or a mesh that has vertices"):
+        pc.Solid(value)
+
+
 def test_solids_are_pickled_and_shown():
     made = solid(CUBE)
     again = pickle.loads(pickle.dumps((made, made.is_closed, made.equals_hull)))[0]

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
-from plannercheck.checking import left_out_pairs
 from plannercheck.cli.main import main
 from plannercheck.common.package_data import shipped_folder
 from plannercheck.motions.checker import Checker
@@ -231,7 +231,7 @@ def test_robots_and_inspect_print_tables(capsys):
     printed = capsys.readouterr().out
     assert "panda_link0" in printed
     assert "100 random configurations" in printed
-    assert "68 pairs that cannot reach each other, and 0 of the 0" in printed
+    assert "68 settled beforehand: never meet within the joint limits, by proof" in printed
     assert main(["inspect", "--robot", "talos", "--states", "1"]) == 0
     out = capsys.readouterr().out
     (torso,) = [line.split() for line in out.splitlines() if line.startswith("torso_2_link_0")]
@@ -241,13 +241,56 @@ def test_robots_and_inspect_print_tables(capsys):
     assert "pairs that limits keep apart" in capsys.readouterr().out
 
 
-def test_inspect_lists_where_pairs_are_left_out_in_the_order_of_the_places(capsys):
-    assert main(["inspect", *PANDA, "--states", "1"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    first = next(k for k, line in enumerate(lines) if line.startswith("pairs are left out by")) + 1
-    places = re.findall(r"^[1-9]\. (\S+):", left_out_pairs.__doc__, re.MULTILINE)
-    assert [line.split()[0] for line in lines[first : first + len(places)]] == places
-    assert lines[first + len(places)] == ""
+def test_the_first_screen_of_inspect_has_the_answer_in_bodies_and_pairs(capsys):
+    assert main(["inspect", *PANDA, "--states", "1000"]) == 0
+    printed = capsys.readouterr().out
+    first = printed.splitlines()[:20]
+    assert first[0] == "robot   panda: 7 joints of group 'arm', 17 bodies on 11 links"
+    assert first[1] == "scene   bookshelf: 6 objects, 18 bodies"
+    assert first[2] == "pairs   332 of bodies are tested: 44 self pairs, 288 with the scene"
+    assert any(line.startswith("states  1000 random configurations within the limits: 7") for line in first)
+    assert any(line.split()[:2] == ["6", "panda_joint7"] for line in first)
+    assert not re.search(r"\.py\b|\bcpp/|robots/|checking/", printed)
+
+
+def test_the_first_screen_of_inspect_counts_as_brute_force_does(capsys, checker):
+    assert main(["inspect", *PANDA, "--states", "300"]) == 0
+    printed = capsys.readouterr().out
+    hit: dict[tuple[str, str], set[int]] = {}
+    for state, pair in np.argwhere(checker.colliding_pairs(checker.robot.random_configurations(300, 0))).tolist():
+        hit.setdefault(checker.pair_names(pair), set()).add(state)
+    (a, b), states = max(hit.items(), key=lambda item: len(item[1]))
+    assert f"pairs that collide most often: {a} – {b} ({len(states) / 3:.1f} %)" in printed
+    left_out = [int(count) for count in re.findall(r"^ +(\d+) not tested:", printed, re.MULTILINE)]
+    bodies = len(checker.robot.bodies)
+    assert len(checker.pairs) + sum(left_out) == bodies * (bodies - 1) // 2 + bodies * len(checker.scene.bodies)
+
+
+def test_inspect_lists_all_hulls_that_the_warning_counts(tmp_path, capsys):
+    """The warning names one link, and says that inspect lists all."""
+    cross = trimesh.util.concatenate([trimesh.creation.box([0.3, 0.01, 0.01]), trimesh.creation.box([0.01, 0.3, 0.01])])
+    cross.export(tmp_path / "cross.stl")
+    mesh = '<collision><geometry><mesh filename="cross.stl"/></geometry></collision>'
+    joint = '<joint name="turn" type="continuous"><parent link="a"/><child link="b"/></joint>'
+    links = f'<link name="a">{mesh}</link><link name="b">{mesh}</link>'
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{links}{joint}</robot>')
+    assert main(["inspect", "--robot", str(tmp_path / "arm.urdf"), "--states", "10"]) == 0
+    printed = capsys.readouterr()
+    assert "plannercheck inspect lists all" in printed.err
+    listed = re.findall(r"^  (\S+): the hull is (\S+) times as large as the mesh$", printed.out, re.MULTILINE)
+    assert [name for name, _ in listed] == ["a_0", "b_0"]
+
+
+def test_inspect_names_both_columns_of_a_continuous_joint(tmp_path, capsys):
+    (tmp_path / "wheel.urdf").write_text(
+        '<robot name="wheel"><link name="base"/>'
+        '<link name="rim"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>'
+        '<joint name="axle" type="continuous"><parent link="base"/><child link="rim"/></joint></robot>'
+    )
+    assert main(["inspect", "--robot", str(tmp_path / "wheel.urdf"), "--states", "10"]) == 0
+    rows = [line.split()[:3] for line in capsys.readouterr().out.splitlines()]
+    assert ["0", "axle", "(cosine)"] in rows
+    assert ["1", "axle", "(sine)"] in rows
 
 
 def test_the_demo_does_the_main_job(capsys):

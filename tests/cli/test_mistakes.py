@@ -7,9 +7,11 @@ but is hardly meant is judged, with a warning.
 from __future__ import annotations
 
 import re
+from urllib.parse import quote
 
 import numpy as np
 import pytest
+import yaml
 
 import plannercheck as pc
 from plannercheck.cli.main import main
@@ -193,6 +195,98 @@ def test_meshes_are_found_beside_the_urdf_and_in_its_package(folder, monkeypatch
         assert len(pc.Robot.from_urdf(package / "urdf" / "arm.urdf").bodies) == 2
 
 
+def addresses(path):
+    """What RFC 8089 and RFC 3986 take as the address of a file."""
+    encoded = quote(str(path))
+    whole = "".join(f"%{byte:02x}" if byte not in b"/" else "/" for byte in str(path).encode())
+    return [f"file:{encoded}", f"file://{encoded}", f"file://localhost{encoded}", f"file://{whole}", str(path)]
+
+
+@pytest.mark.parametrize("name", ["link.stl", "my link.stl", "glied ä.stl", "100%.stl", "100%41.stl", "a#b.stl"])
+def test_meshes_by_uris(name, folder):
+    (folder / "arm" / "meshes").mkdir(parents=True)
+    path = folder / "arm" / "meshes" / name
+    path.write_text(stl((np.array(TETRAHEDRON) * 0.001).tolist()))
+    relative = f"meshes/{name}"
+    packaged = [f"package://arm/{quote(relative)}", f"model://arm/{quote(relative)}", f"package://arm/{relative}"]
+    if "%41" in name:  # a URI that is not encoded means another name
+        packaged.pop()
+    for address in [*addresses(path), *packaged, f"file:{quote(relative)}", f"file://{quote(relative)}", relative]:
+        (folder / "arm" / "arm.urdf").write_text(urdf(MESH % address))
+        assert len(pc.Robot.from_urdf(folder / "arm" / "arm.urdf").bodies) == 2, address
+        scene = f"objects: [{{name: part, mesh: {{file: '{address}'}}}}]"
+        (folder / "arm" / "scene.yaml").write_text(scene, encoding="utf-8")
+        assert pc.Scene.load(folder / "arm" / "scene.yaml").object_names == ("part",), address
+
+
+def test_a_percent_sign_of_a_path_is_a_percent_sign(folder):
+    (folder / "a b.stl").write_text(stl(TETRAHEDRON))
+    (folder / "arm.urdf").write_text(urdf(MESH % "a%20b.stl"))
+    with pytest.raises(pc.PlannercheckError, match=r"mesh a%20b\.stl could not be found"):
+        pc.Robot.from_urdf("arm.urdf")
+
+
+@pytest.mark.parametrize(
+    ("address", "hint"),
+    [
+        (r"meshes\link.stl", "since it has backslashes: write / in their place"),
+        (r"package://arm\meshes\link.stl", "since it has backslashes: write / in their place"),
+        (r"C:\meshes\link.stl", "since it has backslashes"),
+        ("https://example.org/link.stl", "since 'https:' is none of package://, model:// and file:"),
+        ("file:///a%00b.stl", "not be found|not found|does not exist"),
+    ],
+)
+def test_addresses_that_are_none(address, hint, folder):
+    (folder / "meshes").mkdir()
+    (folder / "meshes" / "link.stl").write_text(stl(TETRAHEDRON))
+    (folder / "arm.urdf").write_text(urdf(MESH % address))
+    with pytest.raises(pc.PlannercheckError, match=hint):
+        pc.Robot.from_urdf("arm.urdf")
+    (folder / "scene.yaml").write_text(f"objects: [{{name: part, mesh: {{file: '{address}'}}}}]")
+    with pytest.raises(pc.PlannercheckError, match=hint):
+        pc.Scene.load("scene.yaml")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "says"),
+    [
+        (
+            "link.stl",
+            "solid a\nfacet normal 0 0 1\n outer loop\n vertex 0 0\n endloop\nendfacet\nendsolid\n",
+            "facet 1",
+        ),
+        ("link.stl", "a page that says 404", "is no STL file"),
+        ("link.stl", "<html>" + 90 * " ", "its header says"),
+        ("link.obj", "v 0 0 0\nv 1 0\nv 0 1 0\nf 1 2 3\n", "line 2: a vertex must have 3 numbers"),
+    ],
+)
+@pytest.mark.parametrize("address", ["link.{}", "package://arm/link.{}", "file://{}"])
+def test_a_malformed_mesh_is_blamed_itself(name, content, says, address, folder):
+    (folder / "arm").mkdir()
+    (folder / "arm" / name).write_text(content)
+    suffix = name.partition(".")[2]
+    named = address.format(folder / "arm" / name if address.startswith("file") else suffix)
+    (folder / "arm" / "arm.urdf").write_text(urdf(MESH % named))
+    with pytest.raises(pc.PlannercheckError, match=rf"mesh file '.*{name}': .*{says}") as caught:
+        pc.Robot.from_urdf(folder / "arm" / "arm.urdf")
+    assert not re.search("Searched|package_dirs|folder", str(caught.value))
+
+
+def test_an_obj_with_leading_blanks_is_read(folder):
+    lines = [
+        "# by hand",
+        *(f"v {x} {y} {z}" for x, y, z in TETRAHEDRON),
+        "o part",
+        "f 1 3 2",
+        "f 1 2 4",
+        "f 1 4 3",
+        "f 2 3 4",
+    ]
+    (folder / "link.obj").write_text("\n".join(f" \t {line}  " for line in lines))
+    solid = pc.Solid.load("link.obj", 0.001)
+    assert (len(solid.vertices), len(solid.triangles), solid.kind) == (4, 4, "closed")
+
+
 def test_meshes_in_millimetres(folder):
     (folder / "link.stl").write_text(stl(TETRAHEDRON))
     (folder / "arm.urdf").write_text(urdf(MESH % "link.stl"))
@@ -312,3 +406,31 @@ def test_moveits_padding_is_used_on_request(folder, capsys):
     assert "--padding scene" in said(capsys, *command, code=0)
     said(capsys, *command, "--padding", "scene", code=1)
     assert "--padding must be a length in m or 'scene', not '2cm'" in said(capsys, *command, "--padding", "2cm")
+
+
+@pytest.mark.parametrize(
+    ("name", "keys"),
+    [
+        *((f"part.{suffix}", ["mesh"]) for suffix in ("stl", "dae", "obj", "off", "gltf", "glb", "STL")),
+        ("part.ply", ["mesh", "cloud"]),
+        *((f"part.{suffix}", ["cloud"]) for suffix in ("pcd", "xyz", "pts")),
+        *((f"part.{suffix}", ["octree"]) for suffix in ("bt", "ot")),
+    ],
+)
+def test_geometry_in_place_of_a_scene_says_what_to_write(name, keys, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / name).write_bytes(b"\x00")
+    error = said(capsys, "inspect", "--robot", "panda", "--scene", name)
+    assert f"scene file '{name}': is geometry, not a scene: write a YAML file beside it with" in error
+    written = [yaml.safe_load(text) for text in re.findall(r"(objects: \[\{.*?\}\]) ?(?=\(|$|,)", error)]
+    assert [next(iter(each["objects"][0].keys() - {"name"})) for each in written] == keys
+    assert all(each["objects"][0][key]["file"] == name for each, key in zip(written, keys, strict=True))
+
+
+def test_what_to_write_for_a_mesh_loads(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "part.stl").write_text(stl(TETRAHEDRON))
+    error = said(capsys, "inspect", "--robot", "panda", "--scene", "part.stl")
+    (tmp_path / "scene.yaml").write_text(re.search(r"objects: \[.*?\]", error)[0])
+    with pytest.warns(RuntimeWarning, match="millimetres"):
+        assert pc.Scene.load("scene.yaml").object_names == ("part",)

@@ -66,6 +66,33 @@ def test_what_acm_writes_of_a_urdf_without_a_group_is_taken(tmp_path):
     assert main(["inspect", "--robot", str(out), "--states", "20"]) == 0
 
 
+def test_what_acm_writes_may_be_moved_with_its_files(tmp_path):
+    """Paths are relative to the output, wherever that is and wherever the command runs."""
+    (tmp_path / "old/urdf").mkdir(parents=True)
+    (tmp_path / "old/robots").mkdir()
+    (tmp_path / "old/urdf/arm.urdf").write_text(
+        '<robot name="arm"><link name="a"/><link name="b"/><joint name="turn" type="continuous">'
+        '<parent link="a"/><child link="b"/></joint></robot>'
+    )
+    (tmp_path / "old/meshes").mkdir()
+    out = tmp_path / "old/robots/arm.yaml"
+    given = ["--robot", str(tmp_path / "old/urdf/arm.urdf"), "--package-dirs", str(tmp_path / "old/meshes")]
+    assert main(["acm", *given, "--mesh-units", "metre", "--states", "10", "--output", str(out)]) == 0
+    written = yaml.safe_load(out.read_text())
+    assert written["urdf"] == "../urdf/arm.urdf"
+    assert written["package_dirs"] == ["../meshes"]
+    assert written["mesh_units"] == "metre"
+    (tmp_path / "old").rename(tmp_path / "new")
+    assert pc.Robot.load(tmp_path / "new/robots/arm.yaml").link_names == ("a", "b")
+
+
+def test_what_acm_writes_of_a_shipped_robot_names_its_urdf_as_shipped_robots_do(tmp_path):
+    out = tmp_path / "mine.yaml"
+    assert main(["acm", "--robot", "panda", "--states", "10", "--output", str(out)]) == 0
+    assert yaml.safe_load(out.read_text())["urdf"] == "example-robot-data/robots/panda_description/urdf/panda.urdf"
+    assert pc.Robot.load(out).nq == 7
+
+
 @pytest.mark.parametrize("suffix", ["srdf", "yaml"])
 def test_what_acm_writes_is_taken_as_it_is(suffix, rows, tmp_path, capsys):
     bare = (

@@ -219,6 +219,13 @@ def test_the_readme_is_short():
     assert len((ROOT / "README.md").read_text("utf-8").splitlines()) <= MOST_README_LINES
 
 
+def test_the_readme_has_two_commands_and_ci_runs_the_second_as_it_stands_there():
+    text = (ROOT / "README.md").read_text("utf-8").partition("## Two commands\n")[2]
+    found = BLOCK.search(text)
+    assert found["text"].splitlines() == ["pip install . && plannercheck demo", "pip install '.[test]' && pytest"]
+    assert found["text"].splitlines()[1] in (ROOT / ".ci/run").read_text("utf-8").splitlines()
+
+
 def test_links_lead_somewhere():
     """Those of files that Sphinx does not read, or that a reader of the repository follows."""
     link = re.compile(r"\]\(([^)#:]+)(?:#[^)]*)?\)")

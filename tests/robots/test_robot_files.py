@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import warnings
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
@@ -11,6 +12,7 @@ from sample_robots import PANDA, PR2, PR2_SRDF, ROBOTS, SHARE, names_of, write_y
 
 from plannercheck.cli.main import main
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.robots.description import shipped_robots
 from plannercheck.robots.link_bodies import read_bodies
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.self_pairs import self_pairs
@@ -226,3 +228,11 @@ def test_limits_the_wrong_way_round_are_named(tmp_path):
     )
     with pytest.raises(PlannercheckError, match=r"elbow.*lower limit"):
         Robot.from_urdf(urdf)
+
+
+@pytest.mark.parametrize("name", shipped_robots())
+def test_shipped_robots_load_without_a_warning(name):
+    """A stranger can do nothing about a warning on a file that comes with the package."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Robot.load(name)
