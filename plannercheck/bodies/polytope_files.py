@@ -19,7 +19,7 @@ import numpy as np
 import platformdirs
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.common.atomic_files import write_atomically
+from plannercheck.common.atomic_files import replace_atomically, write_atomically
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 
@@ -37,19 +37,22 @@ def _header() -> bytes:
     return _MAGIC + f" {core.body_format} {sys.byteorder}\n".encode()
 
 
-def write(path: Path, data: bytes, mode: int = 0o666) -> None:
+def write(path: Path, data: bytes) -> None:
     """Writes data with header and hash; the file appears whole or not at all.
 
     Args:
         path: The file; its folder must exist.
         data: A serialised body.
-        mode: The file's mode, less the process's umask.
 
     Raises:
         PlannercheckError: If the folder can't be written to.
     """
-    content = _header() + hashlib.sha256(data).digest() + data
-    write_atomically(path, lambda aside: aside.write_bytes(content), mode)
+    content = _content(data)
+    write_atomically(path, lambda aside: aside.write_bytes(content))
+
+
+def _content(data: bytes) -> bytes:
+    return _header() + hashlib.sha256(data).digest() + data
 
 
 def read(path: Path) -> bytes:
@@ -115,7 +118,8 @@ def write_to_cache(path: Path, data: bytes) -> None:
     """Writes to the cache; a cache that can't be written is no error."""
     with contextlib.suppress(PlannercheckError, OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        write(path, bytes.fromhex(path.stem) + data, mode=0o644)
+        content = _content(bytes.fromhex(path.stem) + data)
+        replace_atomically(path, lambda aside: aside.write_bytes(content), mode=0o644)
 
 
 def cache_folder() -> Path | None:
