@@ -19,13 +19,13 @@ from pathlib import Path
 
 import numpy as np
 
-from plannercheck.bodies import polytope_files as body_files
 from plannercheck.bodies.piece_repair import repaired
 from plannercheck.bodies.pieces import Pieces, packed, unpacked
 from plannercheck.bodies.protrusion import filled
 from plannercheck.bodies.shipped_pieces import shipped_pieces
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.common.array_types import Floats
+from plannercheck.common.cache import cache_folder, read_cached, write_to_cache
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.isolated_process import run_isolated
 from plannercheck.common.public_names import set_module
@@ -89,7 +89,7 @@ def pieces_of(mesh: TriangleMesh, options: Decomposition, name: str = "mesh") ->
         return known
     pieces = made_pieces(mesh, options, name)
     if pieces is not None and (cache := _cache_file(mesh, options)) is not None:
-        body_files.write_to_cache(cache, packed(pieces))
+        write_to_cache(cache, packed(pieces))
     return pieces
 
 
@@ -115,7 +115,7 @@ def known_pieces(mesh: TriangleMesh, options: Decomposition) -> Pieces | None:
     if _makes_usual_pieces(options) and (pieces := shipped_pieces(mesh)) is not None:
         return pieces
     cache = _cache_file(mesh, options)
-    data = None if cache is None else body_files.read_cached(cache)
+    data = None if cache is None else read_cached(cache)
     return None if data is None else unpacked(data)
 
 
@@ -151,7 +151,7 @@ def _coacd(mesh: TriangleMesh, options: Decomposition, name: str, remesh: int | 
 
 
 def _cache_file(mesh: TriangleMesh, options: Decomposition) -> Path | None:
-    folder = body_files.cache_folder()
+    folder = cache_folder()
     if folder is None:
         return None
     how = f"pieces {_VERSION} {options.threshold!r} {options.most_pieces} {options.slack!r} {options.seed}"

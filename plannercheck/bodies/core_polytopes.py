@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies import polytope_files as body_files
-from plannercheck.bodies.polytope_files import GivenFaces
+from plannercheck.bodies.polytope_files import GivenFaces, cache_file
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import contiguous
+from plannercheck.common.cache import read_cached, write_to_cache
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 
@@ -40,15 +40,15 @@ def core_polytope(
         cached: Whether the disk cache may have it, and gets it.
     """
     points = _checked_points(vertices, name)
-    file = body_files.cache_file(points, faces, inflation_radius) if cached else None
-    if file is not None and (data := body_files.read_cached(file)) is not None:
+    file = cache_file(points, faces, inflation_radius) if cached else None
+    if file is not None and (data := read_cached(file)) is not None:
         with contextlib.suppress(PlannercheckError):  # a damaged file is prepared anew
             found = parsed_polytope(data)
             if _is_of(found, points, inflation_radius):
                 return found
     body = _made(points, faces, inflation_radius, name)
     if file is not None:
-        body_files.write_to_cache(file, body.serialise())
+        write_to_cache(file, body.serialise())
     return body
 
 

@@ -1,33 +1,27 @@
-"""Files of prepared bodies, and the disk cache of them.
+"""Files of prepared bodies, and their names in the disk cache.
 
-A file is the magic word, the version of the format, the SHA-256 of the data, and the data. The cache is keyed by the
-content of bodies, so it needs no invalidation. It is in the platform's cache folder.
+A file is the magic word, the version of the format, the SHA-256 of the data, and the data. The cache has the data
+alone, by names that depend on the version and on what the body was made of.
 """
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
-import os
-import stat
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-import platformdirs
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.atomic_files import write_atomically
+from plannercheck.common.cache import cache_folder
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 
 # Polygons of indices of points, as callers give them.
 GivenFaces: TypeAlias = Sequence[ArrayLike] | NDArray[np.integer[Any]]
-
-# Names the cache's folder, or 0 for none.
-_SETTING = "PLANNERCHECK_CACHE"
 
 _MAGIC = b"plannercheck body"
 _HASH_BYTES = 32
@@ -37,19 +31,18 @@ def _header() -> bytes:
     return _MAGIC + f" {core.body_format} {sys.byteorder}\n".encode()
 
 
-def write(path: Path, data: bytes, mode: int = 0o666) -> None:
+def write(path: Path, data: bytes) -> None:
     """Writes data with header and hash; the file appears whole or not at all.
 
     Args:
         path: The file; its folder must exist.
         data: A serialised body.
-        mode: The file's mode, less the process's umask.
 
     Raises:
         PlannercheckError: If the folder can't be written to.
     """
     content = _header() + hashlib.sha256(data).digest() + data
-    write_atomically(path, lambda aside: aside.write_bytes(content), mode)
+    write_atomically(path, lambda aside: aside.write_bytes(content))
 
 
 def read(path: Path) -> bytes:
@@ -80,64 +73,6 @@ def read(path: Path) -> bytes:
     if hashlib.sha256(data).digest() != digest:
         raise PlannercheckError(f"{path} is cut short or changed: its content does not match its hash")
     return data
-
-
-def read_cached(path: Path) -> bytes | None:
-    """The data of a cached file; None if there is none that can be trusted.
-
-    The file has to be complete, of this version and name, and a plain file that only the user (or root) owns and can
-    write to. So users of a shared folder get no bodies from each other.
-    """
-    key = bytes.fromhex(path.stem)
-    try:
-        if not is_own_file(path):
-            return None
-        data = read(path)
-    except (PlannercheckError, OSError):
-        return None
-    return data[len(key) :] if data.startswith(key) else None
-
-
-def is_own_file(path: Path) -> bool:
-    """Whether only the user and root could have written a file; it is not opened, since that may block."""
-    return is_own(path.lstat())
-
-
-def is_own(found: os.stat_result) -> bool:
-    """The same of what is known of a file."""
-    if not stat.S_ISREG(found.st_mode):
-        return False
-    own = not hasattr(os, "geteuid") or found.st_uid in (os.geteuid(), 0)
-    return own and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
-
-
-def write_to_cache(path: Path, data: bytes) -> None:
-    """Writes to the cache; a cache that can't be written is no error."""
-    with contextlib.suppress(PlannercheckError, OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write(path, bytes.fromhex(path.stem) + data, mode=0o644)
-
-
-def cache_folder() -> Path | None:
-    """The cache's folder; None if `PLANNERCHECK_CACHE` is 0."""
-    setting = os.environ.get(_SETTING, "")
-    if setting == "0":
-        return None
-    return Path(setting) if setting else Path(platformdirs.user_cache_dir("plannercheck"))
-
-
-@contextlib.contextmanager
-def uncached() -> Iterator[None]:
-    """Turns the cache off for this process and those that it starts, until the end."""
-    before = os.environ.get(_SETTING)
-    os.environ[_SETTING] = "0"
-    try:
-        yield
-    finally:
-        if before is None:
-            del os.environ[_SETTING]
-        else:
-            os.environ[_SETTING] = before
 
 
 def cache_file(points: NDArray[np.float64], faces: GivenFaces | None, inflation_radius: float) -> Path | None:

@@ -26,11 +26,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from plannercheck.bodies import polytope_files
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.checking.reach_bounds import Chains, Cut
 from plannercheck.checking.unreachable_pairs import MARGIN, RELATIVE
 from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
+from plannercheck.common.cache import cache_folder, read_cached, write_to_cache
 from plannercheck.common.core import core
 
 # Pairs that share cells: each has a bit of a byte.
@@ -139,13 +139,13 @@ def _apart(chains: Chains, cut: Cut, pairs: Sequence[tuple[int, int]], polytopes
     counts = _CELLS[len(cut)]
     shape = len(pairs), *(counts[-1],) * len(cut)
     path = _cache_file(chains, cut, pairs, polytopes)
-    data = polytope_files.read_cached(path) if path is not None else None
+    data = read_cached(path) if path is not None else None
     if data is not None and len(data) == (int(np.prod(shape)) + 7) // 8:
         bits = np.unpackbits(np.frombuffer(data, dtype=np.uint8), count=int(np.prod(shape)))
         return bits.reshape(shape).astype(bool)
     apart = np.array([apart_in_cells(chains, cut, pair, polytopes) for pair in pairs])
     if path is not None:
-        polytope_files.write_to_cache(path, np.packbits(apart).tobytes())
+        write_to_cache(path, np.packbits(apart).tobytes())
     return apart
 
 
@@ -153,7 +153,7 @@ def _cache_file(
     chains: Chains, cut: Cut, pairs: Sequence[tuple[int, int]], polytopes: Callable[[int], Polytope]
 ) -> Any:
     """Where these cells are cached: by all that they depend on."""
-    folder = polytope_files.cache_folder()
+    folder = cache_folder()
     if folder is None:
         return None
     key = hashlib.sha256(_FORMAT + repr((cut, _CELLS, MARGIN, RELATIVE)).encode())

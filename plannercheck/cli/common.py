@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar, get_args
@@ -136,8 +137,11 @@ def joint_vector(text: str, name: str, robot: AnyRobot) -> Floats:
 
 def check_folder(path: Path | None) -> None:
     """Says before long work that an output file can't be written for want of its folder."""
-    if path is not None and not is_folder(path.parent):
-        raise PlannercheckError(f"file {str(path)!r} can't be written: there is no folder {str(path.parent)!r}")
+    if path is None:
+        return
+    folder = Path(os.path.realpath(path) if path.is_symlink() else path).parent
+    if not is_folder(folder):
+        raise PlannercheckError(f"file {str(path)!r} can't be written: there is no folder {str(folder)!r}")
 
 
 def save_json(path: Path, value: Any) -> None:

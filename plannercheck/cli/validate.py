@@ -10,10 +10,11 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import tempfile
 import time
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.cli.validate_options import add_set_arguments, check_options
 from plannercheck.cli.validate_proofs import Verification, check_proofs
 from plannercheck.cli.validate_summary import Outcome, as_json, show_table
+from plannercheck.common.atomic_files import is_stream
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.validation.engines import Engine, LocalEngine
 from plannercheck.validation.fingerprint import fingerprint
@@ -122,10 +124,18 @@ def _journal(options: argparse.Namespace, checker: AnyChecker, judge: Judge) -> 
     if written is None:
         yield None
         return
+    run = fingerprint(checker, judge, _chunk_rows(options))
+    if is_stream(written):  # beside which there may be no room for a file
+        with (
+            tempfile.TemporaryDirectory(prefix="plannercheck-") as folder,
+            closing(Journal(Path(folder) / "journal", run)) as journal,
+        ):
+            yield journal
+        return
     path = _journal_path(written)
     if path.exists() and not options.resume:
         warnings.warn(f"an unfinished run in {str(path)!r} begins anew; --resume would go on", stacklevel=2)
-    journal = Journal(path, fingerprint(checker, judge, _chunk_rows(options)), options.resume)
+    journal = Journal(path, run, options.resume)
     try:
         yield journal
     except BaseException as error:

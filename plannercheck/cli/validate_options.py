@@ -7,6 +7,7 @@ from pathlib import Path
 
 from plannercheck.cli.common import add_checker_arguments, add_robot_argument, add_scene_argument
 from plannercheck.cli.unheeded_options import check_heeded
+from plannercheck.common.atomic_files import is_stream
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import PATHS
@@ -229,6 +230,8 @@ def check_options(options: argparse.Namespace) -> None:
         raise PlannercheckError("--only-invalid and --explain say what is written: they need --output")
     if options.resume and written is None:
         raise PlannercheckError("--resume needs --output or --summary: the journal of a run is beside it")
+    if options.resume and is_stream(written):
+        raise PlannercheckError(f"--resume can't go on with {str(written)!r}, which is no file: it has no journal")
     if options.resume and STANDARD_INPUT in options.files:
         raise PlannercheckError("--resume can't go on with standard input, which is gone: write it to a file")
     if options.resume and (options.reference or options.certify):

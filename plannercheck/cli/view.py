@@ -24,6 +24,7 @@ from plannercheck.cli.common import (
 from plannercheck.cli.robot_options import described
 from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.common.array_types import Floats
+from plannercheck.common.atomic_files import is_stream
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import PATHS, MotionPath
 from plannercheck.ompl.start_and_goal import checked_end
@@ -116,6 +117,8 @@ def run(options: argparse.Namespace) -> int:
     frames = "1 frame" if drawn.frames == 1 else f"{drawn.frames} frames"
     if options.html is not None:
         write_page(drawn, options.html)
+        if is_stream(options.html):  # standard output may be the page
+            return 0
         size = options.html.stat().st_size / 1e6
         print(f"{drawn.title}, {frames}: written to {options.html} ({size:.1f} MB)")
         return 0

@@ -32,6 +32,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays, read_only, read_only_copy
+from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.checked_yaml import (
     Node,
     check_keys,
@@ -238,10 +239,8 @@ def _write(scene: Scene, path: Path) -> None:
     document["objects"] = [_object_node(name, obstacle) for name, obstacle in scene.obstacles.items()]
     states = {robot: states_node(scene, robot, path.resolve().parent) for robot in scene.states}
     document |= {"states": states} if states else {}
-    try:
-        path.write_text(yaml.dump(document, sort_keys=False, default_flow_style=None, width=110), encoding="utf-8")
-    except OSError as error:
-        raise PlannercheckError(f"scene file {str(path)!r} can't be written: {error.strerror}") from None
+    text = yaml.dump(document, sort_keys=False, default_flow_style=None, width=110)
+    write_atomically(path, lambda aside: aside.write_text(text, encoding="utf-8"))
 
 
 def _object_node(name: str, obstacle: Obstacle) -> Node:

@@ -7,8 +7,8 @@ import pinocchio as pin
 import pytest
 
 import plannercheck as pc
-from plannercheck.bodies import polytope_files
 from plannercheck.checking import apart_cells
+from plannercheck.common import cache
 from plannercheck.common.core import core
 
 ROBOTS = ("panda", "xarm7", "talos", "go2", "g1", "tiago")
@@ -265,7 +265,7 @@ def test_cells_come_from_the_cache_only_if_they_are_whole(tmp_path, monkeypatch)
         fresh()
         assert len(proved) == before + 8
         assert path.read_bytes() == content
-    polytope_files.write_to_cache(path, b"\xff" * 10)  # whole, but of something else
+    cache.write_to_cache(path, b"\xff" * 10)  # whole, but of something else
     before = len(proved)
     fresh()
     assert len(proved) == before + 8

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from plannercheck.bodies import polytope_files
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Sphere
+from plannercheck.common.cache import cache_folder, read_cached, write_to_cache
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench import compiled_coal_loop, pairs
 from plannercheck.evaluation.bench.coal_loop import COLD_VARIANTS, VARIANTS, CoalLoop, PosedBodies
@@ -100,31 +100,24 @@ def test_a_loop_that_does_not_compile_says_why(tmp_path, monkeypatch):
     monkeypatch.setenv("PLANNERCHECK_CACHE", str(tmp_path))
     with pytest.raises(PlannercheckError, match=r"does not compile: .*broken on purpose"):
         compiled_coal_loop.library()
-    assert not list((tmp_path / "bench").iterdir())
+    assert not list(tmp_path.glob("*.so"))
 
 
 def test_a_library_that_others_may_have_written_is_not_loaded(loop, tmp_path, monkeypatch):
-    cache, compiled_anew = polytope_files.cache_folder() or tmp_path, compiled_coal_loop._compile
-    monkeypatch.setenv("PLANNERCHECK_CACHE", str(tmp_path / "cache"))
-
-    def compiled(command, file):
-        """Most often it is there: compiling takes long."""
-        known = cache / "bench" / file.name
-        if not known.exists():
-            return compiled_anew(command, file)
-        file.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(known, file)
-
-    monkeypatch.setattr(compiled_coal_loop, "_compile", compiled)
+    shared, name = cache_folder(), Path(compiled_coal_loop.library()._name).name
+    known = None if shared is None else read_cached(shared / name)
+    monkeypatch.setenv("PLANNERCHECK_CACHE", str(tmp_path))
+    if known is not None:  # compiling takes long
+        write_to_cache(tmp_path / name, known)
     compiled_coal_loop.library.cache_clear()
     compiled_coal_loop.library()
-    (file,) = (tmp_path / "cache" / "bench").iterdir()
-    file.unlink()  # this process has loaded it
-    file.write_bytes(b"no library")
-    file.chmod(0o666)
+    content = read_cached(tmp_path / name)
+    assert content
+    (tmp_path / name).write_bytes(b"no library")
+    monkeypatch.setattr(compiled_coal_loop, "_compile", lambda command, file: file.write_bytes(content))
     compiled_coal_loop.library.cache_clear()
     assert compiled_coal_loop.library()
-    assert file.read_bytes() == b"no library"
+    assert read_cached(tmp_path / name) == content
 
 
 def test_missing_libraries_are_left_out_with_notes(checker, monkeypatch):

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from plannercheck.bodies.polytope_files import cache_folder
+from plannercheck.common.cache import cache_folder
 from plannercheck.evaluation.stress_motions import run as motions
 from plannercheck.evaluation.stress_parts import run as parts
 from plannercheck.evaluation.stress_solids import run as solids

@@ -76,6 +76,45 @@ assert judged(3)
     )
 
 
+def test_forks_with_their_parents_pid_start_threads_of_their_own(tmp_path: Path) -> None:
+    """Found by an audit: each of the two is the first process of its namespace, as in containers."""
+    run(
+        """
+import ctypes, sys
+
+def first_process_of_a_namespace(work, flags):
+    libc = ctypes.CDLL(None, use_errno=True)
+    assert libc.unshare(flags) == 0, os.strerror(ctypes.get_errno())
+    child = os.fork()
+    if child == 0:
+        try:
+            assert os.getpid() == 1
+            work()
+        except BaseException as error:
+            print(repr(error), file=sys.stderr, flush=True)
+            os._exit(1)
+        os._exit(0)
+    end = time.monotonic() + 30
+    while (ended := os.waitpid(child, os.WNOHANG)) == (0, 0):
+        if time.monotonic() > end:  # it waits for a thread of its parent's
+            os.kill(child, signal.SIGKILL)
+        time.sleep(0.01)
+    assert ended[1] == 0
+
+def judge():
+    assert judged(2) and threads() > 1
+
+def judge_and_fork():
+    judge()
+    first_process_of_a_namespace(judge, NEW_PIDS)
+
+NEW_PIDS, NEW_USERS = 0x20000000, 0x10000000  # CLONE_NEWPID; CLONE_NEWUSER, in which anyone may make others
+first_process_of_a_namespace(judge_and_fork, NEW_PIDS if os.geteuid() == 0 else NEW_PIDS | NEW_USERS)
+""",
+        tmp_path,
+    )
+
+
 def test_kept_threads_take_no_signals(tmp_path: Path) -> None:
     run(
         """
@@ -127,6 +166,33 @@ for processors, nicer in (({min(everywhere)}, 0), (everywhere, 0), (everywhere, 
     assert judged(2) and judged(2)
     settled(most)
     assert others() and all(each == (processors, nice) for each in others()), (processors, nice, others())
+""",
+        tmp_path,
+    )
+
+
+def test_threads_have_the_scheduling_policy_of_their_caller(tmp_path: Path) -> None:
+    """Found by an audit: threads of a real-time call kept its policy after the process had given it up."""
+    run(
+        """
+def others():
+    rows = [int(name) for name in os.listdir("/proc/self/task") if int(name) not in before]
+    return [(os.sched_getscheduler(row), os.sched_getparam(row).sched_priority) for row in rows]
+
+before = {int(name) for name in os.listdir("/proc/self/task")}
+most = len(before) + os.cpu_count()
+wanted = [(os.SCHED_FIFO, 1), (os.SCHED_FIFO, 2), (os.SCHED_RR, 1), (os.SCHED_BATCH, 0), (os.SCHED_OTHER, 0)]
+seen = []
+for policy, priority in wanted:
+    try:
+        os.sched_setscheduler(0, policy, os.sched_param(priority))
+    except PermissionError:  # real-time policies are for root
+        continue
+    assert judged(2) and judged(2)
+    settled(most)
+    assert others() and all(each == (policy, priority) for each in others()), (policy, priority, others())
+    seen.append((policy, priority))
+assert seen[-2:] == wanted[-2:]
 """,
         tmp_path,
     )

@@ -2,7 +2,6 @@
 
 #include <pthread.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #if defined(__linux__)
 #include <sched.h>
@@ -15,6 +14,7 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -22,17 +22,21 @@
 namespace plannercheck {
 namespace {
 
-// What Linux lets a thread inherit from the one that starts it: its processors and its nice value.
+// What Linux lets a thread inherit from the one that starts it: its processors, its nice value, its scheduling policy.
 struct Inherited {
 #if defined(__linux__)
   cpu_set_t processors;
   int nice = getpriority(PRIO_PROCESS, 0);
+  int policy = sched_getscheduler(0);
+  sched_param priority{};
   Inherited() {
     CPU_ZERO(&processors);
     sched_getaffinity(0, sizeof processors, &processors);
+    sched_getparam(0, &priority);
   }
   bool operator==(const Inherited& other) const {
-    return nice == other.nice && CPU_EQUAL(&processors, &other.processors) != 0;
+    return nice == other.nice && policy == other.policy && priority.sched_priority == other.priority.sched_priority &&
+           CPU_EQUAL(&processors, &other.processors) != 0;
   }
 #else
   bool operator==(const Inherited&) const { return true; }
@@ -62,12 +66,14 @@ class IdleThreads {
  public:
   IdleThreads() { threads_.reserve(most_); }  // later there is nobody whom a lack of memory could be told
 
-  // Of this process: a process that another one forked has none of that one's threads. Never destroyed, as threads wait
-  // on while the process ends.
+  // Of this process: a fork has none of its parent's threads, though maybe its pid, as each may be the first process of
+  // a namespace. Never destroyed, as threads wait on while the process ends.
   static IdleThreads& of_this_process() {
     static std::atomic<IdleThreads*> known{nullptr};
+    static const int error = pthread_atfork(nullptr, nullptr, [] { known.store(nullptr); });
+    if (error != 0) throw std::system_error(error, std::generic_category(), "pthread_atfork");
     IdleThreads* idle = known.load();
-    if (idle != nullptr && idle->process_ == getpid()) return *idle;
+    if (idle != nullptr) return *idle;
     auto own = std::make_unique<IdleThreads>();
     return known.compare_exchange_strong(idle, own.get()) ? *own.release() : *idle;
   }
@@ -93,7 +99,6 @@ class IdleThreads {
   }
 
  private:
-  const pid_t process_ = getpid();
   const std::size_t most_ = std::max(1U, std::thread::hardware_concurrency());
   std::mutex mutex_;
   std::vector<std::shared_ptr<KeptThread>> threads_;

@@ -8,9 +8,9 @@
 
 namespace plannercheck {
 
-// Runs the task, which must not throw, in a thread that no other task has: one that waits, or a new one. Its processors
-// and its nice value are the caller's; its arithmetic is plain, as `PlainFloats` (plain_floats.hpp) guards all calls.
-// Throws std::system_error where the system has no more threads.
+// Runs the task, which must not throw, in a thread that no other task has: one that waits, or a new one. Its
+// processors, nice value and scheduling policy are the caller's; its arithmetic is plain, as `PlainFloats`
+// (plain_floats.hpp) guards all calls. Throws std::system_error where the system has no more threads.
 void run_in_a_thread(std::function<void()> task);
 
 }  // namespace plannercheck

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, TypeVar
 
-from plannercheck.bodies.polytope_files import uncached
+from plannercheck.common.cache import uncached
 
 T = TypeVar("T")
 

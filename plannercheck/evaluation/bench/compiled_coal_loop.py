@@ -1,8 +1,8 @@
 """Compiles coal_loop.cpp against the installed coal, and loads it.
 
 In: nothing but what is installed: a C++ compiler, coal's headers and library, Eigen's headers. Out: the library's
-functions. The compiled file is kept in the cache folder; its name depends on the source, the compiler's command and
-coal's version.
+functions. The compiled file is kept in the disk cache; its name depends on the source, the compiler's command and
+coal's version. A private copy of it is loaded.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from plannercheck.bodies.polytope_files import cache_folder, is_own, is_own_file
+from plannercheck.common.cache import cache_folder, read_cached, write_to_cache
 from plannercheck.common.errors import PlannercheckError
 
 _SOURCE = Path(__file__).with_name("coal_loop.cpp")
@@ -53,46 +53,27 @@ def library() -> ctypes.CDLL:
     command += [f"-Wl,-rpath,{prefix / 'lib'}"]
     texts = (_SOURCE.read_bytes(), _HEADER.read_bytes(), repr(command).encode(), _coal_version().encode())
     key = hashlib.sha256(b"".join(texts)).hexdigest()
-    folder, name = cache_folder(), f"coal_loop_{key[:16]}.so"
-    found = None if folder is None else _own_library(folder / "bench" / name, command)
-    return _declared(found or _compiled(command, Path(tempfile.mkdtemp(prefix="plannercheck-")) / name))
-
-
-def _own_library(file: Path, command: list[str]) -> ctypes.CDLL | None:
-    """The library in a cache that others may share; None if others could have written it.
-
-    What is loaded is a private copy of the file that was looked at, so that no one can put another one in its place.
-    """
-    if not os.path.lexists(file):
-        _compile(command, file)
-    if not is_own_file(file):
-        return None
-    with file.open("rb") as held, tempfile.TemporaryDirectory(prefix="plannercheck-") as folder:
-        if not is_own(os.fstat(held.fileno())):
-            return None
-        copy = Path(folder) / file.name
-        copy.write_bytes(held.read())
-        return ctypes.CDLL(str(copy))
-
-
-def _compiled(command: list[str], file: Path) -> ctypes.CDLL:
-    _compile(command, file)
-    return ctypes.CDLL(str(file))
+    folder, name = cache_folder(), f"coal_loop_{key}.so"
+    found = None if folder is None else read_cached(folder / name)
+    with tempfile.TemporaryDirectory(prefix="plannercheck-") as private:
+        file = Path(private) / name
+        if found is None:
+            _compile(command, file)
+        else:
+            file.write_bytes(found)
+        if found is None and folder is not None:
+            write_to_cache(folder / name, file.read_bytes())
+        return _declared(ctypes.CDLL(str(file)))
 
 
 def _compile(command: list[str], file: Path) -> None:
-    """Runs the compiler; the file appears whole or not at all."""
     try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=file.parent) as folder:
-            aside = Path(folder) / file.name
-            done = subprocess.run([*command, "-o", str(aside)], capture_output=True, text=True, timeout=_PATIENCE)
-            if done.returncode:
-                first = next((line for line in done.stderr.splitlines() if "error" in line), done.stderr[-200:])
-                raise PlannercheckError(f"the loop around coal does not compile: {first.strip()}")
-            aside.replace(file)
+        done = subprocess.run([*command, "-o", str(file)], capture_output=True, text=True, timeout=_PATIENCE)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise PlannercheckError(f"the loop around coal can't be compiled: {error}") from error
+    if done.returncode:
+        first = next((line for line in done.stderr.splitlines() if "error" in line), done.stderr[-200:])
+        raise PlannercheckError(f"the loop around coal does not compile: {first.strip()}")
 
 
 def _coal_prefix() -> Path:

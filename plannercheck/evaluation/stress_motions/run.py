@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plannercheck.bodies.polytope_files import uncached
+from plannercheck.common.cache import uncached
 from plannercheck.evaluation.stress_motions.cases import MotionCase, case_of
 from plannercheck.evaluation.stress_motions.draws import (
     FAMILIES,

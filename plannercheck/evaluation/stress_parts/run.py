@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plannercheck.bodies.polytope_files import uncached
+from plannercheck.common.cache import uncached
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress.failure_tables import WRONG, Key
 from plannercheck.evaluation.stress.posed_pairs import ANY_OFFSET, UNFIT, Outcome

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from plannercheck.bodies.polytope_files import uncached
+from plannercheck.common.cache import uncached
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress.failure_tables import WRONG, Key
 from plannercheck.evaluation.stress.other_libraries import Peer

@@ -21,6 +21,7 @@ from long_runs.mutations import damaged
 from plannercheck.bodies import polytope_files as body_files
 from plannercheck.bodies.polytope import prepared
 from plannercheck.cli import main as cli
+from plannercheck.common.cache import read_cached
 from plannercheck.validation import outputs
 
 _FILES, _ROWS = 5, 300  # of a set whose journal is damaged: a record a file
@@ -80,7 +81,7 @@ def _cached(folder: Path, seed: int) -> Callable[[int], str]:
         k = int(rng.integers(len(points)))
         other = rng.integers(8) == 0
         paths[k].write_bytes(wholes[k - 1] if other else damaged(wholes[k], rng))
-        taken = body_files.read_cached(paths[k]) is not None
+        taken = read_cached(paths[k]) is not None
         if prepared(points[k]).core.serialise() != bodies[k]:
             raise AssertionError("another body came out of the cache")
         paths[k].write_bytes(wholes[k])
