@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.checking.named_configurations import named_configuration
+from plannercheck.checking.named_configurations import given_configurations, named_configuration
 from plannercheck.checking.protocols import AnyRobot, AnyScene
 from plannercheck.checking.verdicts import PairCertificate, PairVerdict, Verdict
 from plannercheck.common.array_types import Bools, Floats, Ints
@@ -118,18 +118,17 @@ class ExplainingChecker(ABC):
 
         Its numbers are looked at later.
         """
-        if type(q) is np.ndarray and q.ndim == 1 and q.dtype.char == "d":  # most of all; it takes 0.2 µs
+        nq = self.robot.nq
+        if type(q) is np.ndarray and q.shape == (nq,) and q.dtype.char == "d":  # most of all
             return q[None]
         if isinstance(q, Mapping):
             return named_configuration(self.robot, q)
         try:
             row = np.asarray(real_numbers(q), dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
-            raise PlannercheckError(
-                f"one configuration must be {self.robot.nq} numbers, not {shown_array(q)}"
-            ) from None
+            raise PlannercheckError(f"one configuration must be {nq} numbers, not {shown_array(q)}") from None
         if row.ndim == 1:
-            return row[None]
+            row = row[None]
         if row.ndim != 2 or len(row) != 1:
-            raise PlannercheckError(f"one configuration must have shape ({self.robot.nq},), not {row.shape}")
-        return row
+            raise PlannercheckError(f"one configuration must have shape ({nq},), not {row.shape}")
+        return row if row.shape[1] == nq else given_configurations(self.robot, row)

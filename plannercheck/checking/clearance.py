@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 from numpy.typing import ArrayLike
 
+from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import Configuration
@@ -84,7 +85,7 @@ class MeasuringChecker(ABC):
         return self._clearances(q, False)[1]
 
     def _clearances(self, q: ArrayLike, lower_bound: bool) -> tuple[Floats, Ints]:
-        rows = self.robot.check_configurations(q)
+        rows = given_configurations(self.robot, q)
         if not len(self.pairs):
             return np.full(len(rows), np.inf), np.full(len(rows), -1, dtype=np.int32)
         used = np.unique(self.pairs)

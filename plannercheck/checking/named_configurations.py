@@ -1,6 +1,6 @@
-"""One configuration given by names of joints, in space or in the plane.
+"""Configurations given by fewer numbers than a robot's own have, or by names of joints, in space or in the plane.
 
-In: a robot, a mapping of joint names to values. Out: the configuration in the robot's own order.
+In: a robot, rows or a mapping of joint names to values. Out: configurations in the robot's own order.
 """
 
 from __future__ import annotations
@@ -13,6 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.checking.protocols import AnyRobot
 from plannercheck.robots.joint_values import row_of_named
 from plannercheck.robots.robot import Robot
+
+
+def given_configurations(robot: AnyRobot, q: ArrayLike) -> NDArray[np.float64]:
+    """Configurations (n, nq) of (nq,) or (n, nq); of a robot without a group also of one number for each joint."""
+    return robot.joint_values.configurations(q) if isinstance(robot, Robot) else robot.check_configurations(q)
 
 
 def named_configuration(robot: AnyRobot, values: Mapping[str, ArrayLike]) -> NDArray[np.float64]:

@@ -6,7 +6,9 @@ both bodies' parts. Points and faces stay as they are, and the test adds inflati
 verdicts are as exact as others. One rounding to a double remains: where a part is added to the inflation radius of a
 ball or capsule.
 
-A pair with a distance of its own gets copies of its bodies, each with half the distance.
+A pair with a distance of its own gets copies of its bodies, each with half the distance. A checker for a later scene
+sets aside the entries that do not fit that scene: a name that it lacks, or a pair that it does not test, such as a hand
+and the object that it now carries.
 """
 
 from __future__ import annotations
@@ -73,6 +75,20 @@ def padded_pairs(
     return PaddedPairs(tuple(copies.bodies), tuple(copies.labels), np.array(copies.shares, dtype=np.float64), rewritten)
 
 
+def padding_that_fits(
+    padding: Padding, bodies: Sequence[GeometryObject], labels: Sequence[str], tables: Sequence[Ints]
+) -> Padding:
+    """The entries of a padding whose names a scene has, and whose pairs it tests; arguments as for `padded_pairs`."""
+    if not isinstance(padding, Mapping):
+        return padding
+    names = _names(bodies, labels)
+
+    def fits(entry: str | tuple[str, str]) -> bool:
+        return entry in names if isinstance(entry, str) else _is_tested(entry, bodies, labels, tables)
+
+    return {entry: length for entry, length in padding.items() if fits(entry)}
+
+
 def padding_shares(
     padding: Mapping[str, float], bodies: Sequence[GeometryObject], labels: Sequence[str]
 ) -> list[float]:
@@ -129,10 +145,16 @@ def _check_pair(pair: object, bodies: Sequence[GeometryObject], labels: Sequence
     for name in pair:
         if name not in names:
             raise unknown_name("padded body, link or obstacle", name, sorted(names))
-    if not any(True for table in tables for _ in _rows_of(pair, bodies, labels, table)):
+    if not _is_tested(pair, bodies, labels, tables):
         raise PlannercheckError(
             f"padding of {pair!r}: no such pair is tested, as both are on one link or allowed to touch"
         )
+
+
+def _is_tested(
+    pair: tuple[str, str], bodies: Sequence[GeometryObject], labels: Sequence[str], tables: Sequence[Ints]
+) -> bool:
+    return any(True for table in tables for _ in _rows_of(pair, bodies, labels, table))
 
 
 def _rows_of(

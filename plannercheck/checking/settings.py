@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.bodies.tuning import Tuning
-from plannercheck.checking.padding import PaddedPairs, Padding, padded_pairs
+from plannercheck.checking.padding import PaddedPairs, Padding, padded_pairs, padding_that_fits
 from plannercheck.checking.pair_table import Acm, pair_table
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.robot import Robot
@@ -47,13 +47,15 @@ class Settings:
         Args:
             robot: The robot with what it carries.
             scene: The scene with the obstacles.
-            is_first: Whether all names of paddings have to be known; a later scene may lack some.
+            is_first: Whether every entry of a padding has to fit; a later scene sets aside entries that do not, and a
+                still later one takes them again.
         """
         bodies = substitute_bodies(self.bodies, (*robot.bodies, *scene.bodies))
         table = pair_table(robot, scene, self.self_collision, self.acm)
         labels = (*(body.label for body in robot.bodies), *scene.body_objects)
-        padding = self.padding if is_first else padding_of_known_names(self.padding, bodies, labels)
-        return padded_pairs(padding, bodies, labels, (table.pairs, table.static))
+        tables = (table.pairs, table.static)
+        padding = self.padding if is_first else padding_that_fits(self.padding, bodies, labels, tables)
+        return padded_pairs(padding, bodies, labels, tables)
 
 
 def without_attached(robot: Robot, attached: Sequence[SceneObject]) -> Robot:
@@ -62,16 +64,6 @@ def without_attached(robot: Robot, attached: Sequence[SceneObject]) -> Robot:
     if names.isdisjoint(item.name for item in robot.carried):
         return robot
     return robot.carrying(item for item in robot.carried if item.name not in names)
-
-
-def padding_of_known_names(padding: Padding, bodies: Sequence[GeometryObject], labels: Sequence[str]) -> Padding:
-    """Paddings without names that the scene does not have any more."""
-    if not isinstance(padding, Mapping):
-        return padding
-    names = {*labels, *(body.name for body in bodies)}
-    return {
-        name: length for name, length in padding.items() if names.issuperset([name] if isinstance(name, str) else name)
-    }
 
 
 def substitute_bodies(

@@ -27,6 +27,7 @@ from plannercheck.checking.checker_base import ExplainingChecker
 from plannercheck.checking.clearance import MeasuringChecker
 from plannercheck.checking.compiled_pairs import PairSource
 from plannercheck.checking.compiled_tables import CompiledTables
+from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.checking.padding import Padding
 from plannercheck.checking.pair_proofs import MeetingProofs
 from plannercheck.checking.pair_table import Acm
@@ -122,19 +123,25 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         )
         self._prepare(scene if scene is not None else Scene("empty"), None)
 
-    def _prepare(self, scene: Scene, earlier: StateChecker | None) -> None:
-        """Builds everything that depends on the scene; takes over what an earlier checker has, where it still holds."""
-        settings = self._settings
+    def _prepare(self, scene: Scene, earlier: StateChecker | None, is_same_robot: bool = True) -> None:
+        """Builds everything that depends on the scene; takes over what an earlier checker has, where it still holds.
+
+        Args:
+            scene: The scene.
+            earlier: The earlier checker.
+            is_same_robot: Whether the earlier checker's robot moves by the same configurations.
+        """
+        settings, same = self._settings, earlier if is_same_robot else None
         self.scene = scene.copy()
         place_objects(settings.robot, self.scene)
-        self.robot = settings.carrier(self.scene.attached, None if earlier is None else earlier.robot)
+        self.robot = settings.carrier(self.scene.attached, None if same is None else same.robot)
         self._kernel = self.robot.kinematics if settings.kinematics == "batch" else None
         padded = settings.padded(self.robot, self.scene, is_first=earlier is None)
         self.bodies, self._labels, paddings, (pairs, at_rest) = padded
         self.paddings, self.pairs = read_only(paddings), read_only(pairs)
         known = None if earlier is None else earlier._preparation
         self._preparation = Preparation(self.bodies, self.excess, self.paddings, known)
-        at_rest = self._prove(at_rest, earlier)
+        at_rest = self._prove(at_rest, same)
         self._compile()
         self._scene_taken(earlier)
         carried = np.array([body.carried is not None for body in self.bodies], dtype=bool)
@@ -226,6 +233,13 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         other._prepare(self.scene, None)
         return other
 
+    def with_group(self: Same, joints: Sequence[str], name: str = "group") -> Same:
+        """The same checker for another planning group of its robot; arguments as for `Robot.with_group`."""
+        other = copy.copy(self)
+        other._settings = replace(self._settings, robot=self._settings.robot.with_group(joints, name))
+        other._prepare(self.scene, self, is_same_robot=False)
+        return other
+
     def _link_pose(self, link: str, q: ArrayLike) -> Floats:
         """(4, 4) of a link at one configuration (nq,), m."""
         index = self.robot.link_index(link)
@@ -284,7 +298,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
             known = self._judge_set(q, min(threads, MOST_THREADS))
             if known is not None:
                 return known.view(bool)
-        rows = self.robot.check_configurations(q)
+        rows = given_configurations(self.robot, q)
         threads = checked_threads(threads, len(rows))
         if self._kernel is None:
             return np.asarray(self._tables.all.core.first_of_poses(self._link_poses(rows), threads) < 0)
@@ -300,7 +314,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         Returns:
             (n,) rows of `pairs`, -1 where the configuration is valid.
         """
-        rows = self.robot.check_configurations(q)
+        rows = given_configurations(self.robot, q)
         threads = checked_threads(threads, len(rows))
         if self._kernel is None:
             return self._tables.all.to_table_rows(self._tables.all.core.first_of_poses(self._link_poses(rows), threads))
@@ -317,7 +331,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         Returns:
             (n, k) for the k rows of `pairs`.
         """
-        return self._tables.all.colliding(self._link_poses(self.robot.check_configurations(q)))
+        return self._tables.all.colliding(self._link_poses(given_configurations(self.robot, q)))
 
     def body_poses(self, q: ArrayLike) -> Floats:
         """World poses of all bodies: the very doubles that verdicts use.
@@ -328,7 +342,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         Returns:
             (n, bodies, 4, 4), m; NaN for bodies that no pair needs.
         """
-        return self._tables.all.body_poses(self._link_poses(self.robot.check_configurations(q)))
+        return self._tables.all.body_poses(self._link_poses(given_configurations(self.robot, q)))
 
     def _names_of_met(self, a: int, b: int, poses: Floats) -> tuple[str, str]:
         names, shapes = [self.bodies[k].name for k in (a, b)], [self.bodies[k].shape for k in (a, b)]

@@ -11,10 +11,11 @@ from typing import ClassVar, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.checking.state_checker import StateChecker
 from plannercheck.checking.verdicts import MotionVerdict
 from plannercheck.common.array_types import Bools, Floats
-from plannercheck.common.arrays import Configuration, contiguous
+from plannercheck.common.arrays import Configuration
 from plannercheck.common.compiled_first import compiled_first
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath, check_path
@@ -138,8 +139,8 @@ class Checker(StateChecker):
             known = self.motion_certifier.judge_sets(q0, q1, tolerance, min(threads, MOST_THREADS))
             if known is not None:
                 return known.view(bool)
-        starts, ends = self._motion_ends(q0, q1)
-        given = contiguous(q1).reshape(ends.shape)
+        starts, given = checked_ends(self.robot, q0, q1)
+        ends = self.motion_sampler.short_way(starts, given)
         if resolution is None:
             threads = checked_threads(threads, len(starts))
             return self.certifier_of(path).check(starts, ends, tolerance, threads, given)
@@ -211,7 +212,7 @@ class Checker(StateChecker):
                 free motion on which a solid or a set of parts comes near: the pair is named.
         """
         free = self.check_motions(q0, q1, tolerance=tolerance, threads=threads, path=path)
-        (starts, ends), asked = self._motion_ends(q0, q1), self.robot.check_configurations(q1)
+        (starts, ends), asked = self._motion_ends(q0, q1), given_configurations(self.robot, q1)
         rows = zip(starts, ends, asked, free.tolist(), strict=True)
         return tuple(self._proof(q, end, to, tolerance, path) if passed else None for q, end, to, passed in rows)
 

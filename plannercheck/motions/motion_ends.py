@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
 from plannercheck.common.angles import nearest_turns
 from plannercheck.common.array_types import Bools, Floats
@@ -17,7 +18,7 @@ from plannercheck.common.errors import PlannercheckError
 
 def checked_ends(robot: AnyRobot, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
     """Starts and ends (n, nq) of motions of a robot, or an error."""
-    starts, ends = robot.check_configurations(q0), robot.check_configurations(q1)
+    starts, ends = given_configurations(robot, q0), given_configurations(robot, q1)
     if starts.shape != ends.shape:
         raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
     return starts, ends

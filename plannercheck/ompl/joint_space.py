@@ -146,8 +146,8 @@ def _columns(robot: Robot) -> tuple[NDArray[np.bool_], Floats, Floats, list[int]
     for name, joint, angle in zip(robot.joint_names, joints, angles, strict=True):
         if joint.nq != 1 and not angle:
             raise PlannercheckError(
-                f"joint {name!r} of {robot.name} takes {joint.nq} numbers, planning needs one each: choose "
-                "a planning group without it (robot.with_group), in which continuous joints are angles"
+                f"joint {name!r} of {robot.name} takes {joint.nq} numbers, a space of joints has one for each: "
+                "choose a planning group (robot.with_group), in which a continuous joint is one angle"
             )
     for name, angle, low, high in zip(robot.joint_names, angles, robot.lower, robot.upper, strict=True):
         if not angle and not (np.isfinite(low) and np.isfinite(high)):

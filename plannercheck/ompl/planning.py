@@ -28,6 +28,7 @@ from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.silence import Silence
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
+from plannercheck.ompl.angle_checkers import angle_checker, angle_end
 from plannercheck.ompl.clearance import CLEARANCE_RESOLUTION, MaxMinClearance
 from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.ompl.motion_validators import Space
@@ -37,7 +38,7 @@ from plannercheck.ompl.plans import Plan, joint_length
 from plannercheck.ompl.pose_space import PoseSpace
 from plannercheck.ompl.prepared_spaces import given_back, lent, space_information, space_of
 from plannercheck.ompl.simple_setup import SimpleSetup
-from plannercheck.ompl.start_and_goal import check_end_state, checked_end
+from plannercheck.ompl.start_and_goal import check_end_state
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.curves import Curve
 
@@ -179,7 +180,8 @@ def plan(
         longest_motion = 0 if isinstance(checker, PlanarChecker) else LONGEST_MOTION
     if not (isfinite(longest_motion) and longest_motion >= 0):
         raise PlannercheckError(f"longest_motion must be a length in rad or 0, not {longest_motion!r}")
-    ends = {name: checked_end(checker, q, name) for name, q in (("start", start), ("goal", goal))}
+    given, checker = checker, angle_checker(checker)
+    ends = {name: angle_end(given, checker, q, name) for name, q in (("start", start), ("goal", goal))}
     reasons = [check_end_state(checker, q).reason(name) for name, q in ends.items()]
     if any(reasons):
         return _unsolved(checker.robot, planner, 0.0, "; ".join(filter(None, reasons)))

@@ -12,7 +12,7 @@ from operator import le
 import numpy as np
 
 from plannercheck.checking.input_hints import degrees_hint
-from plannercheck.checking.named_configurations import named_configuration
+from plannercheck.checking.named_configurations import given_configurations, named_configuration
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import Configuration
@@ -75,8 +75,8 @@ def checked_end(checker: AnyChecker, q: Configuration, name: str) -> Floats:
     if not isinstance(q, Mapping) and np.ndim(q) != 1:
         raise PlannercheckError(f"{name} must be one configuration ({checker.robot.nq},), not {np.shape(q)}")
     try:
-        numbers = named_configuration(checker.robot, q) if isinstance(q, Mapping) else q
-        return np.asarray(checker.robot.check_configurations(numbers)[0])
+        of = named_configuration(checker.robot, q) if isinstance(q, Mapping) else given_configurations(checker.robot, q)
+        return np.asarray(of[0])
     except PlannercheckError as error:
         raise PlannercheckError(f"{name}: {error}") from None
 

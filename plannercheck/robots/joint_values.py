@@ -91,6 +91,8 @@ class JointValues:
         Returns:
             (n, nq), checked.
         """
+        if not self.maps:
+            return self._map.checked(rows)
         width = np.shape(rows)[-1] if np.ndim(rows) else 0
         chosen = next((each for each in self.maps if each.width == width), None)
         return self._map.checked(rows) if chosen is None else chosen.expand(chosen.checked(rows))

@@ -70,7 +70,8 @@ class PosedRobot:
         """World poses of all links.
 
         Args:
-            q: (nq,) or (n, nq) configurations of the group, or each joint's value of one by its name.
+            q: (nq,) or (n, nq) configurations of the group, or each joint's value of one by its name. Of a robot
+                without a group also one number for each joint, a continuous joint as one angle.
 
         Returns:
             (links, 4, 4) or (n, links, 4, 4), m, in the order of link_names. A configuration gets the same doubles
@@ -78,13 +79,13 @@ class PosedRobot:
         """
         if isinstance(q, Mapping):
             return self.link_poses(self.joint_values.named(q)[0])
-        rows = self._map.checked(q)
+        rows = self.joint_values.configurations(q)
         poses = self._forward.poses(rows)
         return poses[0] if np.ndim(q) == 1 else poses
 
     def pinocchio_link_poses(self, q: ArrayLike) -> Floats:
         """World poses of all links by Pinocchio itself; arguments and result as of link_poses."""
-        poses = self._forward.pinocchio_poses(self._map.checked(q))
+        poses = self._forward.pinocchio_poses(self.joint_values.configurations(q))
         return poses[0] if np.ndim(q) == 1 else poses
 
     @property

@@ -192,12 +192,13 @@ class Robot(PosedRobot):
         """Fills in the held joints.
 
         Args:
-            q: (nq,) or (n, nq) configurations of the group.
+            q: (nq,) or (n, nq) configurations of the group. Of a robot without a group also one number for each joint,
+                a continuous joint as one angle.
 
         Returns:
             (full nq,) or (n, full nq), Pinocchio's configurations.
         """
-        full = self._map.expand(self._map.checked(q))
+        full = self._map.expand(self.joint_values.configurations(q))
         return full[0] if np.ndim(q) == 1 else full
 
     @property

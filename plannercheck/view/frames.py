@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError
@@ -40,7 +41,7 @@ def along_path(
     Raises:
         PlannercheckError: If the path is empty or `frames` is less than 1.
     """
-    rows = checker.robot.check_configurations(path)
+    rows = given_configurations(checker.robot, path)
     check_path(motion_path)
     if not len(rows) or frames < 1:
         raise PlannercheckError(f"an animation needs a path and at least 1 frame, not {len(rows)} states and {frames}")

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
@@ -63,7 +64,7 @@ def joints_of(
         PlannercheckError: If a joint takes several numbers, which sliders can't set one by one.
     """
     robot = checker.robot
-    rows = robot.check_configurations(q)
+    rows = given_configurations(robot, q)
     if len(robot.joint_names) != robot.nq:
         raise PlannercheckError(
             f"sliders are for joints of one number each, some of {robot.name} take several: choose a planning group"

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from plannercheck.checking.named_configurations import named_configuration
+from plannercheck.checking.named_configurations import given_configurations, named_configuration
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import Configuration
@@ -62,7 +62,7 @@ def picture(
         PlannercheckError: If there are no configurations or more than `MOST_FRAMES`, or labels do not fit them.
     """
     numbers = named_configuration(checker.robot, q) if isinstance(q, Mapping) else q
-    rows = checker.robot.check_configurations(numbers)
+    rows = given_configurations(checker.robot, numbers)
     names = [f"configuration {k}" for k in range(len(rows))] if labels is None else list(labels)
     if not 0 < len(rows) <= MOST_FRAMES or len(names) != len(rows):
         raise PlannercheckError(

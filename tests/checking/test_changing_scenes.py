@@ -317,6 +317,52 @@ def test_what_a_pairs_own_distance_needed_is_not_taken_for_another_scene(panda, 
     np.testing.assert_array_equal(again.check_states(q), truth.check_states(q))
 
 
+def picked_up(checker, q):
+    return checker.attach("can", None, HAND, q=q, touch_links=FINGERS)
+
+
+def allowed(checker, q):
+    scene = checker.scene.copy()
+    scene.allow("can", HAND)
+    return checker.with_scene(scene)
+
+
+def taken_away(checker, q):
+    scene = checker.scene.copy()
+    scene.remove("can")
+    return checker.with_scene(scene)
+
+
+@pytest.mark.parametrize("change", [picked_up, allowed, taken_away])
+@pytest.mark.parametrize(
+    "pairs",
+    [
+        {("can", HAND): 0.002},
+        {(HAND, "can"): 0.002, ("can", "panda_link5"): 0.03, "can": 0.001},
+        {("can", finger): 0.004 for finger in FINGERS} | {("can", HAND): 0.0, HAND: 0.01},
+    ],
+)
+def test_paddings_of_pairs_that_a_scene_does_not_test_come_back_with_the_pair(panda, scene, q, pairs, change):
+    """Picking up an object from which the hand keeps a distance (pair_padding_attach)."""
+    start = scene.start("panda")
+    scene.add("can", Cylinder(0.02, 0.1), panda.link_poses(start)[panda.link_index(HAND)] @ at(0, 0, 0.15))
+    checker = pc.Checker(panda, scene, padding=pairs)
+    changed = change(checker, start)
+    tested = {frozenset(changed.pair_names(k)) for k in range(len(changed.pairs))}
+    assert frozenset(("can", HAND)) not in tested
+    named = set().union(*tested)
+    for k, pair in enumerate(changed.pairs):
+        a, b = changed.pair_names(k)
+        whole = [length for of, length in pairs.items() if of in ((a, b), (b, a))]
+        assert changed.paddings[pair].sum() == (whole or [pairs.get(a, 0.0) + pairs.get(b, 0.0)])[-1]
+    fits = {of: x for of, x in pairs.items() if of in named or (not isinstance(of, str) and frozenset(of) in tested)}
+    truth = pc.Checker(panda, changed.scene, padding=fits)
+    np.testing.assert_array_equal(changed.check_states(q), truth.check_states(q))
+    back = changed.with_scene(scene)
+    np.testing.assert_array_equal(back.paddings[back.pairs], checker.paddings[checker.pairs])
+    np.testing.assert_array_equal(back.check_states(q), checker.check_states(q))
+
+
 def test_either_of_two_carried_objects_may_list_the_other_as_a_touch_link(panda):
     for first, second in (((), ("a",)), (("b",), ())):
         scene = pc.Scene("two carried")

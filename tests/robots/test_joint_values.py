@@ -131,3 +131,31 @@ def test_the_command_line_takes_angles(urdf, tmp_path, capsys):
     capsys.readouterr()
     assert main(["view", *robot, "--q", "1", "--html", str(tmp_path / "page.html")]) == 2
     assert "the columns are 0 to 1 spin (cosine and sine), 2 open, 3 partner" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("rows", [ROWS, EVERY], ids=["own", "every"])
+def test_checkers_and_link_poses_take_a_number_a_joint(robot, rows):
+    checker = pc.Checker(robot)
+    np.testing.assert_array_equal(robot.link_poses(rows), robot.link_poses(FULL))
+    np.testing.assert_array_equal(robot.expand(rows[0]), robot.expand(FULL[0]))
+    np.testing.assert_array_equal(checker.check_states(rows), checker.check_states(FULL))
+    np.testing.assert_array_equal(checker.clearances(rows), checker.clearances(FULL))
+    assert checker.is_valid(rows[0]) == checker.is_valid(FULL[0])
+    assert checker.check_motion(*rows) == checker.check_motion(*FULL)
+    assert checker.explain(list(rows[0])).valid == checker.explain(FULL[0]).valid
+    assert checker.explain_motion(*rows).free == checker.explain_motion(*FULL).free
+    assert checker.clearance(rows[0]) == checker.clearance(FULL[0])
+    np.testing.assert_array_equal(
+        checker.check_motions(rows, rows[::-1], 0.01), checker.check_motions(FULL, FULL[::-1], 0.01)
+    )
+
+
+def test_joints_that_follow_may_be_left_out_where_no_joint_turns(tmp_path):
+    path = tmp_path / "slides.urdf"
+    path.write_text(URDF.replace("continuous", "fixed"))
+    checker = pc.Checker(pc.Robot.load(path))
+    assert checker.check_motion([0.1], [0.2]) == checker.check_motion([0.1, -0.09], [0.2, -0.19])
+    assert checker.explain([0.1]).valid == checker.is_valid([0.1, -0.09])
+    for wrong in ([0.1, 0.2, 0.3], []):
+        with pytest.raises(pc.PlannercheckError, match=r"shape \(2,\) or \(n, 2\)"):
+            checker.check_motion(wrong, [0.2, -0.19])
