@@ -7,10 +7,11 @@ detection of intersections between convex polyhedra"); every verdict is that of 
 from __future__ import annotations
 
 import importlib
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.model_comparisons import Comparison, set_model_comparison
+from plannercheck.common.model_comparisons import Comparison, set_model_comparison, set_path_reader
 from plannercheck.common.version import __version__
 
 if TYPE_CHECKING:
@@ -94,15 +95,23 @@ _MODULES = ("ndim", "ompl", "planar", "view")
 
 
 def _comparison(home: str) -> Comparison:
-    def compare(model: Any, robot: Any, scene: str | None, meshes: Any, geometry: Any, mesh_units: Any) -> None:
-        importlib.import_module(f"plannercheck.{home}").confirm_model(model, robot, scene, meshes, geometry, mesh_units)
+    def compare(
+        model: Any, robot: Any, scene: str | None, meshes: Any, geometry: Any, mesh_units: Any
+    ) -> tuple[str, ...]:
+        module = importlib.import_module(f"plannercheck.{home}")
+        return tuple(module.confirm_model(model, robot, scene, meshes, geometry, mesh_units))
 
     return compare
+
+
+def _read_path(path: Any, joint_names: Sequence[str], width: int) -> Any:
+    return importlib.import_module("plannercheck.validation.formats.paths").read_path(path, joint_names, width)
 
 
 # `Proof.verify` with a robot compares the proof's model with files, which takes folders above `proofs`.
 set_model_comparison("space", _comparison("motions.proof_confirmation"))
 set_model_comparison("plane", _comparison("planar.proof_confirmation"))
+set_path_reader(_read_path)
 
 __all__ = [
     "Box",

@@ -1,7 +1,7 @@
 """`plannercheck verify`: confirms proofs of motions in ball arithmetic, without the checker that made them.
 
-In: proof files, and on request the robot and the scene that they should be of. Out: a line for each file and for each
-motion that is not proved, or JSON.
+In: proof files, and on request the robot, the scene and the path that they should be of. Out: what each file proves, in
+lines or as JSON. Names come from the files: they are printed quoted.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, descr
 from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs import Proof, Verification, load_proofs
+from plannercheck.proofs.claims import held_joints, least_padding, motion_of, sentence_of
+from plannercheck.proofs.paths import path_proved
 from plannercheck.proofs.verify import model_confirmed
 from plannercheck.scenes.scene_paths import MeshKind
 
@@ -24,7 +26,7 @@ Exit codes: 0 all motions proved, 1 some are not, 2 bad input, such as a file th
 
 Examples:
   plannercheck validate --robot panda --scene bookshelf --path plan.json --certify
-  plannercheck verify plan.proof.json --robot panda --scene bookshelf
+  plannercheck verify plan.proof.json --robot panda --scene bookshelf --path plan.json
   plannercheck verify plan.proof.json --robot ur10 --geometry solid --scene cell.yaml --scene-meshes solid
 """
 
@@ -39,6 +41,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--scene-meshes", choices=get_args(MeshKind), default="hull", help="what meshes of the scene are; default: hull"
     )
+    parser.add_argument(
+        "--path", type=Path, metavar="FILE", help="confirm that every motion of this path is proved, in its order"
+    )
+    parser.add_argument(
+        "--straight", action="store_true", help="with --path: straight motions are meant, whatever its velocities"
+    )
     parser.add_argument("--format", choices=("table", "json"), default="table", help="format of what is printed")
 
 
@@ -50,6 +58,10 @@ def run(options: argparse.Namespace) -> int:
         check_heeded(options, given_options(options), "with --robot")
     if options.scene is None:
         check_heeded(options, ("--scene-meshes",), "with --scene")
+    if options.path is None:
+        check_heeded(options, ("--straight",), "with --path")
+    elif len(options.files) > 1:
+        raise PlannercheckError(f"--path is of one proof file, and {len(options.files)} are given")
     results = [_verified(path, options) for path in options.files]
     if options.format == "json":
         print(json.dumps(results, indent=1))
@@ -74,45 +86,43 @@ def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
             proofs[0], _robot(options), options.scene, options.scene_meshes, mesh_units=options.mesh_units
         )
     )
+    proved_path = _path(proofs, found, options)
     return {
         "proof": str(path),
-        "proved": all(found) and (model is None or bool(model)),
+        "proved": all(found) and proved_path["fault"] is None and (model is None or bool(model)),
         "kind": proofs[0].kind,
         "robot": proofs[0].robot,
         "scene": proofs[0].scene,
         "model": None if model is None else model.fault or "confirmed",
+        "compared": [] if model is None else list(model.compared),
+        "path": proved_path if options.path is not None else None,
         "joined": _joined(proofs),
         "pairs": len(proofs[0].model.pairs),
-        "padding": _least_padding(proofs[0]) if any(found) else None,  # else the model may be malformed
-        "held": _held(proofs[0]) if any(found) else {},
+        "padding": least_padding(proofs[0]) if any(found) else None,  # else the model may be malformed
+        "held": held_joints(proofs[0]) if any(found) else {},
         "entries": sum(each.entries for each in found),
         "seconds": sum(each.seconds for each in found),
         "motions": [_motion(proof, each) for proof, each in zip(proofs, found, strict=True)],
     }
 
 
-def _least_padding(proof: Proof) -> float | None:
-    """What every pair keeps besides not touching, m; None in the plane."""
-    model: Any = proof.model
-    if proof.kind != "space":
-        return None
-    return min((model.bodies[a].padding + model.bodies[b].padding for a, b in model.pairs), default=0.0)
-
-
-def _held(proof: Proof) -> dict[str, list[float]]:
-    """The joints that stand still, which no file says: by name, where."""
-    model: Any = proof.model
-    joints = model.joints if proof.kind == "space" else ()
-    return {joint.name: list(joint.offsets) for joint in joints if max(joint.columns) < 0}
+def _path(proofs: tuple[Proof, ...], found: list[Verification], options: argparse.Namespace) -> dict[str, Any]:
+    """Whether the confirmed proofs prove the path that is asked for."""
+    confirmed = [proof for proof, each in zip(proofs, found, strict=True) if each]
+    if options.path is None:
+        return {"fault": None}
+    if not confirmed:
+        return {"file": str(options.path), "motions": None, "missing": None, "fault": "no motion is proved"}
+    known = path_proved(confirmed, options.path, options.straight)
+    missing = list(known.missing)
+    return {"file": str(options.path), "motions": known.motions, "missing": missing, "fault": known.fault}
 
 
 def _motion(proof: Proof, found: Verification) -> dict[str, Any]:
     return {
         "proved": found.proved,
         "fault": found.fault,
-        "start": list(proof.motion.start),
-        "end": list(_end(proof)),
-        "margin": proof.margin,
+        **motion_of(proof),
         "entries": found.entries,
         "seconds": found.seconds,
     }
@@ -120,13 +130,7 @@ def _motion(proof: Proof, found: Verification) -> dict[str, Any]:
 
 def _joined(proofs: tuple[Proof, ...]) -> bool:
     """Whether each motion starts where the one before was to end."""
-    return all(_end(before) == after.motion.start for before, after in pairwise(proofs))
-
-
-def _end(proof: Proof) -> tuple[float, ...]:
-    """The end that was asked for."""
-    motion: Any = proof.motion
-    return tuple(getattr(motion, "asked_end", motion.end))
+    return all(before.motion.asked_end == after.motion.start for before, after in pairwise(proofs))
 
 
 def _counted(count: int, one: str, many: str) -> str:
@@ -136,17 +140,22 @@ def _counted(count: int, one: str, many: str) -> str:
 def _lines(result: dict[str, Any]) -> list[str]:
     count, proved = len(result["motions"]), sum(motion["proved"] for motion in result["motions"])
     what = f"{_counted(count, 'motion', 'motions')}{' in a row' if result['joined'] and count > 1 else ''}"
-    of = f"of {result['robot']} in {result['scene']}"
+    of = f"of {result['robot']!r} in {result['scene']!r}"
     pairs, entries = _counted(result["pairs"], "pair", "pairs"), _counted(result["entries"], "entry", "entries")
+    file = result["proof"] if result["proof"].isprintable() else repr(result["proof"])
     lines = [
-        f"{result['proof']}: {'' if proved == count else f'{proved} of '}{what} {of} proved: {pairs}, {entries}, in "
+        f"{file}: {'' if proved == count else f'{proved} of '}{what} {of} proved: {pairs}, {entries}, in "
         f"{result['seconds']:.2f} s"
     ]
-    lines += [
-        f"  motion {k}: not proved: {motion['fault']}" for k, motion in enumerate(result["motions"]) if motion["fault"]
-    ]
-    model = result["model"] or "not compared with files (--robot, --scene)"
-    held = ", ".join(f"{name} = {' '.join(f'{x:.6g}' for x in values)}" for name, values in result["held"].items())
+    for k, motion in enumerate(result["motions"]):
+        lines.append(f"  motion {k}: {'proved' if motion['proved'] else 'not proved: ' + motion['fault']}")
+        lines += [f"    {sentence_of(motion)}"] if motion["proved"] else []
+    held = ", ".join(f"{name!r} = {' '.join(f'{x:.9g}' for x in values)}" for name, values in result["held"].items())
     lines += [f"  held: {held}"] if held else []
-    lines += [f"  padding: {result['padding']:.6g} m"] if result["padding"] else []
-    return [*lines, f"  model: {model}"]
+    lines += [f"  padding: {result['padding']:.9g} m"] if result["padding"] is not None else []
+    if result["path"] is not None:
+        path = result["path"]
+        whole = f"all {_counted(path['motions'] or 0, 'motion', 'motions')} proved"
+        lines.append(f"  path {path['file']!r}: {path['fault'] or whole}")
+    lines.append(f"  model: {result['model'] or 'not compared with files (--robot, --scene)'}")
+    return lines + [f"    {sentence}" for sentence in result["compared"]]

@@ -1,19 +1,24 @@
-"""What compares the model in a proof with a robot's and a scene's files, by the kind of proof.
+"""What compares the model in a proof with a robot's and a scene's files, by the kind of proof, and what reads paths.
 
-In: a comparison for each kind, from the package's face, above all folders. Out: the comparison, for
-`plannercheck.proofs.verify`. Loading the files takes all of the package, while proofs stand on `common` alone.
+In: a comparison for each kind and a reader, from the package's face, above all folders. Out: these, for
+`plannercheck.proofs`. Loading the files takes all of the package, while proofs stand on `common` alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 # Of a proof's model, a robot, a scene (None for the empty one), what meshes of the scene are, what those of the robot
-# are, and how mesh files are read (None for what the files say); raises at the first difference.
-Comparison: TypeAlias = Callable[[Any, Any, str | None, Any, Any, Any], None]
+# are, and how mesh files are read (None for what the files say); raises at the first difference. It returns sentences:
+# what was compared with which file.
+Comparison: TypeAlias = Callable[[Any, Any, str | None, Any, Any, Any], tuple[str, ...]]
+
+# Of a path file, the names of its joints, and how many numbers a configuration has; see `validation.formats.paths`.
+PathReader: TypeAlias = Callable[[Any, Sequence[str], int], Any]
 
 _comparisons: dict[str, Comparison] = {}
+_path_readers: list[PathReader] = []
 
 
 def set_model_comparison(kind: str, comparison: Comparison) -> None:
@@ -24,3 +29,13 @@ def set_model_comparison(kind: str, comparison: Comparison) -> None:
 def model_comparison(kind: str) -> Comparison:
     """What compares the models of proofs of a kind, "space" or "plane"."""
     return _comparisons[kind]
+
+
+def set_path_reader(reader: PathReader) -> None:
+    """Sets what reads path files."""
+    _path_readers[:] = [reader]
+
+
+def path_reader() -> PathReader:
+    """What reads path files."""
+    return _path_readers[0]

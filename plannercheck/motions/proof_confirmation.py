@@ -51,7 +51,7 @@ def confirm_model(
     meshes: MeshKind = "hull",
     geometry: Geometry | None = None,
     mesh_units: MeshUnits | None = None,
-) -> None:
+) -> tuple[str, ...]:
     """Compares a model with files.
 
     Args:
@@ -61,6 +61,9 @@ def confirm_model(
         meshes: What meshes of the scene are.
         geometry: What meshes of the robot are; None for what its description says.
         mesh_units: How mesh files are read; None for what the robot's description says, and the scene's default.
+
+    Returns:
+        What was compared with which file.
 
     Raises:
         UnprovedError: If they differ.
@@ -72,10 +75,12 @@ def confirm_model(
     if mesh_units is not None:
         description = dataclasses.replace(description, mesh_units=mesh_units)
     file = description.file
+    compared = []
     if file.kind != MJCF_ROOT:
         whole = description.joints is None and description.group is None
         tree = read_tree(description.urdf, file.mended)
         _TreeComparison(model, tree, description.floating, whole).run()
+        compared.append(f"links and joints, up to 1e-12 of their size, with {str(description.urdf)!r}, read by itself")
     loaded = Robot.from_description(description)
     obstacles = (
         Scene("empty")
@@ -87,6 +92,9 @@ def confirm_model(
         _compare_trees(model, known)
     _compare_columns(model, known)
     _compare_bodies(model, known)
+    where = "the empty scene" if scene is None else f"the scene {scene!r}"
+    loaded_from = f"{str(description.urdf)!r} and {where}"
+    return (*compared, f"bodies, pairs and columns, bit for bit, with what plannercheck loads of {loaded_from}")
 
 
 class _TreeComparison:
@@ -105,14 +113,14 @@ class _TreeComparison:
             )
         for link in self._model.links:
             joint, placement = self._place(link.name)
-            self._compare(f"link {link.name}", link.joint, link.placement, joint, placement)
+            self._compare(f"link {link.name!r}", link.joint, link.placement, joint, placement)
         moving = {joint.name for joint in self._tree.above.values() if joint.kind != "fixed"}
         known = moving | ({self._model.joints[0].name} if self._floating and self._model.joints else set())
         if set(self._joints) != known:
             raise UnprovedError(f"joints of the proof and of the URDF differ: {sorted(set(self._joints) ^ known)[:3]}")
         if self._floating:
             root = self._model.joints[0]
-            self._compare(f"joint {root.name}", root.parent, root.placement, WORLD, np.eye(4))
+            self._compare(f"joint {root.name!r}", root.parent, root.placement, WORLD, np.eye(4))
         for found in self._tree.above.values():
             if found.kind != "fixed":
                 self._compare_joint(self._model.joints[self._joints[found.name]], found)
@@ -135,9 +143,9 @@ class _TreeComparison:
 
     def _compare_joint(self, joint: Joint, found: UrdfJoint) -> None:
         on, placement = self._place(found.parent)
-        self._compare(f"joint {joint.name}", joint.parent, joint.placement, on, placement @ found.placement)
+        self._compare(f"joint {joint.name!r}", joint.parent, joint.placement, on, placement @ found.placement)
         if joint.kind not in _KINDS.get(found.kind, ()):
-            raise UnprovedError(f"joint {joint.name} is of kind {joint.kind!r}, in the URDF {found.kind!r}")
+            raise UnprovedError(f"joint {joint.name!r} is of kind {joint.kind!r}, in the URDF {found.kind!r}")
         sign = self._sign(joint, found) if joint.kind in ("turn", "slide", "circle") else 1.0
         if max(joint.columns) >= 0:
             self._compare_value(joint, found, sign)
@@ -147,7 +155,7 @@ class _TreeComparison:
         for sign in (1.0, -1.0):
             if np.abs(sign * np.array(joint.axis) - found.axis).max() <= _AGREEMENT:
                 return sign
-        raise UnprovedError(f"joint {joint.name} has the axis {list(joint.axis)}, in the URDF {found.axis.tolist()}")
+        raise UnprovedError(f"joint {joint.name!r} has the axis {list(joint.axis)}, in the URDF {found.axis.tolist()}")
 
     def _compare_value(self, joint: Joint, found: UrdfJoint, sign: float) -> None:
         """Checks that a joint's value is its own column, or that of its leader, times a multiplier plus an offset."""
@@ -160,7 +168,7 @@ class _TreeComparison:
             expected, given = (sign * factor, sign * offset), (joint.multipliers[0], joint.offsets[0])
         limit = _AGREEMENT * max(1.0, *map(abs, expected))
         if not all(abs(a - b) <= limit < math.inf for a, b in zip(expected, given, strict=True)):
-            raise UnprovedError(f"joint {joint.name} takes its value by {given}, by the URDF it is {expected}")
+            raise UnprovedError(f"joint {joint.name!r} takes its value by {given}, by the URDF it is {expected}")
 
     def _followed(self, found: UrdfJoint) -> tuple[float, float]:
         """Multiplier and offset by which a joint follows the joint of its column; 1 and 0 for its own column."""
@@ -172,7 +180,7 @@ class _TreeComparison:
                 break
             leader, multiplier, shift = found.mimic
             if leader not in joints or self._model.joints[self._joints[leader]].columns[0] != column:
-                raise UnprovedError(f"joint {found.name} does not follow {leader}, as the URDF says")
+                raise UnprovedError(f"joint {found.name!r} does not follow {leader}, as the URDF says")
             factor, offset, found = factor * multiplier, factor * shift + offset, joints[leader]
         return factor, offset
 
@@ -184,7 +192,7 @@ def _compare_trees(model: Model, loaded: Model) -> None:
         raise UnprovedError(f"links of the proof and of the MJCF differ: {sorted(given ^ known)[:3] or 'in place'}")
     for joint, other in zip(model.joints, loaded.joints, strict=False):  # their number is compared with the columns
         if _as_moved(joint) != _as_moved(other):
-            raise UnprovedError(f"joint {joint.name} is not as the MJCF has it")
+            raise UnprovedError(f"joint {joint.name!r} is not as the MJCF has it")
 
 
 def _as_moved(joint: Joint) -> Joint:
@@ -199,7 +207,7 @@ def _compare_columns(model: Model, loaded: Model) -> None:
         given, known = ((each.name, each.kind, each.columns) for each in (joint, other))
         if given != known:
             raise UnprovedError(
-                f"joint {joint.name} takes the columns {joint.columns}, in the files {known} is in its place"
+                f"joint {joint.name!r} takes the columns {joint.columns}, in the files {known} is in its place"
             )
     if len(model.joints) != len(loaded.joints):
         raise UnprovedError(f"the proof has {len(model.joints)} joints, in the files there are {len(loaded.joints)}")
@@ -221,7 +229,7 @@ def _compare_bodies(model: Model, loaded: Model) -> None:
     for body in model.bodies:
         index = known.get(_key(model, body))
         if index is None:
-            raise UnprovedError(f"body {body.name} ({body.label}) is not in the files, or stands elsewhere")
+            raise UnprovedError(f"body {body.name!r} ({body.label!r}) is not in the files, or stands elsewhere")
         found.append(index)
         other = loaded.bodies[index]
         same = np.array_equal(body.vertices, other.vertices) and body.triangles == other.triangles
@@ -229,12 +237,12 @@ def _compare_bodies(model: Model, loaded: Model) -> None:
         if not same or not abs(body.radius - body.padding - other.radius + other.padding) <= 1e-15 * body.radius:
             given, there = _solids(model), _solids(loaded)
             why = "" if given == there else f": solids are {given} in the proof, and {there} in the files"
-            raise UnprovedError(f"body {body.name} ({body.label}) has another shape than in the files{why}")
+            raise UnprovedError(f"body {body.name!r} ({body.label!r}) has another shape than in the files{why}")
     # Compared by index: a part of an obstacle may have the name of a link's geometry.
     proved = {frozenset((found[a], found[b])) for a, b in model.pairs}
     missing = [pair for pair in loaded.pairs if frozenset(pair) not in proved]
     if missing:
-        names = tuple(f"{loaded.bodies[k].name} ({loaded.bodies[k].label})" for k in missing[0])
+        names = tuple(f"{loaded.bodies[k].name!r} ({loaded.bodies[k].label!r})" for k in missing[0])
         raise UnprovedError(f"{len(missing)} pairs of the checker's table are not in the proof: {names}")
 
 

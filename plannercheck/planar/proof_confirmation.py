@@ -23,7 +23,7 @@ def confirm_model(
     meshes: str = "hull",
     geometry: object = None,
     mesh_units: object = None,
-) -> None:
+) -> tuple[str, ...]:
     """Compares a model with files, bit for bit, except the circles around bodies, which were checked before.
 
     Args:
@@ -33,6 +33,9 @@ def confirm_model(
         meshes: "hull": there are none in the plane.
         geometry: None, likewise.
         mesh_units: None, likewise.
+
+    Returns:
+        What was compared with which file.
 
     Raises:
         UnprovedError: If they differ.
@@ -51,6 +54,8 @@ def confirm_model(
         raise UnprovedError(
             f"{len(missing)} pairs of the checker's table are not in the proof: {sorted(min(missing, key=sorted))}"
         )
+    where = "the empty scene" if scene is None else f"the scene {scene!r}"
+    return (f"links, polygons and pairs, bit for bit, with what plannercheck loads of the robot {robot!r} and {where}",)
 
 
 def _parts(model: PlanarModel) -> tuple[str, str, str]:

@@ -6,7 +6,7 @@
 
 from plannercheck.proofs.data import Entry, Hashes, Joint, Link, Model, Motion, PosedBody, Verification
 from plannercheck.proofs.files import save_proofs
-from plannercheck.proofs.proof import Proof, load_proofs
+from plannercheck.proofs.proof import Proof, load_proofs, verify_path
 
 __all__ = [
     "Entry",
@@ -20,4 +20,5 @@ __all__ = [
     "Verification",
     "load_proofs",
     "save_proofs",
+    "verify_path",
 ]

@@ -215,12 +215,14 @@ class Verification:
         fault: If not: which entry or number fails and why, in one sentence.
         entries: How many entries were confirmed.
         seconds: Time taken, s.
+        compared: What was compared with which file, sentence by sentence; empty if nothing was.
     """
 
     proved: bool
     fault: str | None
     entries: int
     seconds: float
+    compared: tuple[str, ...] = ()
 
     def __bool__(self) -> bool:
         return self.proved

@@ -128,7 +128,7 @@ class EntryChecker:
         by = {"balls": "their balls", "half-space": "the half-space's plane"}.get(
             entry.by, f"a plane along {list(entry.direction)} in {frame}"
         )
-        pair = f"{a.name} ({a.label}) and {b.name} ({b.label})"
+        pair = f"{a.name!r} ({a.label!r}) and {b.name!r} ({b.label!r})"
         return f"{pair} are not kept apart on [{entry.start!r}, {entry.end!r}] by {by}"
 
     def parts_apart(self, entry: Entry, rows: Ints64) -> Bools:

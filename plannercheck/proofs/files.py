@@ -11,6 +11,7 @@ A document: {"format": "plannercheck motion proof", "version": 1, "kind", "robot
 from __future__ import annotations
 
 import json
+import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.checked_yaml import BROKEN_FILE, error_context, read_bytes
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.file_kinds import kind_of
+from plannercheck.common.input_limits import INPUT_LIMITS
 from plannercheck.proofs.data import FORMAT, VERSION, Entry, Hashes, Model, Motion, ProofData
 from plannercheck.proofs.plain_data import from_plain, to_plain
 from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
@@ -99,8 +101,9 @@ def from_document(content: Any) -> tuple[ProofData, ...]:
     """
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise PlannercheckError(f"is no motion proof: 'format' must be {FORMAT!r}")
-    if content.get("version") != VERSION:
-        raise PlannercheckError(f"is of version {content.get('version')!r}; this plannercheck reads version {VERSION}")
+    version = content.get("version")
+    if type(version) is not int or version != VERSION:  # true and 1.0 are equal to 1, and are no versions
+        raise PlannercheckError(f"is of version {version!r:.40}; this plannercheck reads version {VERSION}")
     missing = [key for key in _KEYS if key not in content]
     if missing:
         raise PlannercheckError(f"lacks {missing[0]!r}")
@@ -109,9 +112,9 @@ def from_document(content: Any) -> tuple[ProofData, ...]:
     model_class, motion_class = _CLASSES[content["kind"]]
     model: Any = from_plain(model_class, content["model"], "model")
     hashes = from_plain(Hashes, content["hashes"], "hashes")
-    names = [content[key] for key in ("robot", "scene")]
-    if not all(isinstance(name, str) for name in names) or not isinstance(content["motions"], list):
-        raise PlannercheckError("'robot' and 'scene' must be names, 'motions' a list")
+    names = [from_plain(str, content[key], repr(key)) for key in ("robot", "scene")]
+    if not isinstance(content["motions"], list):
+        raise PlannercheckError("'motions' must be a list")
     if not content["motions"]:
         raise PlannercheckError("has no motions")
     return tuple(
@@ -153,6 +156,7 @@ def _from_json(path: Path) -> Any:
 def _from_npz(path: Path) -> Any:
     read_bytes(path)  # says what is wrong with a file that can't be opened
     try:
+        _check_unpacked(path)
         with np.load(path, allow_pickle=False) as file:
             text = str(file["document"])
             return json.loads(text, object_pairs_hook=_array_reader(file))
@@ -162,17 +166,34 @@ def _from_npz(path: Path) -> Any:
         raise PlannercheckError(f"is no npz of a proof, or is cut off: {error!s:.200}") from None
 
 
+def _check_unpacked(path: Path) -> None:
+    """Raises if an npz unpacks to more than the limit: each member says to how much, and is read no further."""
+    with zipfile.ZipFile(path) as archive:
+        size = sum(member.file_size for member in archive.infolist())
+    if size > INPUT_LIMITS.archive_bytes:
+        raise PlannercheckError(
+            f"unpacks to {size} bytes, more than {INPUT_LIMITS.archive_bytes} (INPUT_LIMITS.archive_bytes)"
+        )
+
+
 def _without_duplicates(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
     """An object of JSON; a repeated key is an error, since readers may take either value."""
     out = dict(pairs)
     if len(out) < len(pairs):
-        raise PlannercheckError(f"has the same key twice in one object: {', '.join(key for key, _ in pairs)[:200]}")
+        raise PlannercheckError(f"has the same key twice in one object: {[key for key, _ in pairs]!r:.200}")
     return out
 
 
 def _array_reader(file: Any) -> Callable[[Sequence[tuple[str, Any]]], Any]:
+    unpacked: dict[str, Any] = {}  # each once, however often the document names it
+
     def read(pairs: Sequence[tuple[str, Any]]) -> Any:
         node = _without_duplicates(pairs)
-        return file[f"array_{node['array']}"] if set(node) == {"array"} else node
+        if set(node) != {"array"}:
+            return node
+        name = f"array_{node['array']}"
+        if name not in unpacked:
+            unpacked[name] = file[name]
+        return unpacked[name]
 
     return read

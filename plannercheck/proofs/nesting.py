@@ -50,7 +50,7 @@ def _check_outside(inner: PosedBody, points: Placed, outer: PosedBody, corners: 
     around, error = corners[0][_winding_triangles(outer)], corners[1] + points[1]
     for row in _within_box(_samples(inner), points[0], corners[0], error):
         if _winding(around - points[0][row], error) != 0:
-            raise UnprovedError(f"{inner.name} ({inner.label}) is inside {outer.name} ({outer.label})")
+            raise UnprovedError(f"{inner.name!r} ({inner.label!r}) is inside {outer.name!r} ({outer.label!r})")
 
 
 def _within_box(rows: Sequence[int], points: Floats, corners: Floats, error: float) -> list[int]:

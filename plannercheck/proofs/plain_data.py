@@ -23,6 +23,8 @@ def to_plain(value: Any) -> Any:
     """Dictionaries, lists, numbers and texts; arrays stay arrays."""
     if is_dataclass(value):
         return {field.name: to_plain(getattr(value, field.name)) for field in given_fields(value)}
+    if isinstance(value, str):
+        return checked_name(value, "a proof's name")
     return [to_plain(part) for part in value] if isinstance(value, tuple | list) else value
 
 
@@ -94,12 +96,12 @@ def _sequence(kinds: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]
 
 def _array(value: Any, where: str) -> Any:
     try:
-        given = np.array(value)
+        given = np.asarray(value)
     except (TypeError, ValueError, OverflowError):
         raise PlannercheckError(f"{where} must be an array of numbers") from None
     if given.dtype.kind not in "iuf":  # numpy would read texts and truths as numbers, and drop imaginary parts
         raise PlannercheckError(f"{where} must be an array of numbers, not of {given.dtype}")
-    array = given.astype(np.float64)
+    array = given.astype(np.float64, copy=False)
     array.setflags(write=False)
     return array
 
@@ -109,4 +111,16 @@ def _scalar(kind: Any, value: Any, where: str) -> Any:
         return float(value)
     if type(value) is not kind:
         raise PlannercheckError(f"{where} must be a {kind.__name__}, not {value!r:.60}")
-    return value
+    return checked_name(value, where) if kind is str else value
+
+
+def checked_name(name: str, where: str) -> str:
+    """A name that prints as one line, as what it is.
+
+    Raises:
+        PlannercheckError: If it has control characters, line breaks, marks that turn the direction of writing, or parts
+            of characters (surrogates): it could forge lines of a report.
+    """
+    if not name.isprintable():
+        raise PlannercheckError(f"{where} must be a name of printable characters, not {name!r:.60}")
+    return name

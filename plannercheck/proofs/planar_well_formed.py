@@ -44,7 +44,7 @@ def check_well_formed(proof: ProofData) -> None:
         raise UnprovedError("the proof is not of a motion in the plane")
     _check_links(model)
     for index, body in enumerate(model.bodies):
-        _check_body(body, len(model.links), f"body {index} ({body.name})")
+        _check_body(body, len(model.links), f"body {index} ({body.name!r})")
     check_pairs(model.pairs, len(model.bodies))
     _check_ends(model, motion)
     for index, piece in enumerate(motion.pieces):
@@ -105,7 +105,7 @@ def _check_links(model: PlanarModel) -> None:
 
 
 def _check_link(link: PlanarLink, index: int, column: int) -> None:
-    what = f"link {index} ({link.name})"
+    what = f"link {index} ({link.name!r})"
     if link.joint not in _WIDTHS:
         raise UnprovedError(f"{what} has a joint of kind {link.joint!r:.40}, which is not known")
     if not (link.parent == _WORLD if index == 0 else 0 <= link.parent < index):

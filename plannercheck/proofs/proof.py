@@ -6,13 +6,16 @@ In: a result of `explain_motion` or `certify_motions`, or a file. Out: the same 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import fields
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
 from pathlib import Path
+
+from numpy.typing import ArrayLike
 
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs.data import ProofData, Verification
 from plannercheck.proofs.files import read_proofs, save_proofs
+from plannercheck.proofs.paths import path_proved
 from plannercheck.proofs.verify import model_confirmed, verified
 
 
@@ -23,6 +26,7 @@ class Proof(ProofData):
         self,
         robot: str | None = None,
         scene: str | None = None,
+        path: str | Path | ArrayLike | None = None,
         *,
         meshes: str = "hull",
         geometry: str | Mapping[str, str] | None = None,
@@ -33,6 +37,8 @@ class Proof(ProofData):
         Args:
             robot: If given, the model has to be that of this robot: the name of a shipped one, a YAML or a URDF file.
             scene: With `robot`: a shipped scene's name, or a file; None for the empty one.
+            path: If given, the proof has to prove all of this path: a file, or configurations (k, columns). A file of
+                several proofs is compared with a path by `plannercheck.proofs.verify_path`.
             meshes: What meshes of the scene are, as for `Scene.load`.
             geometry: What meshes of the robot are, as for `Robot.load`; None for what its YAML says.
             mesh_units: How mesh files are read, as for `Robot.load` and `Scene.load`.
@@ -41,17 +47,22 @@ class Proof(ProofData):
             The verification; a proof with malformed numbers is not proved.
 
         Raises:
-            PlannercheckError: If python-flint is not installed, the robot's or scene's files can't be read, or a scene
-                is given without a robot.
+            PlannercheckError: If python-flint is not installed, a file can't be read, or a scene is given without a
+                robot.
         """
         if robot is None and (scene, meshes, geometry, mesh_units) != (None, "hull", None, None):
             raise PlannercheckError(
                 "scene=, meshes=, geometry= and mesh_units= are compared with robot=: give the robot, too"
             )
+        if scene is None and meshes != "hull":
+            raise PlannercheckError("meshes= says what meshes of the scene are: give the scene, too")
         found = verified(self)
         if found and robot is not None:
             model = model_confirmed(self, robot, scene, meshes, geometry, mesh_units)
-            return Verification(model.proved, model.fault, found.entries, found.seconds + model.seconds)
+            found = replace(model, entries=found.entries, seconds=found.seconds + model.seconds)
+        if found and path is not None:
+            missing = path_proved([self], path).fault
+            found = replace(found, proved=missing is None, fault=missing)
         return found
 
     def save(self, path: str | Path) -> None:
@@ -103,3 +114,21 @@ def load_proofs(path: str | Path) -> tuple[Proof, ...]:
         PlannercheckError: If the file is no proof, is cut off, or of another version.
     """
     return tuple(Proof(*(getattr(data, field.name) for field in fields(data))) for data in read_proofs(path))
+
+
+def verify_path(proofs: Sequence[Proof], path: str | Path | ArrayLike) -> Verification:
+    """Confirms proofs, and that they prove every motion of a path, in order, end to end.
+
+    Args:
+        proofs: Of one file, at least one.
+        path: A path file, or configurations (k, columns).
+
+    Returns:
+        The verification; `fault` is that of the first proof that fails, or names what is missing of the path.
+
+    Raises:
+        PlannercheckError: If python-flint is not installed, or the file can't be read.
+    """
+    found = [proof.verify() for proof in proofs]
+    fault = next((each.fault for each in found if not each), None) or path_proved(proofs, path).fault
+    return Verification(fault is None, fault, sum(each.entries for each in found), sum(each.seconds for each in found))

@@ -99,13 +99,13 @@ def model_confirmed(
     Raises:
         PlannercheckError: If a file can't be read.
     """
-    began, fault = time.perf_counter(), None
+    began, fault, compared = time.perf_counter(), None, tuple[str, ...]()
     try:
         _check_well_formed(proof)
-        model_comparison(proof.kind)(proof.model, robot, scene, meshes, geometry, mesh_units)
+        compared = model_comparison(proof.kind)(proof.model, robot, scene, meshes, geometry, mesh_units)
     except UnprovedError as found:
         fault = str(found)
-    return Verification(fault is None, fault, 0, time.perf_counter() - began)
+    return Verification(fault is None, fault, 0, time.perf_counter() - began, compared)
 
 
 def _check_well_formed(proof: ProofData) -> None:

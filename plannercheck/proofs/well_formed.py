@@ -102,7 +102,7 @@ def _check_margin(margin: float) -> None:
 
 def _check_tree(model: Model) -> None:
     for index, joint in enumerate(model.joints):
-        what = f"joint {index} ({joint.name})"
+        what = f"joint {index} ({joint.name!r})"
         if joint.kind not in JOINT_VALUES:
             raise UnprovedError(f"{what} is of kind {joint.kind!r:.40}, which is not known")
         if not WORLD <= joint.parent < index:
@@ -115,8 +115,8 @@ def _check_tree(model: Model) -> None:
         _check_columns(joint, model.columns, what)
     for index, link in enumerate(model.links):
         if not WORLD <= link.joint < len(model.joints):
-            raise UnprovedError(f"link {index} ({link.name}) is on joint {link.joint}, which there is not")
-        _check_placement(link.placement, f"link {index} ({link.name})")
+            raise UnprovedError(f"link {index} ({link.name!r}) is on joint {link.joint}, which there is not")
+        _check_placement(link.placement, f"link {index} ({link.name!r})")
 
 
 def _check_axis(joint: Joint, what: str) -> None:
@@ -146,7 +146,7 @@ def _check_placement(rows: Sequence[float], what: str) -> None:
 
 def _check_bodies(model: Model) -> None:
     for index, body in enumerate(model.bodies):
-        what = f"body {index} ({body.name})"
+        what = f"body {index} ({body.name!r})"
         if not WORLD <= body.link < len(model.links):
             raise UnprovedError(f"{what} is on link {body.link}, which there is not")
         _check_placement(body.pose, what)
@@ -241,7 +241,7 @@ def _check_unit(joint: Joint, motion: Motion) -> None:
     ends = [joint.offsets] if held else [[q[c] for c in joint.columns] for q in (motion.start, motion.end)]
     for values in ends:
         if not abs(math.hypot(*values[skipped:]) - 1) <= LARGEST_STRETCH:
-            raise UnprovedError(f"joint {joint.name} has a quaternion, or cosine and sine, that is not of length 1")
+            raise UnprovedError(f"joint {joint.name!r} has a quaternion, or cosine and sine, that is not of length 1")
 
 
 def unreached(model: Model, motion: Motion) -> dict[int, float]:

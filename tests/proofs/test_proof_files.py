@@ -114,7 +114,7 @@ def edited(proof, tmp_path, change):
         (lambda d: d.update(kind="time"), "'kind' must be"),
         (lambda d: d.pop("model"), "lacks 'model'"),
         (lambda d: d.update(motions=[]), "no motions"),
-        (lambda d: d.update(robot=7), "names"),
+        (lambda d: d.update(robot=7), "must be a str"),
         (lambda d: d["motions"][0].update(margin="small"), "'margin'"),
         (lambda d: d["motions"][0].update(margin=True), "'margin'"),
         (lambda d: d["motions"][0]["entries"][0].update(pair=0.5), "pair must be a int"),
@@ -371,7 +371,7 @@ def test_a_path_is_certified_and_its_proof_verified(plan, capsys):
     file = plan.with_suffix(".proof.json")
     assert len(load_proofs(file)) == 3
     assert main(["verify", str(file)]) == 0
-    assert "3 motions in a row of ur5 in table proved" in capsys.readouterr().out
+    assert "3 motions in a row of 'ur5' in 'table' proved" in capsys.readouterr().out
     assert main(["verify", str(file), *ARGUMENTS, "--format", "json"]) == 0
     (result,) = json.loads(capsys.readouterr().out)
     assert result["proved"]

@@ -109,7 +109,7 @@ def test_a_proof_states_the_pieces_that_it_proves(folder, checker, capsys):
     assert main(["validate", *named, "--path", str(folder / "t.json"), "--certify"]) == 0
     assert "free, proved for the only motion in" in capsys.readouterr().out
     assert main(["verify", str(folder / "t.proof.json"), *named]) == 0
-    assert re.search(r"\d motions in a row of \w+ in post proved", capsys.readouterr().out)
+    assert re.search(r"\d motions in a row of '\w+' in 'post' proved", capsys.readouterr().out)
     proofs = load_proofs(folder / "t.proof.json")
     assert all(proof.verify().proved for proof in proofs)
     ends = np.array([proofs[0].motion.start, *(proof.motion.end for proof in proofs)])

@@ -1,0 +1,69 @@
+"""What a verified proof claims, as plain data and in words: for the one who receives it.
+
+In: a proof that is well-formed. Out: a dictionary of JSON's values, the names of a configuration's columns, and a line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from plannercheck.proofs.data import ProofData
+from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
+
+# Kinds of joints whose way between two configurations `Motion.path` names.
+_FREE = ("planar", "free")
+
+
+def motion_of(proof: ProofData) -> dict[str, Any]:
+    """The motion of a proof: its ends, and how the robot moves between them; a malformed one as well."""
+    motion = proof.motion
+    if isinstance(motion, PlanarMotion):
+        how: dict[str, Any] = {"path": motion.curve, "turning_radius": motion.turning_radius if motion.pieces else None}
+    else:
+        free = any(joint.kind in _FREE for joint in getattr(proof.model, "joints", ()))
+        how = {"path": motion.path if free else "straight", "turning_radius": None}
+    ends = {"start": list(motion.start), "end": list(motion.end), "asked_end": list(motion.asked_end)}
+    return {**ends, **how, "margin": proof.margin}
+
+
+def sentence_of(motion: dict[str, Any]) -> str:
+    """A motion in words; JSON has all digits."""
+    radius, asked = motion["turning_radius"], motion["asked_end"]
+    turning = "" if radius is None else f" with a turning radius of {radius:.9g} m"
+    other = "" if asked == motion["end"] else f" (asked for: {_listed(asked)})"
+    return (
+        f"{motion['path']}{turning} from {_listed(motion['start'])} to {_listed(motion['end'])}{other}, margin "
+        f"{motion['margin']:.3g} m"
+    )
+
+
+def _listed(values: Sequence[float]) -> str:
+    return f"({', '.join(f'{value:.9g}' for value in values)})"
+
+
+def least_padding(proof: ProofData) -> float | None:
+    """What every pair keeps besides not touching, m; None in the plane."""
+    model = proof.model
+    if isinstance(model, PlanarModel):
+        return None
+    return min((model.bodies[a].padding + model.bodies[b].padding for a, b in model.pairs), default=0.0)
+
+
+def held_joints(proof: ProofData) -> dict[str, list[float]]:
+    """The joints that stand still, which no file says: by name, where."""
+    model = proof.model
+    joints = () if isinstance(model, PlanarModel) else model.joints
+    return {joint.name: list(joint.offsets) for joint in joints if max(joint.columns) < 0}
+
+
+def column_names(proof: ProofData) -> tuple[str, ...]:
+    """The joints that give a configuration its numbers, in their order: one that takes several stands there once."""
+    model = proof.model
+    if isinstance(model, PlanarModel):
+        given = {"free": ("x", "y", "theta"), "fixed": ()}
+        return tuple(name for link in model.links for name in given.get(link.joint, (f"{link.name}_joint",)))
+    names: dict[int, str] = {}
+    for joint in sorted(model.joints, key=lambda joint: joint.offsets[0] != 0 or abs(joint.multipliers[0]) != 1):
+        names.setdefault(joint.columns[0], joint.name)  # a leader takes its column as it is, a follower seldom does
+    return tuple(name for column, name in sorted(names.items()) if column >= 0)
