@@ -69,8 +69,8 @@ def motions(checker, generator, n):
 
 def with_switches(robot, scene, own):
     """A checker with all switches on, one with each of them off, and one with all of them off."""
-    chosen = [{}, *({name: False} for name in SWITCHES), dict.fromkeys(SWITCHES, False)]
-    return [pc.Checker(robot, scene, self_collision=own, tuning=pc.Tuning(**off)) for off in chosen]
+    chosen = [(), *((name,) for name in SWITCHES), SWITCHES]
+    return [pc.Checker(robot, scene, self_collision=own, tuning=pc.Tuning().without(*off)) for off in chosen]
 
 
 # Up to 1,024 obstacles are tested in lanes, more by the tree.
@@ -102,7 +102,8 @@ def test_switches_change_no_verdict(name, obstacles):
 def test_batches_order_and_threads_do_not_matter():
     generator = np.random.default_rng(5)
     robot = pc.Robot.load("panda")
-    checker, *_, plain = with_switches(robot, pc.Scene.load("bookshelf"), own=True)
+    scene = pc.Scene.load("bookshelf")
+    checker, plain = pc.Checker(robot, scene), pc.Checker(robot, scene, tuning=pc.Tuning().without(*SWITCHES))
     starts, ends = motions(plain, generator, 400)
     free = plain.check_motions(starts, ends)
     order = generator.permutation(len(free))
@@ -144,7 +145,9 @@ def test_motions_near_contact(tmp_path):
 
 def test_bounds_and_balls_save_work():
     robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
-    with_bounds, without_bounds, without_balls, *_ = with_switches(robot, scene, own=True)
+    with_bounds, without_bounds, without_balls = (
+        pc.Checker(robot, scene, tuning=pc.Tuning().without(*off)) for off in ((), ("bounds",), ("overlaps",))
+    )
     starts, ends = motions(with_bounds, np.random.default_rng(2), 200)
     for checker in (with_bounds, without_bounds, without_balls):
         checker.check_motions(starts, ends)
