@@ -3,27 +3,30 @@
 In: a proof, a robot, a scene. Out: nothing, or an `UnprovedError` that names the first difference.
 
 The joints, their placements, axes and who follows whom are compared with what `urdf_joints.py` reads from the URDF, or
-from what a xacro expands to, to 1e-12. Bodies, the pair table, and the joint of each column are compared bit for bit
-with what plannercheck itself loads, since meshes have many formats, and SRDFs and groups many rules; so are the joints
-of an MJCF file, of which there is no second reader. So its loader is trusted here; its kinematics and its verdicts are
-not. The values of joints outside the group are part of the claim: they are in the proof, not in
-the URDF.
+from what a xacro expands to, to 1e-12, and the links' bodies with what `urdf_shapes.py` reads from its elements and
+meshes. Bodies, the pair table, and the joint of each column are compared bit for bit with what plannercheck itself
+loads, since SRDFs, groups and scenes have many rules; so are the joints of an MJCF file, of which there is no second
+reader. So its loader is trusted for these; its kinematics and its verdicts are not. The values of joints outside the
+group are part of the claim: they are in the proof, not in the URDF.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
+from functools import partial
 
 import numpy as np
 
 from plannercheck.bodies.mesh_files import MeshUnits
 from plannercheck.common.array_types import Floats
+from plannercheck.common.package_files import folders_above, package_file
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.proof_model import space_model
 from plannercheck.proofs.data import WORLD, Joint, Model, PosedBody
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.urdf_joints import UrdfJoint, UrdfTree, read_tree
+from plannercheck.proofs.urdf_shapes import MeshFiles, confirm_shapes
 from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.link_geometry import Geometry
 from plannercheck.robots.robot import Robot
@@ -80,7 +83,12 @@ def confirm_model(
         whole = description.joints is None and description.group is None
         tree = read_tree(description.urdf, file.mended)
         _TreeComparison(model, tree, description.floating, whole).run()
-        compared.append(f"links and joints, up to 1e-12 of their size, with {str(description.urdf)!r}, read by itself")
+        compared += [f"links and joints, up to 1e-12 of their size, with {str(description.urdf)!r}, read by itself"]
+        above = folders_above(file.path)
+        find = partial(package_file, folders=description.package_dirs, above=above)
+        compared += confirm_shapes(
+            model, description.urdf, file.mended, MeshFiles(find, description.mesh_units != "file")
+        )
     loaded = Robot.from_description(description)
     obstacles = (
         Scene("empty")

@@ -94,13 +94,22 @@ def _joint(element: ElementTree.Element, urdf: str | Path) -> UrdfJoint:
         raise PlannercheckError(f"URDF {str(urdf)!r}: joint {name!r} has no parent or no child")
     try:
         axis = _axis(element)
-        placement = _placement(_numbers(element, "origin", "xyz"), _rotation(element))
+        placement = origin_of(element)
         mimic = _mimic(element.find("mimic"))
     except ValueError as error:
         raise PlannercheckError(f"URDF {str(urdf)!r}: joint {name!r}: {error}") from None
     unit = axis / math.hypot(*axis)
     links = parent.get("link", ""), child.get("link", "")
     return UrdfJoint(name, element.get("type", ""), *links, placement, unit, mimic)
+
+
+def origin_of(element: ElementTree.Element) -> Floats:
+    """(4, 4) the placement that an element's <origin> gives, m.
+
+    Raises:
+        ValueError: If it has other numbers than it should.
+    """
+    return _placement(_numbers(element, "origin", "xyz"), _rotation(element))
 
 
 def _axis(element: ElementTree.Element) -> Floats:

@@ -134,7 +134,7 @@ def test_a_proof_is_confirmed_for_a_xacro_with_its_arguments(arm, tmp_path, caps
     assert "model: confirmed" in capsys.readouterr().out
     arm.write_text(ARM.replace('axis xyz="0 0 1"', 'axis xyz="0 1 0"'))
     assert main(["verify", str(proof), *robot]) == 1
-    assert "joint j has the axis [0.0, 0.0, 1.0]" in capsys.readouterr().out
+    assert "joint 'j' has the axis [0.0, 0.0, 1.0]" in capsys.readouterr().out
 
 
 def test_a_file_of_macros_says_which_file_is_meant(arm, tmp_path):
