@@ -27,6 +27,7 @@ from plannercheck.motions.checker import Checker
 from plannercheck.ompl import LONGEST_MOTION, plan, planner_names
 from plannercheck.ompl.near_first import SAMPLINGS
 from plannercheck.ompl.plans import Plan, check_suffix
+from plannercheck.ompl.searches import AUTO
 from plannercheck.ompl.start_and_goal import check_end_state, checked_end
 from plannercheck.planar.curves import CURVES
 from plannercheck.planar.robot_files import is_planar
@@ -57,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's options."""
     parser.epilog = _EPILOG
     add_robot_argument(parser)
-    add_scene_argument(parser, "needed for one problem")
+    add_scene_argument(parser)
     add_checker_arguments(parser)
     parser.add_argument("--start", metavar="A,B,...", help="start, rad and m; default: the scene file's")
     parser.add_argument("--goal", metavar="A,B,...", help="goal, rad and m; default: the scene file's")
@@ -70,7 +71,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--first", type=int, metavar="N", help="plan only the first N problems of each set")
     parser.add_argument("--each", action="store_true", help="print a line for each problem of a set")
-    parser.add_argument("--planner", default="RRTConnect", help=f"{', '.join(planner_names())}; default: RRTConnect")
+    parser.add_argument(
+        "--planner",
+        default=AUTO,
+        help=f"{AUTO}: RRTConnect and LBKPIECE1 take turns; or one of {', '.join(planner_names())} (RRT* is RRTstar); "
+        f"default: {AUTO}",
+    )
     parser.add_argument("--time", type=float, default=10.0, metavar="S", help="time of each search, s; default: 10")
     parser.add_argument(
         "--range",
@@ -117,8 +123,8 @@ def run(options: argparse.Namespace) -> int:
     if options.problems:
         return problem_sets.run(options)
     check_heeded(options, ("--first", "--each"), "with --problems")
-    if options.scene is None:
-        raise PlannercheckError("needs --scene, or --problems")
+    if options.scene is None and (options.start is None or options.goal is None):
+        raise PlannercheckError("has no start or no goal: needs --scene, or --problems, or both --start and --goal")
     if options.output is not None:
         check_suffix(options.output)
     if options.verify and is_planar(options.robot, "robots"):
@@ -131,7 +137,7 @@ def _run_one(options: argparse.Namespace) -> int:
     robot, scene = checker.robot.name, checker.scene
     start = scene.start(robot) if options.start is None else vector(options.start, "--start")
     goal = scene.goal(robot) if options.goal is None else vector(options.goal, "--goal")
-    _check_ends(checker, start=start, goal=goal)
+    start, goal = _checked_ends(checker, start=start, goal=goal)
     found = plan(
         checker,
         start,
@@ -165,12 +171,13 @@ def _box(text: str) -> Floats:
     return numbers.reshape(2, 3)
 
 
-def _check_ends(checker: AnyChecker, **ends: Floats) -> None:
-    """Raises if a search could not even begin."""
-    reasons = (check_end_state(checker, checked_end(checker, q, name)).reason(name) for name, q in ends.items())
-    reason = "; ".join(filter(None, reasons))
+def _checked_ends(checker: AnyChecker, **ends: Floats) -> tuple[Floats, ...]:
+    """The ends (nq,), or an error if a search could not even begin."""
+    checked = {name: checked_end(checker, q, name) for name, q in ends.items()}
+    reason = "; ".join(filter(None, (check_end_state(checker, q).reason(name) for name, q in checked.items())))
     if reason:
         raise PlannercheckError(f"not planned: {reason}")
+    return tuple(checked.values())
 
 
 def _shown_rows(found: Plan) -> list[tuple[int, list[float]]]:

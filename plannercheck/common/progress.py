@@ -29,6 +29,11 @@ def report(done: int, total: int, what: str) -> None:
         listener(done, total, what)
 
 
+def is_heard() -> bool:
+    """Whether anybody hears reports."""
+    return _listener.get() is not None
+
+
 @contextmanager
 def reported(what: str) -> Iterator[None]:
     """Reports a piece of work that is one step."""

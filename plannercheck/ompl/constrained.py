@@ -22,11 +22,12 @@ from ompl import base, geometric
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import Configuration
-from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.joint_space import JointSpace
-from plannercheck.ompl.planning import LONGEST_MOTION, OMPL_SILENCE, made_planner, planner_names, seed_ompl, shortened
+from plannercheck.ompl.planning import LONGEST_MOTION, OMPL_SILENCE, full_name, seed_ompl, shortened, why_not
 from plannercheck.ompl.plans import Plan, joint_length
+from plannercheck.ompl.searches import made_planner
 from plannercheck.ompl.simple_setup import SimpleSetup
 from plannercheck.ompl.start_and_goal import check_end_state, checked_end
 
@@ -77,8 +78,7 @@ def plan_constrained(
     Raises:
         PlannercheckError: If a joint has no limits, or start or goal do not satisfy the constraint.
     """
-    if planner not in planner_names():
-        raise unknown_name("planner", planner, planner_names())
+    planner = full_name(planner)
     for name, value in (("tolerance", tolerance), ("step", step), ("time_limit", time_limit)):
         if not (np.isfinite(value) and value > 0):
             raise PlannercheckError(f"{name} must be a positive number, not {value!r}")
@@ -256,7 +256,7 @@ def _search(
     status = setup.solve(base.timedPlannerTerminationCondition(time_limit))
     found = time.perf_counter()
     if not setup.haveExactSolutionPath():
-        reason = f"{planner} found no path in {found - began:.1f} s: {status.asString()}"
+        reason = why_not(planner, setup, status, found - began)
         return _plan(checker, space, planner, reason, spent=found - began)
     solution: geometric.PathGeometric = shortened(setup) if simplify else setup.getSolutionPath()
     corners = [numbers.read(state) for state in solution.getStates()]

@@ -1,7 +1,7 @@
 """A search that samples near start and goal first, and further from them the longer it takes.
 
-In: a set-up whose planner keeps what it has found from one `solve` to the next, its joint space, both ends. Out: OMPL's
-status.
+In: a set-up whose planner keeps what it has found from one `solve` to the next, its joint space, start and goals. Out:
+OMPL's status.
 
 Few paths leave the box around start and goal by much, and a sample far from it draws the trees away. So samples are
 first taken from that box with some room on each side, for a number of iterations; then from a wider one; then from all
@@ -32,33 +32,55 @@ NEAR_FIRST = ("RRTConnect",)
 STAGES = ((0.15, 1000), (0.4, 2000))
 
 
+class NearFirst:
+    """A search that stops and goes on, stage by stage."""
+
+    def __init__(self, space: JointSpace, ends: Sequence[Floats]) -> None:
+        """Takes the joint space, and start and goals, (nq,) each."""
+        self._space, self._ends = space, ends
+        self._left = list(STAGES)  # and their iterations that are left
+
+    def go_on(self, setup: Any, condition: Any, iterations: int | None = None) -> Any:
+        """Solves the problem of a set-up, for some iterations at most.
+
+        Args:
+            setup: An OMPL SimpleSetup with one of `NEAR_FIRST`; its space is `space`'s. The same one each time.
+            condition: OMPL's termination condition of the whole search.
+            iterations: How many at most.
+
+        Returns:
+            OMPL's status. The space has all of its bounds again.
+        """
+        setup.setup()  # by the bounds of the whole space, of which OMPL takes a part as its range where none is set
+        ompl_space, space = setup.getStateSpace(), self._space
+        try:
+            while self._left:
+                part, most = self._left[0]
+                count = most if iterations is None else min(most, iterations)
+                space.bound(ompl_space, *box_around(space, self._ends, part))
+                status = setup.solve(_limited(condition, count))
+                self._left[0] = part, most - count
+                if count == most:
+                    del self._left[0]
+                iterations = None if iterations is None else iterations - count
+                if setup.haveExactSolutionPath() or condition.eval() or iterations == 0:
+                    return status
+        finally:
+            space.bound(ompl_space, space.lower, space.upper)
+        return setup.solve(condition if iterations is None else _limited(condition, iterations))
+
+
 def solve_near_first(setup: Any, space: JointSpace, ends: Sequence[Floats], condition: Any) -> Any:
-    """Solves the problem of a set-up.
+    """Solves the problem of a set-up; arguments and result as of `NearFirst` and its `go_on`."""
+    return NearFirst(space, ends).go_on(setup, condition)
 
-    Args:
-        setup: An OMPL SimpleSetup with one of `NEAR_FIRST`; its space is `space`'s.
-        space: The joint space.
-        ends: Start and goal, (nq,).
-        condition: OMPL's termination condition of the whole search.
 
-    Returns:
-        OMPL's status. The space has all of its bounds again.
-    """
-    setup.setup()  # by the bounds of the whole space, of which OMPL takes a part as its range where none is set
-    ompl_space = setup.getStateSpace()
-    try:
-        for part, iterations in STAGES:
-            space.bound(ompl_space, *box_around(space, ends, part))
-            limit = base.PlannerTerminationCondition(core.call_limit(iterations))
-            status = setup.solve(base.plannerOrTerminationCondition(limit, condition))
-            if setup.haveExactSolutionPath() or condition.eval():
-                return status
-    finally:
-        space.bound(ompl_space, space.lower, space.upper)
-    return setup.solve(condition)
+def _limited(condition: Any, iterations: int) -> Any:
+    """OMPL's condition, or so many iterations."""
+    return base.plannerOrTerminationCondition(base.PlannerTerminationCondition(core.call_limit(iterations)), condition)
 
 
 def box_around(space: JointSpace, ends: Sequence[Floats], part: float) -> tuple[Floats, Floats]:
-    """Bounds (nq,) of a box around both ends, with this part of each joint's range as room. Angles have none."""
+    """Bounds (nq,) of a box around all ends, with this part of each joint's range as room. Angles have none."""
     room = part * (space.upper - space.lower)
-    return np.maximum(space.lower, np.minimum(*ends) - room), np.minimum(space.upper, np.maximum(*ends) + room)
+    return np.maximum(space.lower, np.min(ends, axis=0) - room), np.minimum(space.upper, np.max(ends, axis=0) + room)

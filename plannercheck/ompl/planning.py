@@ -10,8 +10,8 @@ motion_validators.py.
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 from math import isfinite
@@ -25,18 +25,21 @@ from plannercheck.checking.protocols import AnyChecker, AnyRobot
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.progress import is_heard, report
 from plannercheck.common.silence import Silence
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.angle_checkers import angle_checker, angle_end
 from plannercheck.ompl.clearance import CLEARANCE_RESOLUTION, MaxMinClearance
-from plannercheck.ompl.joint_space import JointSpace
+from plannercheck.ompl.goals import Goal, Goals, goals_of
 from plannercheck.ompl.motion_validators import Space
-from plannercheck.ompl.near_first import NEAR_FIRST, SAMPLINGS, Sampling, solve_near_first
+from plannercheck.ompl.near_first import SAMPLINGS, Sampling
 from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
 from plannercheck.ompl.plans import Plan, joint_length
 from plannercheck.ompl.pose_space import PoseSpace
-from plannercheck.ompl.prepared_spaces import given_back, lent, space_information, space_of
+from plannercheck.ompl.prepared_spaces import PreparedSpace, given_back, lent, space_information, space_of
+from plannercheck.ompl.searches import AUTO, Search, in_turns
+from plannercheck.ompl.searches import made_planner as made_planner
 from plannercheck.ompl.simple_setup import SimpleSetup
 from plannercheck.ompl.start_and_goal import check_end_state
 from plannercheck.planar.checker import Checker as PlanarChecker
@@ -125,6 +128,14 @@ def planner_names() -> tuple[str, ...]:
     return tuple(sorted(found))
 
 
+def full_name(planner: str) -> str:
+    """The name of a planner in `planner_names()`; RRT*, BIT* and PRM* are called RRTstar, BITstar and PRMstar there."""
+    full = planner.replace("*", "star") if isinstance(planner, str) else planner
+    if full not in planner_names():
+        raise unknown_name("planner", planner, (AUTO, *planner_names()))
+    return full
+
+
 def _is_planner(item: Any) -> bool:
     return isinstance(item, type) and issubclass(item, base.Planner)
 
@@ -132,8 +143,8 @@ def _is_planner(item: Any) -> bool:
 def plan(
     checker: AnyChecker,
     start: Configuration,
-    goal: Configuration,
-    planner: str = "RRTConnect",
+    goal: Goal,
+    planner: str = AUTO,
     time_limit: float = 10.0,
     simplify: bool = True,
     seed: int | None = None,
@@ -149,8 +160,10 @@ def plan(
     Args:
         checker: The checker that judges states and motions.
         start: (nq,) rad and m, or each joint's value by its name.
-        goal: (nq,) rad and m, or by names.
-        planner: One of `planner_names()`.
+        goal: (nq,) rad and m, or by names; several of these, such as (k, nq), of which the plan may reach any; or a
+            function without arguments that yields them, such as inverse kinematics, of which up to 16 are taken.
+        planner: One of `planner_names()`, where * may stand for "star"; "auto" has RRTConnect and LBKPIECE1 take turns
+            (searches.py).
         time_limit: The time limit of the search, s; shortening takes up to about `SIMPLIFICATION_TIME` more.
         simplify: Whether to shorten the path.
         seed: Seed of OMPL's random numbers, 1 or more, for a search that can be repeated; None for a different search
@@ -166,12 +179,12 @@ def plan(
             other planners and other joints do.
 
     Returns:
-        The plan. Free bodies move as on the path "slerp" of `Checker.check_motion`. Curved motions are given as states
-        between which no point moves further than 1 cm, or the resolution.
-        If the start or the goal collides or is beyond the limits, the plan is unsolved and `reason` says why.
+        The plan; its `goal` says which goal was reached. Free bodies move as on the path "slerp" of
+        `Checker.check_motion`. Curved motions are given as states between which no point moves further than 1 cm, or
+        the resolution. If the start collides or is beyond the limits, or all goals do or are, the plan is unsolved and
+        `reason` says why. What is beyond a limit by at most 1e-6 is taken at the limit, with a warning.
     """
-    if planner not in planner_names():
-        raise unknown_name("planner", planner, planner_names())
+    planner = planner if planner == AUTO else full_name(planner)
     if not (isfinite(time_limit) and time_limit > 0):
         raise PlannercheckError(f"time_limit must be a positive time in s, not {time_limit!r}")
     if sampling not in SAMPLINGS:
@@ -181,69 +194,83 @@ def plan(
     if not (isfinite(longest_motion) and longest_motion >= 0):
         raise PlannercheckError(f"longest_motion must be a length in rad or 0, not {longest_motion!r}")
     given, checker = checker, angle_checker(checker)
-    ends = {name: angle_end(given, checker, q, name) for name, q in (("start", start), ("goal", goal))}
-    reasons = [check_end_state(checker, q).reason(name) for name, q in ends.items()]
+    robot, began = checker.robot, time.perf_counter()
+    first = angle_end(given, checker, start, "start")
+    goals = goals_of(given, checker, goal, time_limit)
+    reasons = [check_end_state(checker, first).reason("start"), goals.reason]
+    spent = time.perf_counter() - began if callable(goal) else 0.0
     if any(reasons):
-        return _unsolved(checker.robot, planner, 0.0, "; ".join(filter(None, reasons)))
-    with OMPL_SILENCE():
-        prepared = lent(checker, planner, resolution, curve, turning_radius, tuple(ends.values()), bounds)
-        seed_ompl(seed)
-        space = prepared.space
-        setup = SimpleSetup(prepared.information, not space.is_straight, space.numbers.failure)
-        setup.setStartAndGoalStates(*prepared.end_states(tuple(ends.values())))
-        setup.setPlanner(made_planner(planner, prepared.information, longest_motion))
+        return _unsolved(robot, planner, spent, "; ".join(filter(None, reasons)))
+    ends, used = (first, *goals.rows), list[PreparedSpace]()
+
+    def search_by(name: str) -> Search:
+        prepared = lent(checker, name, resolution, curve, turning_radius, ends, bounds)
+        used.append(prepared)
+        if len(used) == 1:
+            seed_ompl(seed)
+        made = Search(name, prepared, ends, longest_motion, sampling == "near")
         if seed is not None:
             prepared.draw_seeds()
-        near = tuple(ends.values()) if sampling == "near" else ()
-        found = _search(setup, space, checker, planner, time_limit, simplify, resolution, near)
-        given_back(prepared)
+        return made
+
+    with OMPL_SILENCE():
+        condition = _timed(max(time_limit - spent, 0.0), planner)
+        search = None if planner == AUTO else search_by(planner)
+        began = time.perf_counter()
+        if search is None:
+            search, status = in_turns(search_by, condition)
+        else:
+            status = search.go_on(condition)
+        spent += time.perf_counter() - began
+        if search.has_found:
+            found = _found(search, checker, spent, goals, simplify, resolution)
+        else:
+            found = _unsolved(robot, planner, spent, why_not(planner, search.setup, status, spent))
+        for prepared in used:
+            given_back(prepared)
         return found
 
 
-def made_planner(name: str, information: Any, longest_motion: float) -> Any:
-    """One of `planner_names()`, with a range if it has one."""
-    planner = getattr(geometric, name)(information)
-    if longest_motion and hasattr(planner, "setRange"):
-        planner.setRange(longest_motion)
-    return planner
+def _timed(time_limit: float, planner: str) -> Any:
+    """OMPL's condition that ends a search after some seconds, which tells a listener how many have gone."""
+    timed = base.timedPlannerTerminationCondition(time_limit)
+    if not is_heard():
+        return timed
+    began = time.monotonic()
+
+    def tells() -> bool:
+        report(int(time.monotonic() - began), math.ceil(time_limit), f"{planner} searches, s")
+        return False
+
+    return base.plannerOrTerminationCondition(timed, base.PlannerTerminationCondition(tells))
 
 
-def _search(
-    setup: Any,
-    space: Space,
-    checker: AnyChecker,
-    planner: str,
-    time_limit: float,
-    simplify: bool,
-    resolution: float | None,
-    near: Sequence[Floats],
+def why_not(planner: str, setup: Any, status: Any, spent: float) -> str:
+    """Why a search has no path."""
+    if setup.refused_path:
+        return f"{planner} found a path with a curve that collides the way it is gone; try another seed"
+    has_timed_out = str(status.asString()) in ("Timeout", "Approximate solution")  # there is nothing of use
+    return f"{planner} found no path in {spent:.1f} s" + ("" if has_timed_out else f": {status.asString()}")
+
+
+def _found(
+    search: Search, checker: AnyChecker, spent: float, goals: Goals, simplify: bool, resolution: float | None
 ) -> Plan:
-    """Searches, first near some configurations if they are given."""
-    robot = checker.robot
-    began = time.perf_counter()
-    condition = base.timedPlannerTerminationCondition(time_limit)
-    if near and planner in NEAR_FIRST and isinstance(space, JointSpace):
-        status = solve_near_first(setup, space, near, condition)
-    else:
-        status = setup.solve(condition)
-    found = time.perf_counter()
-    if not setup.haveExactSolutionPath():
-        reason = f"{planner} found no path in {found - began:.1f} s: {status.asString()}"
-        if setup.refused_path:
-            reason = f"{planner} found a path with a curve that collides the way it is gone; try another seed"
-        return _unsolved(robot, planner, found - began, reason)
+    """The plan of a search that has found a path."""
+    setup, space, began = search.setup, search.prepared.space, time.perf_counter()
     solution = shortened(setup) if simplify else setup.getSolutionPath()  # it owns its states
-    spent = time.perf_counter() - found
+    shortening = time.perf_counter() - began
     path = read_only(_configurations(space, list(solution.getStates()), checker, resolution))
     return Plan(
         solved=True,
         path=path,
         length=joint_length(path, space.differences),
-        time=found - began,
-        simplification_time=spent,
-        planner=planner,
-        joint_names=robot.joint_names,
+        time=spent,
+        simplification_time=shortening,
+        planner=search.planner,
+        joint_names=checker.robot.joint_names,
         motion_path="slerp" if isinstance(space, PoseSpace) else "screw",
+        goal=goals.reached(space.differences(np.array(goals.rows), path[-1])),
     )
 
 

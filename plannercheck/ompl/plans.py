@@ -38,6 +38,7 @@ class Plan(OwnsArrays):
         planner: The planner's name.
         reason: Why there is no path; empty if solved.
         joint_names: Names of the path's columns; of its joints, in their order, where some take several columns.
+        goal: Which goal was reached, counted from 0 as they were given or yielded; None if there is no path.
         motion_path: How planar and floating joints move between configurations, as of `Checker.check_motion`.
     """
 
@@ -50,6 +51,7 @@ class Plan(OwnsArrays):
     reason: str = ""
     joint_names: tuple[str, ...] = field(default=())
     motion_path: MotionPath = "screw"
+    goal: int | None = None
 
     def save(self, path: str | Path) -> None:
         """Writes the plan as .json, or the path alone as .npy or .csv; the suffix chooses the format."""

@@ -59,8 +59,8 @@ class PreparedSpace:
         self._ends: tuple[Any, ...] = ()
 
     def end_states(self, ends: Sequence[Floats]) -> tuple[Any, ...]:
-        """OMPL states of start and goal, for a problem that copies them."""
-        if not self._ends:
+        """OMPL states of start and goals, for a problem that copies them."""
+        if len(self._ends) != len(ends):
             self._ends = tuple(self.information.allocState() for _ in ends)
         for state, q in zip(self._ends, ends, strict=True):
             self.space.write(state, q)

@@ -5,6 +5,7 @@ In: a checker and a configuration. Out: `EndState`: limits exceeded and collidin
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from operator import le
@@ -17,6 +18,9 @@ from plannercheck.checking.protocols import AnyChecker, AnyRobot
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import Configuration
 from plannercheck.common.errors import PlannercheckError
+
+# What is beyond a limit by at most this, rad or m, is taken at the limit: rounding of files and degrees.
+_AT_LIMIT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -56,12 +60,10 @@ _ACCEPTED = EndState((), ())
 def check_end_state(checker: AnyChecker, q: Floats) -> EndState:
     """Judges a configuration (nq,)."""
     robot = checker.robot
-    numbers = q.tolist()  # few: lists take half as long
-    is_within = all(map(le, robot.lower.tolist(), numbers)) and all(map(le, numbers, robot.upper.tolist()))
-    if is_within and checker.is_valid(q):
+    if _is_within(robot, q) and checker.is_valid(q):
         return _ACCEPTED
     beyond = [
-        f"{_column_name(robot, k)} is {q[k]:.6g}, not in [{robot.lower[k]:.6g}, {robot.upper[k]:.6g}]"
+        f"{_column_name(robot, k)} is {q[k]:.12g}, not in [{robot.lower[k]:.12g}, {robot.upper[k]:.12g}]"
         for k in np.flatnonzero((q < robot.lower) | (q > robot.upper)).tolist()
     ]
     collisions = () if checker.is_valid(q) else checker.explain(q).collisions
@@ -76,9 +78,34 @@ def checked_end(checker: AnyChecker, q: Configuration, name: str) -> Floats:
         raise PlannercheckError(f"{name} must be one configuration ({checker.robot.nq},), not {np.shape(q)}")
     try:
         of = named_configuration(checker.robot, q) if isinstance(q, Mapping) else given_configurations(checker.robot, q)
-        return np.asarray(of[0])
+        return _at_limits(checker.robot, np.asarray(of[0]), name)
     except PlannercheckError as error:
         raise PlannercheckError(f"{name}: {error}") from None
+
+
+def _is_within(robot: AnyRobot, q: Floats) -> bool:
+    numbers = q.tolist()  # few: lists take half as long
+    return all(map(le, robot.lower.tolist(), numbers)) and all(map(le, numbers, robot.upper.tolist()))
+
+
+def _at_limits(robot: AnyRobot, q: Floats, name: str) -> Floats:
+    """A configuration (nq,) whose numbers that are just beyond a limit are the limit; a warning names them."""
+    if _is_within(robot, q):
+        return q
+    inside = np.clip(q, robot.lower, robot.upper)
+    moved = np.flatnonzero((inside != q) & (np.abs(inside - q) <= _AT_LIMIT)).tolist()
+    if not moved:
+        return q
+    q = q.copy()
+    for k in moved:
+        warnings.warn(
+            f"{name}: {_column_name(robot, k)} is {float(q[k])!r}, beyond its limit {float(inside[k])!r} by "
+            f"{abs(q[k] - inside[k]):.2g}: it is taken as the limit",
+            RuntimeWarning,
+            stacklevel=4,
+        )
+        q[k] = inside[k]
+    return q
 
 
 def _column_name(robot: AnyRobot, k: int) -> str:

@@ -3,7 +3,8 @@
 In: a task. Out: `Planner`s, made once a task, that search with a seed. The first two are RRTConnect of the same OMPL on
 the same space with the same range and the same samples (near_first.py):
 
-- plannercheck: `pc.ompl.setup(checker)`, every motion proved free; and all of `pc.ompl.plan`, from arguments to plan;
+- plannercheck: `pc.ompl.setup(checker)`, every motion proved free; and all of `pc.ompl.plan`, from arguments to plan,
+  with its default planner, whose first turn is the same search;
 - Pinocchio + coal: a validity checker in Python that calls Pinocchio's computeCollisions with coal's dynamic AABB tree
   over the same hulls and pairs, stopping at the first collision; OMPL's own DiscreteMotionValidator at its default
   resolution of 1 % of the space's extent.
@@ -80,7 +81,7 @@ class CoalTree:
 
 
 def _plannercheck(task: Task, settings: Settings) -> Planner:
-    """The search and the whole call are runs of their own: both begin from the same seed and do the same."""
+    """The search and the whole call are runs of their own: both begin from the same seed."""
     checker, space = task.checker, JointSpace(task.checker.robot)
 
     def search(seed: int) -> Found:

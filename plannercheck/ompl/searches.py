@@ -1,0 +1,129 @@
+"""Searches for a path: a planner of OMPL on a problem, and two planners that take turns.
+
+In: a space that is ready, start and goals. Out: `Search`, which goes on where it has stopped, and `in_turns`.
+
+RRTConnect finds most paths within some hundred iterations, but may miss a narrow way for long where one tree has to
+leave a pocket; LBKPIECE1, which looks along coarse cells and checks motions late, is often out of there at once. So
+each has its turn, ever longer ones. The lengths of turns are iterations, not seconds, so that a seed gives one path.
+What RRTConnect finds in its first turn is found as fast as without turns, and what only one of them finds takes a few
+times its own time at most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from ompl import base, geometric
+
+from plannercheck.common.array_types import Floats
+from plannercheck.common.core import core
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.ompl.joint_space import JointSpace
+from plannercheck.ompl.near_first import NEAR_FIRST, NearFirst
+from plannercheck.ompl.prepared_spaces import PreparedSpace
+from plannercheck.ompl.simple_setup import SimpleSetup
+
+# The name of planners that take turns.
+AUTO = "auto"
+
+# Who takes turns, and how many iterations for each of the first one's: an iteration of RRTConnect takes 6 to 40 µs, one
+# of LBKPIECE1 about 2 µs (MotionBenchMaker's sets for the panda), so both get about the same time.
+TURNS = (("RRTConnect", 1), ("LBKPIECE1", 5))
+
+# Iterations of RRTConnect's first turn, within which it finds nine of ten paths of most sets (with 500, paths of the
+# set "cage" took twice as long); each later turn takes twice as many, up to the longest one, some tenths of a second.
+FIRST_TURN, LONGEST_TURN = 1000, 16000
+
+
+# These planners have threads of their own that ask the goal. Goals that Python makes, as several have to be, need
+# Python's lock, which OMPL's bindings hold all the while: the planner would wait for ever.
+ONE_GOAL = ("PRM", "PRMstar")
+
+
+class Search:
+    """A planner at work on a problem.
+
+    Attributes:
+        planner: Its name.
+        prepared: The space.
+        setup: OMPL's SimpleSetup with the problem.
+    """
+
+    def __init__(
+        self,
+        planner: str,
+        prepared: PreparedSpace,
+        ends: Sequence[Floats],
+        longest_motion: float,
+        is_near_first: bool,
+    ) -> None:
+        """Takes the planner's name, a space, start and goals (nq,) each, the planner's range, and where it samples.
+
+        Raises:
+            PlannercheckError: If the planner takes one goal only.
+        """
+        if planner in ONE_GOAL and len(ends) > 2:
+            raise PlannercheckError(
+                f"{planner} takes one goal, not {len(ends) - 1}: its threads can't ask several through OMPL's Python "
+                "bindings; all other planners take several"
+            )
+        self.planner, self.prepared = planner, prepared
+        space, information = prepared.space, prepared.information
+        self.setup = SimpleSetup(information, not space.is_straight, space.numbers.failure)
+        start, *goals = prepared.end_states(ends)
+        if len(goals) == 1:
+            self.setup.setStartAndGoalStates(start, goals[0])
+        else:
+            several = base.GoalStates(information)
+            for state in goals:
+                several.addState(state)
+            self.setup.addStartState(start)
+            self.setup.setGoal(several)
+        self.setup.setPlanner(made_planner(planner, information, longest_motion))
+        is_near_first = is_near_first and planner in NEAR_FIRST
+        self._near = NearFirst(space, ends) if is_near_first and isinstance(space, JointSpace) else None
+
+    def go_on(self, condition: Any, iterations: int | None = None) -> Any:
+        """Searches until OMPL's condition holds, for some iterations at most; returns OMPL's status."""
+        if self._near is not None:
+            return self._near.go_on(self.setup, condition, iterations)
+        if iterations is not None:
+            limit = base.PlannerTerminationCondition(core.call_limit(iterations))
+            condition = base.plannerOrTerminationCondition(limit, condition)
+        return self.setup.solve(condition)
+
+    @property
+    def has_found(self) -> bool:
+        """Whether there is a path."""
+        return bool(self.setup.haveExactSolutionPath())
+
+
+def in_turns(made: Callable[[str], Search], condition: Any) -> tuple[Search, Any]:
+    """Has the planners of `TURNS` take turns until one has found a path, or the condition holds.
+
+    Args:
+        made: A function that makes the search of a planner; it is called when the planner's first turn comes.
+        condition: OMPL's termination condition.
+
+    Returns:
+        The search that was on last, and its status.
+    """
+    searches: dict[str, Search] = {}
+    turn = FIRST_TURN
+    while True:
+        for name, factor in TURNS:
+            if name not in searches:
+                searches[name] = made(name)
+            status = searches[name].go_on(condition, factor * turn)
+            if searches[name].has_found or condition.eval():
+                return searches[name], status
+        turn = min(2 * turn, LONGEST_TURN)
+
+
+def made_planner(name: str, information: Any, longest_motion: float) -> Any:
+    """One of `planner_names()`, with a range if it has one."""
+    planner = getattr(geometric, name)(information)
+    if longest_motion and hasattr(planner, "setRange"):
+        planner.setRange(longest_motion)
+    return planner
