@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.common.array_types import Floats, Ints
-from plannercheck.common.arrays import Configuration
+from plannercheck.common.arrays import Configuration, distinct
 from plannercheck.common.core import core
 from plannercheck.robots.robot import Robot
 
@@ -87,7 +87,7 @@ class MeasuringChecker(ABC):
         rows = self.robot.check_configurations(q)
         if not len(self.pairs):
             return np.full(len(rows), np.inf), np.full(len(rows), -1, dtype=np.int32)
-        used = np.unique(self.pairs)
+        used = distinct(self.pairs)
         table = np.searchsorted(used, self.pairs).astype(np.int32)
         polytopes = [self._preparation.polytope(k) for k in used.tolist()]
         bodies = [polytope.core for polytope in polytopes]
