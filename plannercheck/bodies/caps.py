@@ -32,6 +32,7 @@ from itertools import chain
 import numpy as np
 
 from plannercheck.common.array_types import Floats, Ints, Ints64
+from plannercheck.common.arrays import distinct, distinct_values, grouped
 
 # Vertices of open edges that are closer than this part of the mesh's largest extent are joined by a seam.
 SEAM = 1e-6
@@ -104,7 +105,8 @@ def _uncancelled(edges: Ints64) -> Ints64:
     forth, back = np.sort(tail * count + head), np.sort(head * count + tail)
     if np.array_equal(forth, back):
         return edges[:0]
-    keys, times = np.unique(forth, return_counts=True)
+    first_of, _, times = grouped(forth)
+    keys = forth[first_of]
     reverses = np.searchsorted(back, keys, "right") - np.searchsorted(back, keys, "left")
     found: Ints64 = np.repeat(np.column_stack(np.divmod(keys, count)), np.maximum(times - reverses, 0), axis=0)
     return found
@@ -116,7 +118,7 @@ def _representatives(points: Floats, edges: Ints64) -> Ints64:
     A representative stands for itself, so no chain of close vertices becomes longer than `SEAM`.
     """
     found = np.arange(len(points))
-    vertices = np.unique(edges)
+    vertices = distinct(edges)
     places = _in_units_of_seam(points)[vertices]
     grid = places.astype(np.int64) + 1
     cells = (grid[:, 0] << 2 * _BITS) + (grid[:, 1] << _BITS) + grid[:, 2]
@@ -172,7 +174,7 @@ def _loops(edges: Ints64, points: Floats) -> tuple[Ints64, Ints64, Ints64]:
     tails = list(chain.from_iterable(branching))
     heads = list(chain.from_iterable(loop[1:] + loop[:1] for loop in branching))
     rims = np.concatenate([edges[is_plain], np.array([tails, heads], dtype=np.int64).T])
-    numbers = np.unique(first[is_plain], return_inverse=True)[1].reshape(-1)
+    numbers = grouped(first[is_plain]).places
     begin = int(numbers.max(initial=-1)) + 1
     number = np.concatenate([numbers, np.repeat(begin + np.arange(len(branching)), lengths)])
     apex = np.concatenate([first[is_plain], np.repeat(np.array(list(map(min, branching)), dtype=np.int64), lengths)])
@@ -181,7 +183,7 @@ def _loops(edges: Ints64, points: Floats) -> tuple[Ints64, Ints64, Ints64]:
 
 def _first_of_plain_loops(edges: Ints64) -> Ints64:
     """The first vertex of each edge's loop (k,), if all vertices of the loop have one edge in and one out; else −1."""
-    vertices, numbers = np.unique(edges, return_inverse=True)
+    vertices, numbers = distinct_values(edges)
     count, (tail, head) = len(vertices), numbers.reshape(-1, 2).T
     meets_branch = np.bincount(tail) > 1
     onward, first = np.arange(count), np.arange(count)

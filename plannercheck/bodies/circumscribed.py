@@ -18,6 +18,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.arrays import distinct_values
 from plannercheck.common.errors import PlannercheckError
 
 # Relative growth that covers the rounding of the points (under 8 units in the last place, 2^-49).
@@ -110,7 +111,7 @@ def _unique_corners(corners: NDArray[np.int64], divisions: int) -> tuple[NDArray
     """
     span = 2 * divisions + 1
     digits = corners.reshape(-1, 3) + divisions
-    numbers, inverse = np.unique((digits[:, 0] * span + digits[:, 1]) * span + digits[:, 2], return_inverse=True)
+    numbers, inverse = distinct_values((digits[:, 0] * span + digits[:, 1]) * span + digits[:, 2])
     lattice = np.column_stack([numbers // span**2, numbers // span % span, numbers % span]) - divisions
     return lattice, inverse.reshape(-1, 3).astype(np.int64)
 

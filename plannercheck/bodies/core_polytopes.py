@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.polytope_files import GivenFaces, cache_file
 from plannercheck.common.array_types import Floats, Ints
-from plannercheck.common.arrays import contiguous
+from plannercheck.common.arrays import contiguous, unmasked
 from plannercheck.common.cache import read_cached, write_to_cache
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
@@ -105,6 +105,7 @@ def _checked_inflation_radius(inflation_radius: float, name: str) -> float:
 def fans(faces: GivenFaces, points: int, name: str) -> Ints:
     """Cuts polygons into fans of triangles (m, 3)."""
     triangles: list[tuple[int, int, int]] = []
+    unmasked(faces)
     for number, face in enumerate(faces):
         corners = [int(c) for c in np.asarray(face).ravel()]
         if len(corners) < 3 or len(set(corners)) != len(corners):

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Bools, Floats, Ints64
+from plannercheck.common.arrays import distinct
 
 # The sign of (p - a) · n for n = (b - a) × (c - a) and p = Σ w_i c_i: differences, products and sums round at most 13
 # times, each by 2^-53 of the sum of the terms' sizes; 24 leaves room for computing that sum in doubles.
@@ -94,7 +95,7 @@ def uncovered(triangles: Floats, pieces: Sequence[Floats], deepest: int) -> Ints
         parts = parts.of_rows(~held)
         if depth < deepest:
             parts = parts.quartered()
-    return np.unique(parts.source)
+    return distinct(parts.source)
 
 
 def are_inside(parts: Parts, hull: Polytope) -> Bools:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Bools, Floats
+from plannercheck.common.arrays import distinct
 from plannercheck.common.errors import PlannercheckError
 
 Indices = NDArray[Any]
@@ -83,7 +84,7 @@ class FclBodies:
 
     def collide_all(self, poses: Floats, pairs: Indices) -> list[bool]:
         """FCL's verdicts on pairs (k, 2) of bodies at poses (bodies, 4, 4)."""
-        for body in np.unique(pairs).tolist():
+        for body in distinct(pairs).tolist():
             self.place(body, poses[body])
         return [self.collides(p, r) for p, r in pairs.tolist()]
 

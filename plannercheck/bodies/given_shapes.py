@@ -29,6 +29,7 @@ from plannercheck.bodies.shapes import (
 )
 from plannercheck.bodies.triangle_meshes import triangles_of_coal
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import unmasked
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.transforms import is_identity
@@ -105,7 +106,7 @@ def _library(value: object) -> str | None:
 def points_given(value: GivenShape) -> Floats:
     """Points (n, 3) in m."""
     try:
-        given = np.asarray(value)
+        given = np.asarray(unmasked(value))
         points = np.asarray(given, dtype=np.float64) if given.dtype.kind in "fiu" else None
     except (TypeError, ValueError, OverflowError):
         points = None

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from plannercheck.bodies.shapes import Hull
 from plannercheck.common.array_types import Floats, Ints64
+from plannercheck.common.arrays import distinct
 from plannercheck.common.errors import PlannercheckError
 
 
@@ -19,7 +18,7 @@ def hull_of_triangles(points: Floats, triangles: Ints64) -> Hull:
     Raises:
         PlannercheckError: If an index is beyond the points, or there is no hull.
     """
-    used = np.unique(triangles)
+    used = distinct(triangles)
     if len(used) and not (used[0] >= 0 and used[-1] < len(points)):
         raise PlannercheckError(f"triangles use vertices {used[0]} to {used[-1]}, but there are {len(points)} vertices")
     return Hull(points[used] if len(used) else points)

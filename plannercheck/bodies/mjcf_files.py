@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.isolated_process import run_isolated
 from plannercheck.common.optional_imports import extra_module
@@ -249,7 +250,7 @@ def _check_finite(file: MjcfFile) -> None:
     for kind, arrays in _FINITE.items():
         for name in arrays:
             array: NDArray[Any] = getattr(file, name)
-            bad = np.unique(np.argwhere(~np.isfinite(array))[:, 0])
+            bad = distinct(np.argwhere(~np.isfinite(array))[:, 0])
             if len(bad):
                 raise file.refused(kind, int(bad[0]), f"has {name} {array[bad[0]].tolist()}: numbers must be finite")
 

@@ -21,6 +21,7 @@ from plannercheck.bodies.mjcf_files import (
     MjcfFile,
 )
 from plannercheck.common.array_types import Bools
+from plannercheck.common.arrays import distinct_rows
 
 # Two bodies by one number, in MuJoCo's signatures of excluded pairs.
 _BODIES = 1 << 16
@@ -38,7 +39,7 @@ def tested_pairs(file: MjcfFile) -> Integers:
     kept = _bodies_meet(file, file.geom_bodyid[first], file.geom_bodyid[second])
     by_masks = np.stack([first[kept], second[kept]], axis=1)
     named = np.sort(np.stack([file.pair_geom1, file.pair_geom2], axis=1), axis=1)
-    pairs = np.unique(np.concatenate([by_masks, named]).reshape(-1, 2), axis=0)
+    pairs = distinct_rows(np.concatenate([by_masks, named]).reshape(-1, 2))[0]
     surfaces = np.isin(file.geom_type[pairs], (PLANE, HFIELD)).all(axis=1)  # MuJoCo has no function for two of these
     return np.asarray(pairs[~surfaces])
 

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Bools, Ints, Ints64
+from plannercheck.common.arrays import distinct_values
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 
 LEVELS = 16
@@ -301,7 +302,7 @@ def binary_file(keys: Ints64, sizes: Ints64, occupied: Bools, resolution: float)
         mine = levels == level
         children = np.concatenate([inner, codes[mine] >> 3 * level])
         kinds = np.concatenate([np.full(len(inner), 3), np.where(occupied[mine], 2, 1)])
-        inner, which = np.unique(children >> 3, return_inverse=True)
+        inner, which = distinct_values(children >> 3)
         word = np.zeros(len(inner), dtype=np.int64)
         np.bitwise_or.at(word, which.reshape(-1), kinds << 2 * (children & 7))
         places.append(inner << 3 * (level + 1))

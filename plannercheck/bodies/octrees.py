@@ -30,7 +30,7 @@ from plannercheck.bodies.octomap_files import (
 from plannercheck.bodies.part_sets import check_coordinates, checked_length, checked_rows
 from plannercheck.bodies.unknown_cells import unknown_cells
 from plannercheck.common.array_types import Bools, Ints, Ints64
-from plannercheck.common.arrays import read_only, shown_array
+from plannercheck.common.arrays import read_only, shown_array, unmasked
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.package_data import is_file
@@ -221,7 +221,7 @@ def _of_leaves(leaves: OctomapLeaves, unknown: Unknown, threshold: float) -> Oct
 def _whole_numbers(values: ArrayLike, what: str) -> Ints64:
     """Whole numbers that 64 bits hold."""
     try:
-        array = np.asarray(values)
+        array = np.asarray(unmasked(values))
     except (TypeError, ValueError, OverflowError):
         array = np.zeros(1)
     if array.size and (array.dtype.kind not in "iu" or array.max() > np.iinfo(np.int64).max):
@@ -231,7 +231,7 @@ def _whole_numbers(values: ArrayLike, what: str) -> Ints64:
 
 def _truth_values(values: ArrayLike) -> Bools:
     try:
-        array = np.asarray(values)
+        array = np.asarray(unmasked(values))
     except (TypeError, ValueError, OverflowError):
         array = np.zeros(1)
     if array.size and (array.dtype.kind not in "biu" or not ((array == 0) | (array == 1)).all()):

@@ -31,6 +31,7 @@ from plannercheck.bodies.solid_separations import (
     winds_about,
 )
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct_rows
 from plannercheck.common.core import core
 from plannercheck.common.public_names import set_module
 
@@ -291,4 +292,4 @@ def _hull_of(body: BodyInParts, parts: Range, own: Polytope) -> Polytope:
     if parts[1] - parts[0] > _MOST_IN_HULL:
         low, high = corners.min(axis=0), corners.max(axis=0)
         corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
-    return Polytope(np.unique(corners, axis=0), inflation_radius=posed.inflation_radius)
+    return Polytope(distinct_rows(corners)[0], inflation_radius=posed.inflation_radius)

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.bodies.circumscribed import BOX_SIGNS, prism_faces
 from plannercheck.bodies.core_polytopes import LARGEST_COORDINATE
 from plannercheck.common.array_types import Faces, Floats
-from plannercheck.common.arrays import read_only, real_numbers, shown_array
+from plannercheck.common.arrays import distinct_rows, read_only, real_numbers, shown_array, unmasked
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 
@@ -72,7 +72,7 @@ class PartSet(ABC):
         low, high = self.bounds
         corners = np.where(BOX_SIGNS > 0, high, low)
         flat = bool((low == high).any())
-        return (np.unique(corners, axis=0), None) if flat else (corners, prism_faces(4))
+        return (distinct_rows(corners)[0], None) if flat else (corners, prism_faces(4))
 
     @abstractmethod
     def part_name(self, index: int) -> str:
@@ -144,7 +144,7 @@ def checked_length(value: float, what: str) -> float:
 def checked_offset(values: ArrayLike, what: str, count: int) -> tuple[float, ...]:
     """Finite numbers (count,) in m."""
     try:
-        array = np.asarray(values, dtype=np.float64)
+        array = np.asarray(unmasked(values), dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         raise PlannercheckError(f"{what} must be {count} numbers in m, not {values!r:.80}") from None
     if array.shape != (count,) or not (np.abs(array) <= LARGEST_COORDINATE).all():

@@ -21,6 +21,7 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.protrusion import protrusion
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.common.array_types import Ints64
+from plannercheck.common.arrays import distinct
 
 
 def grouped(mesh: TriangleMesh, piece_of_triangle: Ints64) -> list[Polytope]:
@@ -31,7 +32,7 @@ def grouped(mesh: TriangleMesh, piece_of_triangle: Ints64) -> list[Polytope]:
         piece_of_triangle: (m,) the piece of each triangle, counted from 0; no number is left out.
     """
     of_piece = [mesh.triangles[piece_of_triangle == piece] for piece in range(int(piece_of_triangle.max()) + 1)]
-    return [Polytope(mesh.points[np.unique(triangles)]) for triangles in of_piece]
+    return [Polytope(mesh.points[distinct(triangles)]) for triangles in of_piece]
 
 
 def recipe_text(mesh: TriangleMesh, piece_of_triangle: Ints64) -> str:

@@ -21,6 +21,7 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.protrusion import protrusion
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct_rows
 from plannercheck.common.errors import PlannercheckError
 
 # How often a triangle is halved at most: from 1 m down to 4 mm; after that, a piece grows by more than the slack.
@@ -113,5 +114,5 @@ def _beyond(triangles: Floats, planes: tuple[Floats, Floats]) -> Floats:
     normals, offsets = planes
     if not len(normals):
         return np.full(triangles.shape[:2], np.inf)
-    points, index = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    points, index = distinct_rows(triangles.reshape(-1, 3))
     return np.asarray((points @ normals.T - offsets).max(axis=1)[index.reshape(-1)].reshape(-1, 3))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from plannercheck.common.array_types import Floats, Ints64
+from plannercheck.common.arrays import distinct
 
 # Most corners of a polygon that is cut ear by ear: the time grows with their square.
 _MOST_EARS = 2000
@@ -44,7 +45,7 @@ def _concave(points: Floats, counts: Ints64, corners: Ints64) -> list[int]:
     """The polygons with more than three corners that turn both ways."""
     found: list[int] = []
     starts = np.cumsum(counts) - counts
-    for count in np.unique(counts[counts > 3]).tolist():
+    for count in distinct(counts[counts > 3]).tolist():
         which = np.flatnonzero(counts == count)
         corner = points[corners[starts[which][:, None] + np.arange(count)]]
         with np.errstate(over="ignore", invalid="ignore"):

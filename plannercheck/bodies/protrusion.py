@@ -23,6 +23,7 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.solids import Solid
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.common.array_types import Floats, Ints64
+from plannercheck.common.arrays import distinct, distinct_rows
 from plannercheck.common.core import core
 
 # The bound is at most this many times the furthest point that was found, or this part of the mesh's size further.
@@ -65,14 +66,14 @@ def filled(mesh: TriangleMesh) -> Solid:
     """
     a, b = mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).T
     low, high = np.minimum(a, b), np.maximum(a, b)
-    edges, index = np.unique(np.stack([low, high], axis=1), axis=0, return_inverse=True)
+    edges, index = distinct_rows(np.stack([low, high], axis=1))
     surplus = np.zeros(len(edges), dtype=np.int64)
     np.add.at(surplus, index.reshape(-1), np.where(a < b, 1, -1))
     open_edges = np.where(surplus[:, None] < 0, edges, edges[:, ::-1])  # those that are missing
     rim = np.repeat(open_edges, np.abs(surplus), axis=0)
     points, triangles = mesh.points, mesh.triangles
     for curve in _connected(rim):
-        middle = points[np.unique(curve)].mean(axis=0)
+        middle = points[distinct(curve)].mean(axis=0)
         triangles = np.concatenate([triangles, np.column_stack([curve, np.full(len(curve), len(points))])])
         points = np.concatenate([points, middle[None]])
     return Solid(points, triangles)
@@ -80,7 +81,7 @@ def filled(mesh: TriangleMesh) -> Solid:
 
 def _connected(edges: Ints64) -> list[Ints64]:
     """Edges (k, 2) by connected curve."""
-    label = {int(vertex): int(vertex) for vertex in np.unique(edges)}
+    label = {int(vertex): int(vertex) for vertex in distinct(edges)}
 
     def root(vertex: int) -> int:
         while label[vertex] != vertex:
@@ -90,7 +91,7 @@ def _connected(edges: Ints64) -> list[Ints64]:
     for a, b in edges.tolist():
         label[root(a)] = root(b)
     of_edge = np.array([root(a) for a in edges[:, 0].tolist()], dtype=np.int64)
-    return [edges[of_edge == each] for each in np.unique(of_edge)]
+    return [edges[of_edge == each] for each in distinct(of_edge)]
 
 
 class SolidDistances:

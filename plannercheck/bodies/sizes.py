@@ -11,13 +11,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.common.arrays import unmasked
 from plannercheck.common.errors import PlannercheckError
 
 
 def array_of(values: ArrayLike, what: str) -> NDArray[np.float64]:
     """A float64 copy of an array, or an error that names what is no array of numbers."""
     try:
-        return np.array(values, dtype=np.float64)
+        return np.array(unmasked(values), dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
         raise PlannercheckError(f"{what} must be an array of numbers: {error}") from None
 

@@ -22,6 +22,7 @@ from plannercheck.bodies.exact_planes import PosedBody, separates_exactly
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.solid_certificates import PosedSurface, edges_cancel, winding_about
 from plannercheck.common.array_types import Floats, Ints
+from plannercheck.common.arrays import distinct, grouped
 from plannercheck.common.public_names import set_module
 
 # Triangles from the first up to the last, the last one excluded.
@@ -146,7 +147,7 @@ def surface_of(body: Polytope, pose: Floats) -> PosedSurface:
 
 def patch_of(body: PosedSurface, triangles: Range, inflation_radius: float = 0.0) -> PosedBody:
     """The corners of some triangles."""
-    corners = np.unique(body.triangles[triangles[0] : triangles[1]])
+    corners = distinct(body.triangles[triangles[0] : triangles[1]])
     return PosedBody(body.points[corners], body.pose, inflation_radius)
 
 
@@ -178,7 +179,7 @@ def winds_about(outer: PosedSurface, vertices: Iterable[PosedBody]) -> bool:
 
 def _merged(surface: PosedSurface) -> Ints:
     """The triangles, where points with equal coordinates have one index."""
-    index = np.unique(surface.points + 0.0, axis=0, return_inverse=True)[1]
+    index = grouped(surface.points + 0.0).places
     return np.asarray(index.reshape(-1)[surface.triangles], dtype=np.int32)
 
 
@@ -190,4 +191,4 @@ def _component_vertices(surface: PosedSurface) -> Ints:
         before = least.copy()
         np.minimum.at(least, surface.triangles.ravel(), np.repeat(least[surface.triangles].min(axis=1), 3))
         least = least[least]
-    return np.unique(least[surface.triangles])
+    return distinct(least[surface.triangles])

@@ -23,7 +23,15 @@ from plannercheck.bodies.core_polytopes import core_polytope
 from plannercheck.bodies.hull_equality import is_hull
 from plannercheck.bodies.mesh_files import MeshUnits, checked_units, named_file, read_mesh, warn_of_mesh
 from plannercheck.common.array_types import Faces, Floats, Ints, Ints64
-from plannercheck.common.arrays import read_only, read_only_copy, real_numbers, shown_array
+from plannercheck.common.arrays import (
+    distinct_rows,
+    distinct_values,
+    read_only,
+    read_only_copy,
+    real_numbers,
+    shown_array,
+    unmasked,
+)
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.public_names import set_module
@@ -203,8 +211,8 @@ def open_meshes(solids: Mapping[str, Solid]) -> str:
 
 def _merged(points: Floats, triangles: NDArray[Any]) -> tuple[Floats, Ints]:
     """The points that triangles use, each once and without -0, and the triangles with their new indices."""
-    used, corners = np.unique(triangles, return_inverse=True)
-    distinct, index = np.unique(points[used] + 0.0, axis=0, return_inverse=True)
+    used, corners = distinct_values(triangles)
+    distinct, index = distinct_rows(points[used] + 0.0)
     return distinct, index.reshape(-1)[corners.reshape(-1)].reshape(-1, 3).astype(np.int32)
 
 
@@ -238,6 +246,7 @@ def _checked_vertices(values: ArrayLike) -> Floats:
 
 
 def _checked_triangles(values: ArrayLike, count: int) -> Ints:
+    unmasked(values)
     try:
         triangles = np.array(values)
     except (TypeError, ValueError, OverflowError):

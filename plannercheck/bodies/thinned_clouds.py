@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from plannercheck.common.array_types import Bools, Floats, Ints64
+from plannercheck.common.arrays import distinct, grouped
 from plannercheck.common.errors import PlannercheckError
 
 # How far a pose may stretch a distance: twice and more what bodies' poses are held to (`POSED_TOLERANCE` of shapes.py).
@@ -108,7 +109,7 @@ def representatives(points: Floats, radii: Floats, excess: float) -> tuple[Ints6
     grown = np.zeros(len(points))
     np.maximum.at(grown, head[held], needed[held])
     grown[~held] = radii[~held]
-    kept = np.unique(np.concatenate([first, np.flatnonzero(~held)]))
+    kept = distinct(np.concatenate([first, np.flatnonzero(~held)]))
     rows = order[kept]
     return np.sort(rows), grown[kept][np.argsort(rows)]
 
@@ -126,7 +127,7 @@ def _first_rows(rows: Floats) -> tuple[Ints64, Ints64]:
     """The first row of each kind, and for each row the number of its kind."""
     codes = _codes_of_cells(rows)
     keys = rows + 0.0 if codes is None else codes[0]
-    _, first, group = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    first, group, _ = grouped(keys)
     return first, group.reshape(-1)
 
 

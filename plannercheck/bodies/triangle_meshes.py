@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from plannercheck.common.array_types import Floats, Ints, Ints64
-from plannercheck.common.arrays import OwnsArrays, distinct_rows
+from plannercheck.common.arrays import OwnsArrays, distinct, distinct_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class TriangleMesh(OwnsArrays):
             return False
         a, b = np.concatenate([self.triangles[:, [0, 1]], self.triangles[:, [1, 2]], self.triangles[:, [2, 0]]]).T
         forth, back = a * len(self.points) + b, b * len(self.points) + a
-        return len(np.unique(forth)) == len(forth) and np.array_equal(np.sort(forth), np.sort(back))
+        return len(distinct(forth)) == len(forth) and np.array_equal(np.sort(forth), np.sort(back))
 
     @cached_property
     def signed_volume(self) -> float:

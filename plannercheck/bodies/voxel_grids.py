@@ -18,7 +18,7 @@ from plannercheck.bodies.array_files import array_of_file
 from plannercheck.bodies.lattice_cells import LatticeCells, check_extent
 from plannercheck.bodies.part_sets import check_coordinates, checked_length, checked_offset, checked_rows
 from plannercheck.common.array_types import Bools, Ints, Ints64
-from plannercheck.common.arrays import read_only, shown_array
+from plannercheck.common.arrays import read_only, shown_array, unmasked
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 
@@ -105,7 +105,7 @@ def _spread(blocks: Bools, shape: tuple[int, ...]) -> Bools:
 
 def _checked_cells(values: ArrayLike) -> Bools:
     try:
-        given = np.asarray(values)
+        given = np.asarray(unmasked(values))
     except (TypeError, ValueError, OverflowError):
         raise PlannercheckError(f"cells of a voxel grid must have shape (i, j, k), not {shown_array(values)}") from None
     if given.ndim != 3 or given.dtype.kind not in "biu":

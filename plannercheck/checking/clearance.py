@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.common.array_types import Floats, Ints
-from plannercheck.common.arrays import Configuration
+from plannercheck.common.arrays import Configuration, distinct
 from plannercheck.common.core import core
 from plannercheck.robots.robot import Robot
 
@@ -88,7 +88,7 @@ class MeasuringChecker(ABC):
         rows = given_configurations(self.robot, q)
         if not len(self.pairs):
             return np.full(len(rows), np.inf), np.full(len(rows), -1, dtype=np.int32)
-        used = np.unique(self.pairs)
+        used = distinct(self.pairs)
         table = np.searchsorted(used, self.pairs).astype(np.int32)
         polytopes = [self._preparation.polytope(k) for k in used.tolist()]
         bodies = [polytope.core for polytope in polytopes]

@@ -35,6 +35,7 @@ from plannercheck.bodies.shapes import GeometryObject, InflatedHull
 from plannercheck.bodies.tuning import pair_options
 from plannercheck.checking.reach_bounds import MOST_COLUMNS, BoundingBall, Boxes, Chains, Cut, Joints
 from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
+from plannercheck.common.arrays import distinct
 from plannercheck.common.core import core
 from plannercheck.robots.robot import Robot
 
@@ -96,7 +97,7 @@ def unreachable_pairs(
     own = np.flatnonzero(~with_obstacle)
     apart[own] = apart_among_links(chains, pairs[own])
     static[own] = chains.screen.static(pairs[own].astype(np.int64))
-    for body in np.unique(pairs[with_obstacle, 0]).tolist():
+    for body in distinct(pairs[with_obstacle, 0]).tolist():
         rows = np.flatnonzero(with_obstacle & (pairs[:, 0] == body))
         apart[rows] = _apart_from_obstacles(chains, body, pairs[rows, 1])
         static[rows] = not chains.chain(body)

@@ -48,6 +48,9 @@ COMMANDS = {
 # Shells for which `--print-completion` writes.
 SHELLS = ("bash", "zsh", "tcsh")
 
+# The descriptor of the error stream.
+_LAST_STREAM = 2
+
 # Options whose value may start with a minus sign.
 _VECTOR_OPTIONS = ("--start", "--goal", "--q")
 
@@ -62,6 +65,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit code.
     """
     arguments = _joined_vectors(list(sys.argv[1:] if argv is None else argv))
+    if argv is None:
+        _fill_closed_streams()
     try:
         with ended_by_signals() as signals:
             is_program = argv is None
@@ -70,12 +75,21 @@ def main(argv: Sequence[str] | None = None) -> int:
             with warnings.catch_warnings(), _safe_output():
                 warnings.showwarning = _show_warning
                 return _run(options)
-    except SystemExit as stop:  # argparse has said why
-        return int(stop.code or 0)
+    except SystemExit as stop:  # argparse has said why, or has printed what was asked for
+        return int(stop.code or 0) or _flushed()
+    except OSError as error:  # of help, version or completion
+        return _unwritten(error)
     except KeyboardInterrupt as stop:
         if is_handled_outside():  # `demo` runs commands: it ends as well
             raise
         return _interrupted(stop)
+
+
+def _fill_closed_streams() -> None:
+    """Opens what was closed of the three standard streams: else a file of ours would be taken for one by libraries."""
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) <= _LAST_STREAM:
+        os.set_inheritable(descriptor, True)
+    os.close(descriptor)
 
 
 @contextmanager
@@ -144,6 +158,25 @@ def _say(message: str, kind: str = "error: ") -> None:
     """One line on the error stream."""
     with suppress(OSError, ValueError, AttributeError):  # full, closed or none
         print(f"plannercheck: {kind}{on_terminal(' '.join(message.split()))}", file=sys.stderr)
+
+
+def _flushed() -> int:
+    """Writes what is still to be written of help, version or completion; the exit code."""
+    try:
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except OSError as error:
+        return _unwritten(error)
+    return 0
+
+
+def _unwritten(error: OSError) -> int:
+    """Says that standard output can't be written, unless its reader has gone; the exit code."""
+    _drop_output()
+    if isinstance(error, BrokenPipeError):
+        return BROKEN_PIPE
+    _say(f"could not finish: {error.strerror}")
+    return FAILED
 
 
 def _flush_or_drop() -> None:

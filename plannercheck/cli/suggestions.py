@@ -30,6 +30,13 @@ class SuggestingParser(argparse.ArgumentParser):
         self._given = list(sys.argv[1:] if args is None else args)
         return super().parse_known_args(self._given, namespace)
 
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Writes help or version; that it can't be written is an error, which argparse would drop."""
+        if file is not None and file is sys.stdout:
+            file.write(message)
+        else:
+            super()._print_message(message, file)
+
     def error(self, message: str) -> NoReturn:
         """Says what is wrong and ends the process with exit code 2."""
         super().error("; ".join([message, *self._suggestions(message)]))

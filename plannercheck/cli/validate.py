@@ -133,7 +133,7 @@ def _journal(options: argparse.Namespace, checker: AnyChecker, judge: Judge) -> 
             yield journal
         return
     path = _journal_path(written)
-    if path.exists() and not options.resume:
+    if path.exists() and path.stat().st_size and not options.resume:
         warnings.warn(f"an unfinished run in {str(path)!r} begins anew; --resume would go on", stacklevel=2)
     journal = Journal(path, run, options.resume)
     try:

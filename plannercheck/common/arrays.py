@@ -5,11 +5,16 @@ The rule of the package: arrays that come in are copied or refused, arrays that 
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
-from typing import Any, TypeAlias, cast
+from typing import Any, NamedTuple, TypeAlias, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.common.errors import PlannercheckError
+
+T = TypeVar("T")
 
 # One configuration of a robot: its numbers in order, or the values of its joints by name.
 Configuration: TypeAlias = ArrayLike | Mapping[str, ArrayLike]
@@ -30,23 +35,63 @@ def read_only_copy(values: ArrayLike) -> NDArray[np.float64]:
     Raises:
         TypeError, ValueError: For what holds no numbers.
     """
-    copy = np.array(values, dtype=np.float64, order="C")
+    copy = np.array(real_numbers(values), dtype=np.float64, order="C")
     copy.setflags(write=False)
     return copy
 
 
-def distinct_rows(rows: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def distinct(values: ArrayLike) -> NDArray[Any]:
+    """(m,) the values of an array of any shape in ascending order, equal ones once.
+
+    As `np.unique`, which ends the process where the interpreter ends while another thread is in it: its C++ waits for
+    Python then, and is never to go on (NumPy 2.3 and later). Besides, its first call imports numpy.ma, for 45 ms.
+    """
+    in_order = np.sort(np.ravel(values))
+    is_first = np.ones(len(in_order), dtype=bool)
+    is_first[1:] = in_order[1:] != in_order[:-1]
+    return in_order[is_first]
+
+
+class Groups(NamedTuple):
+    """Equal values, or equal rows, of an array: groups in ascending order.
+
+    Attributes:
+        first: (m,) where the first of each group is.
+        places: (n,) the group of each.
+        counts: (m,) how many are in each.
+    """
+
+    first: NDArray[np.int64]
+    places: NDArray[np.int64]
+    counts: NDArray[np.int64]
+
+
+def grouped(values: NDArray[Any]) -> Groups:
+    """The groups of equal values (n,) or rows (n, k)."""
+    rows = values if values.ndim > 1 else values[:, None]
+    order = np.lexsort(rows.T[::-1])
+    in_order = rows[order]
+    is_first = np.ones(len(rows), dtype=bool)
+    is_first[1:] = (in_order[1:] != in_order[:-1]).any(axis=1)
+    places = np.empty(len(rows), dtype=np.int64)
+    places[order] = np.cumsum(is_first) - 1
+    return Groups(order[is_first], places, np.bincount(places))
+
+
+def distinct_rows(rows: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]:
     """The rows (n, k) sorted, equal ones once, and (n,) the place of each row among them.
 
     `np.unique` with an axis gives the same in four times the time, as it compares records.
     """
-    order = np.lexsort(rows.T[::-1])
-    sorted_rows = rows[order]
-    is_first = np.ones(len(rows), dtype=bool)
-    is_first[1:] = (sorted_rows[1:] != sorted_rows[:-1]).any(axis=1)
-    places = np.empty(len(rows), dtype=np.int64)
-    places[order] = np.cumsum(is_first) - 1
-    return sorted_rows[is_first], places
+    groups = grouped(rows)
+    return rows[groups.first], groups.places
+
+
+def distinct_values(values: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """The values of an array of any shape in ascending order, equal ones once, and (n,) the place of each of them."""
+    flat = values.reshape(-1)
+    groups = grouped(flat)
+    return flat[groups.first], groups.places
 
 
 class OwnsArrays:
@@ -81,11 +126,11 @@ def real_numbers(values: ArrayLike) -> NDArray[Any]:
     """What NumPy makes of numbers, also of another library's array: by `__array__` or, for want of that, by DLPack.
 
     Raises:
-        TypeError, ValueError: For complex numbers, of which NumPy would drop a part, for Python objects, texts, and
-            what holds no numbers at all.
+        TypeError, ValueError: For masked numbers and complex ones, of which NumPy would drop a part, for Python
+            objects, texts, and what holds no numbers at all.
     """
     try:
-        array = np.asarray(values)
+        array = np.asarray(unmasked(values))
         if array.dtype.kind == "O" and array.ndim == 0 and hasattr(values, "__dlpack__"):
             array = np.from_dlpack(cast(Any, values))
     except (RuntimeError, BufferError) as error:  # tensors that are elsewhere, or record what is done with them
@@ -95,7 +140,34 @@ def real_numbers(values: ArrayLike) -> NDArray[Any]:
     return array
 
 
+class MaskedError(PlannercheckError, TypeError):
+    """An array has masked numbers."""
+
+
+def unmasked(values: T) -> T:
+    """The same, unless something in it is masked: NumPy would go on with the numbers under a mask.
+
+    Raises:
+        MaskedError: If something is masked in an array, or in the arrays of a list.
+    """
+    if _has_masked(values):
+        raise MaskedError("an array with masked numbers has no number there: fill them in, or leave these rows out")
+    return values
+
+
+def _has_masked(values: object) -> bool:
+    # Nobody has a masked array without numpy.ma, whose import would take 45 ms.
+    masked_array = getattr(sys.modules.get("numpy.ma"), "MaskedArray", None)
+    if masked_array is None or type(values) is np.ndarray:
+        return False
+    if isinstance(values, masked_array):
+        return bool(np.any(values.mask))
+    return isinstance(values, list | tuple) and any(map(_has_masked, values))
+
+
 def shown_array(values: object) -> str:
     """Words of an error for what is no array of real numbers: its beginning, and the dtype if it has one."""
+    if _has_masked(values):
+        return "an array with masked numbers: fill them in, or leave these rows out"
     dtype = getattr(values, "dtype", None)
     return f"{values!r:.80}" if dtype is None else f"an array of dtype {dtype}: {values!r:.80}"

@@ -14,6 +14,7 @@ import numpy as np
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.checking.verdicts import MotionProof, MotionVerdict, PairVerdict
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct
 from plannercheck.motions.certifier_answers import MotionResult, Proof
 from plannercheck.proofs.proof import Proof as WholeProof
 
@@ -60,7 +61,7 @@ def _first_collision(checker: AnyChecker, states: States, result: MotionResult) 
     """The first parameter that is found to collide."""
     begin = result.free_until
     close = begin + np.geomspace(_LEAST_STEP, 1.0, _CLOSE)
-    parameters = np.unique(np.concatenate([[begin, result.near, 1.0], np.linspace(begin, 1.0, _SPREAD), close]))
+    parameters = distinct(np.concatenate([[begin, result.near, 1.0], np.linspace(begin, 1.0, _SPREAD), close]))
     parameters = parameters[(parameters >= begin) & (parameters <= 1)]
     colliding = np.flatnonzero(~checker.check_states(states(parameters)))
     if not len(colliding):

@@ -18,6 +18,7 @@ from plannercheck.bodies.circumscribed import BOX_SIGNS
 from plannercheck.bodies.distance import distance
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Bools, Floats, Ints64
+from plannercheck.common.arrays import distinct_rows
 from plannercheck.motions.solid_covers import PartHulls, PosedMotion, halved
 from plannercheck.proofs.data import WORLD, Entry, PosedBody
 from plannercheck.proofs.parts import parts_of
@@ -199,7 +200,7 @@ def _corners(vertices: Floats, body: PosedBody) -> Floats:
     """The corners of a part, m."""
     if body.parts == "boxes":
         low, high = vertices
-        return np.unique(np.where(BOX_SIGNS > 0, high, low), axis=0)
+        return distinct_rows(np.where(BOX_SIGNS > 0, high, low))[0]
     if body.parts == "prisms":
-        return np.unique(np.concatenate([vertices, vertices * [1, 1, 0] + [0, 0, body.base]]), axis=0)
+        return distinct_rows(np.concatenate([vertices, vertices * [1, 1, 0] + [0, 0, body.base]]))[0]
     return vertices

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.certificates import Separation
 from plannercheck.checking.verdicts import PairVerdict
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.common.optional_imports import extra_module
@@ -187,7 +188,7 @@ class _MotionPoses:
 
     def __init__(self, checker: CertifiedPairs, start: Floats, end: Floats, path: MotionPath) -> None:
         self._checker, self._ends, self._states = checker, (start, end), checker.certifier_of(path).states
-        self._used = np.unique(checker.pairs)
+        self._used = distinct(checker.pairs)
         self._known: dict[float, Poses] = {}
 
     def at(self, t: float) -> Poses:

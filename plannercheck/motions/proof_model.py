@@ -22,6 +22,7 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats, Ints
+from plannercheck.common.arrays import distinct
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.sampling import MotionSampler
 from plannercheck.proofs.data import JOINT_VALUES, WORLD, Joint, Link, Model, PosedBody
@@ -61,7 +62,7 @@ def space_model(checker: PosedPairs) -> Model:
     """The model of a checker whose robot the compiled kernel poses."""
     robot, table = checker.robot, checker.robot.joint_table
     assert table is not None
-    used = np.unique(checker.pairs)
+    used = distinct(checker.pairs)
     pairs = np.searchsorted(used, checker.pairs).tolist()
     names = list(robot.model.names)[1:]
     return Model(

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct_rows
 from plannercheck.robots.robot import Robot
 
 Rows: TypeAlias = NDArray[np.int64]
@@ -68,7 +69,7 @@ class RoundingBounds:
         return lambda rows: self._by_powers(powers[rows], rows)
 
     def _by_powers(self, powers: Floats, rows: Rows) -> list[tuple[float, Rows]]:
-        kinds, kind_of = np.unique(powers, axis=0, return_inverse=True)
+        kinds, kind_of = distinct_rows(powers)
         return [(self._far_error(kind), rows[kind_of.ravel() == k]) for k, kind in enumerate(kinds)]
 
     def _far_error(self, powers: Floats) -> float:

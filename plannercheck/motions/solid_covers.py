@@ -16,6 +16,7 @@ import numpy as np
 from plannercheck.bodies.distance import distance
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct
 from plannercheck.proofs.data import WORLD, Entry, Model
 from plannercheck.proofs.parts import part_count, parts_of
 
@@ -90,7 +91,7 @@ class PartHulls:
 
     def _corners(self, body: int, part: tuple[int, int]) -> Floats:
         own = self.model.bodies[body]
-        return own.vertices[np.unique(own.triangles[slice(*part)])] if own.triangles else own.vertices
+        return own.vertices[distinct(own.triangles[slice(*part)])] if own.triangles else own.vertices
 
 
 class SolidCover:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Floats, Ints
-from plannercheck.common.arrays import read_only
+from plannercheck.common.arrays import grouped, read_only, unmasked
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.ndim import halfspaces
@@ -82,7 +82,7 @@ class Polytope:
             names a ray that stays inside.
         """
         normals = _checked(A, name, "normals A (m, d)")
-        offsets = _checked(np.atleast_2d(np.asarray(b, dtype=np.float64)), name, "offsets b (m,)")[0]
+        offsets = _checked(np.atleast_2d(np.asarray(unmasked(b), dtype=np.float64)), name, "offsets b (m,)")[0]
         if offsets.shape != (len(normals),):
             raise PlannercheckError(f"{name}: {len(normals)} normals need as many offsets, not {len(offsets)}")
         self = cls.__new__(cls)
@@ -197,7 +197,7 @@ class Polytope:
         polars = self.hull.normals / depths[:, None]
         # Triangles of one facet have one polar point.
         scale = np.abs(polars).max()
-        _, first = np.unique(np.round(polars / scale, 11), axis=0, return_index=True)
+        first = grouped(np.round(polars / scale, 11)).first
         return np.asarray(polars[np.sort(first)])
 
     def _too_large(self, points: Floats) -> bool:
@@ -228,7 +228,7 @@ def _renumbered(hull: Hull) -> Ints:
 
 def _checked(values: ArrayLike, name: str, what: str) -> Floats:
     try:
-        array = np.array(values, dtype=np.float64, order="C")
+        array = np.array(unmasked(values), dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError) as error:
         raise PlannercheckError(f"{name}: {what} must be an array of numbers: {error}") from error
     if array.ndim != 2 or array.shape[1] == 0 or len(array) == 0:

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.array_types import Floats, Ints
+from plannercheck.common.arrays import distinct_rows
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ndim.qhull import convex_hull, halfspace_vertices
 
@@ -142,7 +143,7 @@ def facet_polars(vertices: ArrayLike) -> Floats:
     hull = convex_hull(_floats(vertices))
     if not (hull.offsets > 0).all():
         raise PlannercheckError("the origin is not strictly inside the polytope: its ρ₀ is unbounded")
-    return np.unique(np.round(hull.normals / hull.offsets[:, None], 12), axis=0)
+    return distinct_rows(np.round(hull.normals / hull.offsets[:, None], 12))[0]
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from plannercheck.common.array_types import Floats, Ints
-from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.arrays import OwnsArrays, distinct, grouped
 from plannercheck.common.errors import PlannercheckError
 
 
@@ -66,7 +66,7 @@ def convex_hull(points: Floats) -> Hull:
         raise FlatError(f"qhull finds no hull: {str(error).splitlines()[0]}") from error
     equations = np.asarray(hull.equations, dtype=np.float64)
     simplices = np.asarray(hull.simplices, dtype=np.int32)
-    return Hull(simplices, equations[:, :-1].copy(), -equations[:, -1], np.unique(simplices))
+    return Hull(simplices, equations[:, :-1].copy(), -equations[:, -1], distinct(simplices))
 
 
 def _interval(values: Floats) -> Hull:
@@ -74,7 +74,7 @@ def _interval(values: Floats) -> Hull:
     if values[low] == values[high]:
         raise FlatError("the points are all the same")
     ends = np.array([[low], [high]], dtype=np.int32)
-    return Hull(ends, np.array([[-1.0], [1.0]]), np.array([-values[low], values[high]]), np.unique(ends))
+    return Hull(ends, np.array([[-1.0], [1.0]]), np.array([-values[low], values[high]]), distinct(ends))
 
 
 def halfspace_vertices(normals: Floats, offsets: Floats, inside: Floats) -> Floats:
@@ -94,5 +94,5 @@ def halfspace_vertices(normals: Floats, offsets: Floats, inside: Floats) -> Floa
         raise PlannercheckError("the halfspaces bound no polytope: their intersection is unbounded")
     found = hull.normals / hull.offsets[:, None]
     scale = np.abs(found).max()
-    _, first = np.unique(np.round(found / scale, 12), axis=0, return_index=True)
+    first = grouped(np.round(found / scale, 12)).first
     return np.asarray(found[np.sort(first)] + inside)

@@ -33,7 +33,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Bools, Floats, Ints
-from plannercheck.common.arrays import OwnsArrays, read_only_copy
+from plannercheck.common.arrays import OwnsArrays, distinct_rows, grouped, read_only_copy
 from plannercheck.ndim.qhull import FlatError, Hull, convex_hull
 from plannercheck.ndim.rounding import FLAT
 
@@ -240,7 +240,7 @@ class _Builder:
         # More faces than these would not add to the net.
         drawn = self.rng.permutation(len(faces))[: 4 * self.net_size]
         corners = self.simplices[faces[drawn]].ravel()
-        _, first = np.unique(corners, return_index=True)
+        first = grouped(corners).first
         return np.sort(corners[np.sort(first)[: self.net_size]])
 
     def _child(self, step: _Step, corner: int) -> int | Cones:
@@ -255,7 +255,7 @@ class _Builder:
         return self._add(faces, step.depth, len(faces) <= _CONE_SHRINKS * len(step.faces))
 
     def _cones(self, step: _Step, simplices: Ints, beyond: Bools) -> Cones:
-        masks, which = np.unique(beyond, axis=0, return_inverse=True)
+        masks, which = distinct_rows(beyond)
         numbers = []
         for mask in masks:
             faces = step.faces_beyond(mask)

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Bools, Floats, Ints
-from plannercheck.common.arrays import contiguous, read_only, read_only_copy
+from plannercheck.common.arrays import contiguous, read_only, read_only_copy, unmasked
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -236,7 +236,7 @@ def _polygons(given: Several, name: str, scan: bool) -> tuple[Any, int]:
     if isinstance(given, list | tuple) and (not given or np.ndim(given[0]) == 2):
         several: Sequence[ArrayLike] = given
     else:
-        array = np.asarray(given, dtype=np.float64)
+        array = np.asarray(unmasked(given), dtype=np.float64)
         several = list(array) if array.ndim == 3 else [array]
     with error_context(name):
         arrays = [checked_polygon(polygon, f"polygon {k}", scan=scan) for k, polygon in enumerate(several)]

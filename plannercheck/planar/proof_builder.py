@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.array_types import Bools, Floats, Ints64
+from plannercheck.common.arrays import distinct
 from plannercheck.common.optional_imports import extra_module
 from plannercheck.motions.certifier_answers import Proof as Line
 from plannercheck.planar.curves import Curve
@@ -103,7 +104,7 @@ class PlanarBuilder:
             return None
         q0, q1, asked = (tuple(q.tolist()) for q in (start, end, asked_end))
         motion = PlanarMotion(q0, q1, asked, curve, float(turning_radius or 0.0), _pieces(pieces))
-        parameters = np.unique([t for line in result.proofs for t in (line.start, line.end)])
+        parameters = distinct([t for line in result.proofs for t in (line.start, line.end)])
         states = certifier.states(start, end, parameters, pieces)
         margin = self._margin(motion)
         is_clear = self._clear(result.proofs, parameters, states, margin, pieces)

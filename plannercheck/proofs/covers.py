@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct
 from plannercheck.proofs.data import WORLD, Entry, Model
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.numbers_of_proofs import check_numbers
@@ -99,7 +100,7 @@ def _cut(cell: Floats, boxes: Floats) -> tuple[int, float] | None:
     for axis in range(3):
         low, high = cell[axis]
         starts, ends = np.sort(boxes[:, axis, 0]), np.sort(boxes[:, axis, 1])
-        values = np.unique(np.concatenate([starts, ends]))
+        values = distinct(np.concatenate([starts, ends]))
         values = values[(values > low) & (values < high)]
         before, after = np.searchsorted(starts, values), len(ends) - np.searchsorted(ends, values, side="right")
         straddled = before + after - len(boxes)

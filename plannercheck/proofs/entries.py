@@ -37,6 +37,7 @@ import numpy as np
 from flint import arb_mat
 
 from plannercheck.common.array_types import Bools, Ints64
+from plannercheck.common.arrays import distinct
 from plannercheck.proofs.chains import Chains, off_rigid
 from plannercheck.proofs.covers import is_whole, pairs_in_parts
 from plannercheck.proofs.data import WORLD, Entry, Model, Motion, PosedBody, ProofData
@@ -183,7 +184,7 @@ class EntryChecker:
             some = seen.parts.taken(slice(*triangles))
             self._parts[key] = seen._replace(points=some.box, parts=some)
         if key not in self._parts:
-            rows = np.unique(self._model.bodies[body].triangles[slice(*triangles)])
+            rows = distinct(self._model.bodies[body].triangles[slice(*triangles)])
             self._parts[key] = seen._replace(points=seen.points[rows])
         return self._parts[key]
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct
 from plannercheck.proofs.data import PosedBody
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.parts import VERTICES
@@ -95,7 +96,7 @@ def _samples(body: PosedBody) -> list[int]:
         np.minimum.at(spread, triangles.ravel(), np.repeat(least, 3))
         spread = spread[spread]
         if np.array_equal(spread, part):
-            return [int(k) for k in np.unique(part[triangles])]
+            return [int(k) for k in distinct(part[triangles])]
         part = spread
 
 

@@ -14,6 +14,7 @@ import flint
 import numpy as np
 from flint import arb
 
+from plannercheck.common.arrays import distinct_rows
 from plannercheck.common.motion_paths import PATHS
 from plannercheck.proofs.covers import check_covers, check_directions, pairs_in_parts
 from plannercheck.proofs.data import JOINT_VALUES, WORLD, Entry, Hashes, Joint, Model, Motion, PosedBody, ProofData
@@ -208,7 +209,7 @@ def _check_triangles(body: PosedBody, what: str) -> None:
         return
     if not all(0 <= k < len(body.vertices) for triangle in body.triangles for k in triangle):
         raise UnprovedError(f"{what} has a triangle with a corner that there is not")
-    if len(np.unique(body.vertices + 0.0, axis=0)) < len(body.vertices):  # -0 is 0
+    if len(distinct_rows(body.vertices + 0.0)[0]) < len(body.vertices):  # -0 is 0
         raise UnprovedError(f"{what} has a vertex twice")
 
 

@@ -22,6 +22,7 @@ from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Hull, Shape, Sphere
 from plannercheck.bodies.solids import OPEN_MESHES, Solid, open_meshes
 from plannercheck.common.array_types import Bools
+from plannercheck.common.arrays import unmasked
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, unknown_name, with_article
 from plannercheck.scenes.declared_states import DeclaredStates
@@ -171,7 +172,7 @@ class SceneContents(DeclaredStates):
 
     def add_hull(self, name: str, vertices: ArrayLike, pose: ArrayLike | None = None) -> None:
         """Adds the convex hull of points (n, 3) in m."""
-        self.add(name, Hull(np.asarray(vertices)), pose)
+        self.add(name, Hull(np.asarray(unmasked(vertices))), pose)
 
     def add_mesh(
         self,

@@ -84,14 +84,17 @@ class Journal:
         self.records: dict[tuple[int, int], Record] = {}
         with self._writing():
             self._file = _opened(path)
+            was_empty = not path.stat().st_size
             try:
                 _check_is_journal(path, self._file)
-                if resume and path.stat().st_size:
+                if resume and not was_empty:
                     self._take_up(dict(fingerprint))
                 else:
                     self._begin(dict(fingerprint))
-            except PlannercheckError:
-                self._file.close()
+            except BaseException:
+                self.close()
+                if was_empty:  # an empty file would pass for an unfinished run
+                    path.unlink(missing_ok=True)
                 raise
 
     def _begin(self, fingerprint: dict[str, str]) -> None:
@@ -188,7 +191,8 @@ class Journal:
 
     def close(self) -> None:
         """Closes the file, which stays."""
-        self._file.close()
+        with contextlib.suppress(OSError):  # the rest of a record for which the disk had no room; it counts for nothing
+            self._file.close()
 
     def remove(self) -> None:
         """Closes the file and removes it: the run is done."""

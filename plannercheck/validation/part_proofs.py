@@ -24,6 +24,7 @@ from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.solid_certificates import Enclosure
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct_rows
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.validation.solid_proofs import GivenMesh, is_part, is_surface, proves_contact
 
@@ -51,7 +52,7 @@ class GivenParts:
         if len(self.corners) > _MOST_IN_HULL:
             low, high = ([edge(column) for column in points.T] for edge in (np.min, np.max))
             points = np.where(BOX_SIGNS > 0, high, low)
-        return np.unique(points, axis=0), float(self.radii.max())
+        return distinct_rows(points)[0], float(self.radii.max())
 
     @cached_property
     def mesh(self) -> GivenMesh:
@@ -69,7 +70,7 @@ class GivenParts:
     def has_part(self, body: PosedBody) -> bool:
         """Whether a certificate's body is one of the parts."""
         if len(body.vertices) != self.corners.shape[1]:  # a triangle of a part, or a flat part, of fewer points
-            return self._has_flat(np.unique(body.vertices + 0.0, axis=0), body.inflation_radius)
+            return self._has_flat(distinct_rows(body.vertices + 0.0)[0], body.inflation_radius)
         return _keys(body.vertices[None], np.array([body.inflation_radius]))[0].tobytes() in self._known
 
     def _has_flat(self, points: Floats, radius: float) -> bool:

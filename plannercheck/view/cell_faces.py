@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.arrays import distinct
+
 Whole = NDArray[np.int64]
 
 # Bits of a place along one axis; places are at least 0.
@@ -43,7 +45,7 @@ def _squares(keys: Whole, sizes: Whole, axis: int, beyond: Whole) -> Whole:
     """Codes of the unit squares of one face of each cube: which plane, then where along the two other axes."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     parts = [np.zeros(0, dtype=np.int64)]
-    for size in np.unique(sizes).tolist():
+    for size in distinct(sizes).tolist():
         of_size = sizes == size
         first = keys[of_size]
         step = np.arange(size)

@@ -16,6 +16,7 @@ from plannercheck.bodies.lattice_cells import LatticeCells
 from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.shapes import Shape
 from plannercheck.common.array_types import Bools, Floats
+from plannercheck.common.arrays import grouped
 from plannercheck.view.cell_faces import outside
 
 Short: TypeAlias = NDArray[np.uint16]
@@ -170,5 +171,7 @@ def _squares(edges: NDArray[np.int64]) -> int:
 def _coarser(places: NDArray[np.int64], edges: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Cells of twice the step that hold all cells; none overlap."""
     halves = np.maximum(edges // 2, 1)
-    rows, index = np.unique(np.column_stack([places // 2, halves]), axis=0, return_index=True)
+    cells = np.column_stack([places // 2, halves])
+    index = grouped(cells).first
+    rows = cells[index]
     return rows[:, :3], halves[index]

@@ -162,3 +162,59 @@ def test_a_link_into_a_folder_that_is_missing_is_told_before_the_work(folder):
     assert ran.returncode == 2
     assert "file 'link.csv' can't be written: there is no folder" in ran.stderr
     assert "nowhere" in ran.stderr
+
+
+@pytest.fixture
+def full_disk(folder):
+    """A disk without room, of the test's own; where nobody may mount one, a limit on the size of files."""
+    disk = folder / "disk"
+    disk.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", str(disk)], capture_output=True, check=False
+    )
+    (disk / "all").write_bytes(bytes(4096) if mounted.returncode == 0 else b"")
+    yield disk, "" if mounted.returncode == 0 else "trap '' XFSZ; ulimit -f 0; "
+    if mounted.returncode == 0:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+@pytest.mark.parametrize("option", ["--output {}/o.csv", "--summary {}/o.json"])
+def test_a_full_disk_leaves_no_journal_of_a_run_that_never_was(full_disk, option):
+    """Found by an audit: the empty journal was an unfinished run for the next one."""
+    disk, limit = full_disk
+    for resume in ("", " --resume"):
+        ran = _in_a_shell(f"{limit}plannercheck {VALIDATE} {option.format(disk)}{resume}")
+        assert ran.returncode == 2
+        assert "o.csv.progress' can't be written" in ran.stderr or "o.json.progress' can't be written" in ran.stderr
+        assert "unfinished" not in ran.stderr
+        assert [path.name for path in disk.iterdir()] == ["all"]
+
+
+def test_an_empty_file_is_no_unfinished_run(folder):
+    Path("o.csv.progress").touch()
+    ran = _in_a_shell(f"plannercheck {VALIDATE} --output o.csv")
+    assert (ran.returncode, ran.stderr) == (1, "")
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize("asked", ["--help", "validate --help", "--version", "--print-completion bash"])
+def test_help_that_can_not_be_written_is_no_success(asked, unbuffered, monkeypatch):
+    """Found by an audit: `--help > /dev/full` ended with 0."""
+    monkeypatch.setenv("PYTHONUNBUFFERED", unbuffered)
+    ran = _in_a_shell(f"plannercheck {asked} > /dev/full")
+    assert (ran.returncode, ran.stderr) == (3, "plannercheck: error: could not finish: No space left on device\n")
+    assert _in_a_shell(f"plannercheck {asked} | head -c 1; exit ${{PIPESTATUS[0]}}").returncode in (0, 141)
+    assert _in_a_shell(f"plannercheck {asked} >&-").returncode == 0
+
+
+def test_a_closed_standard_input_is_bad_input():
+    ran = _in_a_shell("plannercheck validate --robot panda - --progress none <&-")
+    assert (ran.returncode, ran.stderr) == (2, "plannercheck: error: standard input: is closed\n")
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+def test_no_file_takes_the_place_of_a_closed_stream(folder, closed):
+    ran = _in_a_shell(f"plannercheck {VALIDATE} --output o.csv {closed}")
+    assert ran.returncode == 1
+    assert _in_a_shell(f"plannercheck {VALIDATE} --output right.csv").returncode == 1
+    assert Path("o.csv").read_bytes() == Path("right.csv").read_bytes()

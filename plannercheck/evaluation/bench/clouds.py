@@ -22,6 +22,7 @@ from plannercheck.bodies.octrees import Octree
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct_rows
 from plannercheck.common.isolated_process import run_isolated_lines
 from plannercheck.evaluation.bench.build_cost import resident_bytes
 from plannercheck.evaluation.bench.sensed_peers import coal_map, fcl_map
@@ -153,7 +154,7 @@ def _balls(points: Floats) -> PartSet:
 
 
 def _cells(points: Floats) -> PartSet:
-    return Octree.from_cells(np.unique(np.floor(points / (2 * RADIUS)).astype(np.int32), axis=0), 2 * RADIUS)
+    return Octree.from_cells(distinct_rows(np.floor(points / (2 * RADIUS)).astype(np.int32))[0], 2 * RADIUS)
 
 
 def _coal(checker: Checker, points: Floats) -> tuple[Any, Callable[[], object]]:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Shape, Sphere
 from plannercheck.common.array_types import Bools, Floats
+from plannercheck.common.arrays import distinct, grouped
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.compiled_coal_loop import library
 from plannercheck.evaluation.bench.timing import seconds_of
@@ -121,7 +122,7 @@ class CoalLoop:
         self.handle = ctypes.c_void_p(self.library.coal_loop_new())
         shape_of: dict[int, int] = {}
         indices = [shape_of.setdefault(id(p), len(shape_of)) for p in bodies.polytopes]  # equal shapes are one
-        for k in np.unique(indices, return_index=True)[1].tolist():
+        for k in grouped(np.array(indices)).first.tolist():
             self._add(bodies.polytopes[k], bodies.shapes[k], bodies.names[k])
         self._checked(
             self.library.coal_loop_set(
@@ -139,7 +140,7 @@ class CoalLoop:
     @classmethod
     def of_checker(cls, checker: Checker, mesh_boxes: str = "OBBRSS") -> CoalLoop:
         """The loop over a checker's pairs; bodies in no pair are left out; `mesh_boxes` as of `CoalLoop`."""
-        used = np.unique(checker.pairs).tolist()
+        used = distinct(checker.pairs).tolist()
         index = {body: k for k, body in enumerate(used)}
         polytopes = [p for body in used if (p := checker.polytopes[body]) is not None]
         assert len(polytopes) == len(used)

@@ -24,6 +24,7 @@ import numpy as np
 
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats, Ints64
+from plannercheck.common.arrays import distinct
 from plannercheck.evaluation.bench.nearest_points import Nearest, nearest_of_few
 from plannercheck.evaluation.bench.truncated_hierarchies import alive_levels
 
@@ -54,7 +55,7 @@ class LevelledBody:
         self.stars: list[dict[int, Ints64]] = []
         self.appearing: list[dict[int, list[int]]] = []
         for finer, coarser in zip(alive[-2::-1], alive[:0:-1], strict=True):
-            self._add_level(finer, np.setdiff1d(finer, coarser))
+            self._add_level(finer, distinct(finer[~np.isin(finer, coarser)]))
 
     def _add_level(self, alive: Ints64, new: Ints64) -> None:
         is_new = np.zeros(len(self.vertices), dtype=bool)

@@ -24,6 +24,7 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Sphere
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.sensed_peers import coal_map, fcl_map
 from plannercheck.evaluation.bench.solid_checkers import has_solids
@@ -74,7 +75,7 @@ def fcl(checker: Checker) -> Judge:
         [0.0 if p is None else p.inflation_radius for p in checker.polytopes],
         {k: fcl_map(body.shape) for k, body in enumerate(checker.bodies) if isinstance(body.shape, PartSet)},
     )
-    unknown = [checker.bodies[k].name for k in np.unique(checker.pairs).tolist() if not bodies.known[k]]
+    unknown = [checker.bodies[k].name for k in distinct(checker.pairs).tolist() if not bodies.known[k]]
     if unknown:
         raise PlannercheckError(f"python-fcl has no shape for {', '.join(unknown)}")
 
@@ -88,7 +89,7 @@ def fcl(checker: Checker) -> Judge:
 
 
 def _any_collides(bodies: FclBodies, poses: Floats, pairs: NDArray[Any]) -> bool:
-    for body in np.unique(pairs).tolist():
+    for body in distinct(pairs).tolist():
         bodies.place(body, poses[body])
     return any(bodies.collides(p, r) for p, r in pairs.tolist())
 
@@ -109,7 +110,7 @@ def coal_geometry_model(checker: Checker) -> Any:
     geometry = pin.GeometryModel()
     place: dict[int, int] = {}
     shapes: dict[int, Any] = {}
-    for k in np.unique(checker.pairs).tolist():
+    for k in distinct(checker.pairs).tolist():
         body, polytope = checker.bodies[k], checker.polytopes[k]
         assert polytope is not None
         if id(polytope) not in shapes:  # equal shapes are one, as in the checker

@@ -19,6 +19,7 @@ from plannercheck.bodies.octrees import Octree
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct, distinct_rows
 from plannercheck.common.errors import PlannercheckError
 
 # Cells of one step that are handed over at most: coal takes a point for each.
@@ -67,7 +68,7 @@ def _octree(shape: PartSet) -> Octree:
         return shape
     if isinstance(shape, PointCloud):
         step = _diameter(shape)
-        return Octree.from_cells(np.unique(np.floor(shape.points / step).astype(np.int32), axis=0), step)
+        return Octree.from_cells(distinct_rows(np.floor(shape.points / step).astype(np.int32))[0], step)
     raise PlannercheckError(f"python-fcl has nothing like {shape!r}")
 
 
@@ -89,7 +90,7 @@ def _small_cells(shape: LatticeCells) -> NDArray[np.int64]:
     if float((sizes.astype(np.float64) ** 3).sum()) > _MOST_CELLS:
         raise PlannercheckError(f"coal takes a map cell by cell: more than {_MOST_CELLS:,} are left out")
     parts = [np.zeros((0, 3), dtype=np.int64)]
-    for size in np.unique(sizes).tolist():
+    for size in distinct(sizes).tolist():
         inside = np.stack(np.meshgrid(*[np.arange(size)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
         parts.append((keys[sizes == size][:, None].astype(np.int64) + inside).reshape(-1, 3))
     return np.concatenate(parts)

@@ -15,6 +15,7 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, Hull
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Bools, Floats, Ints64
+from plannercheck.common.arrays import distinct
 from plannercheck.common.core import core
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.description import description_of
@@ -33,14 +34,14 @@ def checker_of_triangles(robot: str) -> Checker:
 
 def has_solids(checker: Checker, open_only: bool = False) -> bool:
     """Whether some pair is of a mesh as it is, be it that this is its hull; or of an open one."""
-    shapes = [checker.bodies[k].shape for k in np.unique(checker.pairs).tolist()]
+    shapes = [checker.bodies[k].shape for k in distinct(checker.pairs).tolist()]
     return any(isinstance(shape, Solid) and not (open_only and not shape.is_open) for shape in shapes)
 
 
 def with_hulls(checker: Checker, open_only: bool = False) -> Checker:
     """The same with the hulls of all solids, or of the open ones, in their place."""
     hulls = {}
-    for k in np.unique(checker.pairs).tolist():
+    for k in distinct(checker.pairs).tolist():
         body, polytope = checker.bodies[k], checker.polytopes[k]
         if isinstance(body.shape, Solid) and polytope is not None and not (open_only and not body.shape.is_open):
             hulls[k] = as_hull(body, polytope)

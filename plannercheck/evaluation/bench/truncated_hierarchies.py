@@ -84,7 +84,7 @@ def _without_independent(hull: Polytope) -> Ints64:
             continue
         removed.append(v)
         blocked |= neighbours[v]
-    return np.setdiff1d(np.arange(len(neighbours)), removed)
+    return np.setdiff1d(np.arange(len(neighbours)), removed, assume_unique=True)
 
 
 def _bounded_by(polar_points: Floats, body: Polytope) -> Polytope | None:

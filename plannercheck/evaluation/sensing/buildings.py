@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Bools, Floats
+from plannercheck.common.arrays import grouped
 
 Keys = NDArray[np.int32]
 
@@ -137,6 +138,7 @@ def pruned(keys: Keys) -> tuple[Keys, Keys]:
 def _unique(keys: Keys) -> tuple[Keys, NDArray[np.intp], NDArray[np.intp]]:
     """Distinct rows, the row of each key among them, and how often each occurs."""
     codes = (keys.astype(np.int64) * np.array([1 << 40, 1 << 20, 1])).sum(axis=1)
-    distinct, index, counts = np.unique(codes, return_inverse=True, return_counts=True)
+    first, index, counts = grouped(codes)
+    distinct = codes[first]
     rows = np.column_stack([distinct >> 40, (distinct >> 20) & 0xFFFFF, distinct & 0xFFFFF])
     return rows.astype(np.int32), index.reshape(-1), counts

@@ -16,6 +16,7 @@ from plannercheck.bodies.polytope import prepared
 from plannercheck.bodies.shapes import GeometryObject, Shape, Sphere
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct_rows
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.sensing.cameras import DepthCamera
 
@@ -104,7 +105,7 @@ def _planes(shape: Shape, name: str) -> Floats:
     normals = np.cross(second - first, third - first)
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     planes = np.column_stack([normals, -np.einsum("ij,ij->i", normals, first)])
-    return np.unique(np.round(planes, 12), axis=0)
+    return distinct_rows(np.round(planes, 12))[0]
 
 
 def _in_blocks(rays: Floats, facets: int, depths: Callable[[Floats], Floats]) -> Floats:

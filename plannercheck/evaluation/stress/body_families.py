@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.arrays import distinct_rows
 from plannercheck.common.package_data import example_robot_data
 
 Points = NDArray[np.float64]
@@ -106,7 +107,7 @@ def lattice(n: int, rng: np.random.Generator) -> Points:
     """Points of a small lattice in a ball: many exactly coplanar, all coordinates short."""
     steps = 8 if n < 100 else 64
     points = np.round(round_body(n, rng) * steps) / steps
-    return np.concatenate([np.unique(points, axis=0), [[0.5, 0, 0], [0, 0.5, 0], [0, 0, 0.5], [-0.5, 0, 0]]])
+    return np.concatenate([distinct_rows(points)[0], [[0.5, 0, 0], [0, 0.5, 0], [0, 0, 0.5], [-0.5, 0, 0]]])
 
 
 def rim_points(n: int, phase: float) -> Points:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Bools, Floats
+from plannercheck.common.arrays import distinct
 from plannercheck.evaluation.stress_motions.tangents import Tangents
 from plannercheck.robots.robot import Robot
 
@@ -139,7 +140,7 @@ def _seen_from(poses: Floats, link: int, points: Floats) -> Floats:
 def _directions(tangents: Tangents, rates: Floats, n: int, rng: np.random.Generator) -> Floats:
     """Tangent vectors (n, dimension) of random directions and lengths."""
     way = rng.normal(size=(n, tangents.dimension))
-    owners = np.unique(tangents.owners)
+    owners = distinct(tangents.owners)
     few = rng.random(n) < _FEW_JOINTS
     chosen = rng.choice(owners, (n, 2))
     way[few[:, None] & ~(tangents.owners[None, :, None] == chosen[:, None, :]).any(axis=2)] = 0

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct, grouped
 from plannercheck.evaluation.stress_motions.draws import Draw
 from plannercheck.evaluation.stress_motions.outcomes import COLLISION, FREE, Answers, Judged, said, states_on, valid
 from plannercheck.evaluation.stress_motions.recipes import is_of_solids
@@ -28,7 +29,7 @@ def ends_and_contacts(draw: Draw, used: Subject, answers: Answers, judged: Judge
     for name, q in (("start", motions.q0), ("end", motions.q1)):
         for row in free[~valid(used, q[free])].tolist() if len(free) else []:
             judged.add(COLLISION, row, f"its {name} collides")
-    _, first = np.unique(motions.through, axis=0, return_index=True)
+    first = grouped(motions.through).first
     known = first[motions.touching[first]]
     if not len(known):
         return
@@ -47,7 +48,7 @@ def sampled(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np
     judged.counts["sampled states"] += sum(len(part) for part in states)
     owners = np.repeat(free, [len(part) for part in states])
     colliding = ~valid(used, np.vstack(states))
-    for row in np.unique(owners[colliding]).tolist():
+    for row in distinct(owners[colliding]).tolist():
         judged.add(COLLISION, row, "a state on it collides")
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct_values
 from plannercheck.common.checked_yaml import BROKEN_FILE
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress.shared_runs import is_case_of
@@ -109,7 +110,7 @@ def _body(case: SolidCase, first: bool) -> Body:
 
 
 def _bare(body: Body) -> Body:
-    used, corners = np.unique(body.surface.triangles, return_inverse=True)
+    used, corners = distinct_values(body.surface.triangles)
     return replace(body, surface=surface(body.surface.points[used], corners.reshape(-1, 3)))
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct, distinct_rows, distinct_values
 
 Corners = NDArray[np.int32]
 Cells = NDArray[np.bool_]
@@ -36,7 +37,7 @@ class Surface:
     @property
     def used_points(self) -> Floats:
         """Points that are corners of triangles, (k, 3), m."""
-        return self.points[np.unique(self.triangles)]
+        return np.asarray(self.points[distinct(self.triangles)])
 
     @property
     def inverted(self) -> Surface:
@@ -69,7 +70,7 @@ def joined(parts: Sequence[Surface]) -> Surface:
 
 def merged(given: Surface) -> Surface:
     """The same with each point once."""
-    points, index = np.unique(given.points, axis=0, return_inverse=True)
+    points, index = distinct_rows(given.points)
     return surface(points, index.reshape(-1)[given.triangles])
 
 
@@ -93,7 +94,7 @@ def of_cells(cells: Cells, rng: np.random.Generator) -> Surface:
         corners += [np.argwhere(cells & ~ahead)[:, None] + upper, np.argwhere(cells & ~behind)[:, None] + lower]
     quads = np.vstack(corners)
     index = np.ravel_multi_index(tuple(quads.reshape(-1, 3).T), tuple(n + 1 for n in cells.shape)).reshape(-1, 4)
-    used, place = np.unique(index, return_inverse=True)
+    used, place = distinct_values(index)
     points = np.stack(np.unravel_index(used, tuple(n + 1 for n in cells.shape)), axis=1)
     return of_quads(points.astype(np.float64), place.reshape(-1, 4), rng)
 

@@ -43,7 +43,7 @@ def _hole(given: Surface, rng: np.random.Generator) -> Surface:
 def _ragged_hole(given: Surface, rng: np.random.Generator) -> Surface:
     """With a hole, and without some of the triangles at its rim."""
     opened = _hole(given, rng)
-    gone = np.setdiff1d(given.triangles, opened.triangles)
+    gone = given.triangles[~np.isin(given.triangles, opened.triangles)]
     beside = given.triangles[np.isin(given.triangles, gone).any(axis=1)]
     is_beside = np.isin(opened.triangles, beside).any(axis=1)
     return _with(opened, ~is_beside | (rng.random(len(opened.triangles)) < 0.5))

@@ -172,6 +172,8 @@ def _check_file(path: Path) -> None:
 
 def _blocks(path: Path, columns: Columns, key: str | None, size: int) -> Iterator[RowBlock]:
     if path == STANDARD_INPUT:
+        if sys.stdin is None:
+            raise PlannercheckError("is closed")
         return _stream_blocks(sys.stdin.buffer, columns, size)
     suffix = path.suffix.lower()
     if suffix in _KEYED:
