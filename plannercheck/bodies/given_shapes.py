@@ -8,6 +8,7 @@ hulls, as mesh files do. No library is imported for this: whoever has such an ob
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import PurePath
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -111,7 +112,8 @@ def points_given(value: GivenShape) -> Floats:
     except (TypeError, ValueError, OverflowError):
         points = None
     if points is None:
-        raise PlannercheckError(f"a body must be {_KNOWN}, not {type(value).__name__} {shortened(repr(value))}")
+        hint = "; pc.Solid.load and Scene.add_mesh read files" if isinstance(value, str | PurePath) else ""
+        raise PlannercheckError(f"a body must be {_KNOWN}, not {type(value).__name__} {shortened(repr(value))}{hint}")
     if points.ndim != 2 or points.shape[1] != 3:
         raise PlannercheckError(f"points of a body must have shape (n, 3), not {points.shape}")
     return points

@@ -28,7 +28,7 @@ def description_text(description: RobotDescription, joints: Sequence[str] | None
     Returns:
         The text.
     """
-    folder = path.resolve().parent
+    folder = path.parent.resolve()  # that of the name given, by which the file is read, too
     content: dict[str, Any] = {
         "name": description.name or path.stem,
         "urdf": _named(description.urdf, folder),

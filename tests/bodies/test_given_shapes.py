@@ -263,7 +263,10 @@ def test_scenes_of_such_shapes_are_saved_and_checked(tmp_path):
 @pytest.mark.parametrize(
     ("value", "message"),
     [
-        ("box", "must be a shape such as Box, points .* not str 'box'"),
+        (
+            "box.stl",
+            "must be a shape such as Box, points .* not str 'box.stl'; pc.Solid.load and Scene.add_mesh read files",
+        ),
         (None, "not NoneType None"),
         (7.0, r"points of a body must have shape \(n, 3\), not \(\)"),
         (np.zeros((4, 2)), r"points of a body must have shape \(n, 3\), not \(4, 2\)"),

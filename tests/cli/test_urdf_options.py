@@ -82,6 +82,11 @@ def test_what_acm_writes_may_be_moved_with_its_files(tmp_path):
     assert written["urdf"] == "../urdf/arm.urdf"
     assert written["package_dirs"] == ["../meshes"]
     assert written["mesh_units"] == "metre"
+    (tmp_path / "far/away").mkdir(parents=True)
+    (tmp_path / "far/away/link").symlink_to(tmp_path / "old/robots")
+    linked = tmp_path / "far/away/link/again.yaml"  # in a folder that is a link
+    assert main(["acm", *given, "--states", "10", "--output", str(linked)]) == 0
+    assert pc.Robot.load(linked).link_names == ("a", "b")
     (tmp_path / "old").rename(tmp_path / "new")
     assert pc.Robot.load(tmp_path / "new/robots/arm.yaml").link_names == ("a", "b")
 
