@@ -275,7 +275,7 @@ def _found(
         planner=search.planner,
         joint_names=checker.robot.joint_names,
         motion_path="slerp" if isinstance(space, PoseSpace) else "screw",
-        goal=goals.reached(space.differences(np.array(goals.rows), path[-1])),
+        goal=goals.reached(path[-1], space.differences),
     )
 
 
