@@ -1,7 +1,8 @@
 """Mesh files: STL, OBJ, PLY, OFF, Collada and glTF, in doubles, with all objects where the file's scene puts them.
 
 In: a path, a scale, and whether the file's own unit and axes count. Out: `MeshFile`. A file is read as its format
-defines it, or refused with the place that is wrong: a face that is passed over would be a hole in a body.
+defines it, or refused with the place that is wrong: a face that is passed over would be a hole in a body. The
+objects of large files are cached by their content (`mesh_cache.py`).
 """
 
 from __future__ import annotations
@@ -9,15 +10,16 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Literal, TypeAlias, get_args
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
-from plannercheck.bodies.collada_files import objects_of_collada
+from plannercheck.bodies.collada_files import ColladaAxes, objects_of_collada
 from plannercheck.bodies.gltf_files import Y_UP, scene_of_gltf
+from plannercheck.bodies.mesh_cache import known_objects
 from plannercheck.bodies.mesh_objects import NO_FACES, RawObject
 from plannercheck.bodies.mesh_poses import turned
 from plannercheck.bodies.obj_files import objects_of_obj
@@ -172,9 +174,10 @@ def _read(path: Path, units: MeshUnits) -> tuple[list[RawObject], str]:
     ending = path.suffix.lower()
     content = _content(path)
     if ending in _PLAIN:
-        return _PLAIN[ending](content), ""
+        return known_objects(ending, content, lambda content: (_PLAIN[ending](content), []))[0], ""
     if ending == ".dae":
-        objects, axes = objects_of_collada(content)
+        objects, numbers = known_objects(ending, content, _collada)
+        axes = ColladaAxes(*numbers)
         return objects if units == "metre" else _in_metres(objects, axes.turn, axes.metres), axes.words
     if ending in _WITH_AXES:
         scene = scene_of_gltf(path, content)
@@ -183,6 +186,11 @@ def _read(path: Path, units: MeshUnits) -> tuple[list[RawObject], str]:
     raise PlannercheckError(
         f"is of a format that is not read ({ending or 'no ending'}): convert it to one of {', '.join(MESH_SUFFIXES)}"
     )
+
+
+def _collada(content: bytes) -> tuple[list[RawObject], list[Any]]:
+    objects, axes = objects_of_collada(content)
+    return objects, list(astuple(axes))
 
 
 def _gltf_conversion(root: Floats) -> str:

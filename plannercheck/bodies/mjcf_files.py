@@ -3,6 +3,7 @@
 In: a path. Out: `MjcfFile`, the numbers of the compiled model that decide about kinematics and collisions, under the
 names that mjModel gives them. Whatever the format resolves is resolved: includes, frames, replicas, attached models,
 classes of defaults, orientations, primitives fitted to meshes. MuJoCo runs in a process of its own (`mjcf_worker.py`).
+What it has compiled is cached by the content of all files that go in (`mjcf_inputs.py`).
 """
 
 from __future__ import annotations
@@ -21,11 +22,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.bodies.mjcf_inputs import compiled_file
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import distinct
+from plannercheck.common.cache import read_cached, write_to_cache
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.isolated_process import run_isolated
 from plannercheck.common.optional_imports import extra_module
+from plannercheck.common.progress import reported
 from plannercheck.common.transforms import Matrix, pose_of_quaternion
 
 Integers = NDArray[np.int64]
@@ -198,14 +202,26 @@ def read_mjcf(path: Path) -> MjcfFile:
 
 
 def _compiled(path: Path) -> dict[str, NDArray[Any]]:
-    """What the worker says of a file, see `mjcf_worker.py`."""
+    """What the worker says of a file, see `mjcf_worker.py`; known from an earlier time if its files are the same."""
     if importlib.util.find_spec("mujoco") is None:
         extra_module("mujoco", "mjcf", "MJCF files")
-    ran = run_isolated("plannercheck.bodies.mjcf_worker", [str(path.absolute())])
+    cache = compiled_file(path, "\n".join(FIELDS))
+    known = None if cache is None else read_cached(cache)
+    if known is not None:
+        return _arrays_of(known)
+    with reported(f"compiling {path.name}"):
+        ran = run_isolated("plannercheck.bodies.mjcf_worker", [str(path.absolute())])
     if ran.returncode:
         raise PlannercheckError(f"MJCF {path}: MuJoCo's compiler {_how_it_ended(ran.returncode, ran.stderr)}")
-    with np.load(io.BytesIO(ran.stdout), allow_pickle=False) as content:
-        return {key: content[key] for key in content.files}
+    found = _arrays_of(ran.stdout)
+    if cache is not None and "error" not in found and cache == compiled_file(path, "\n".join(FIELDS)):
+        write_to_cache(cache, ran.stdout)  # of files that have not changed meanwhile
+    return found
+
+
+def _arrays_of(content: bytes) -> dict[str, NDArray[Any]]:
+    with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+        return {key: arrays[key] for key in arrays.files}
 
 
 def _widened(array: NDArray[Any]) -> NDArray[Any]:

@@ -26,6 +26,7 @@ from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.progress import report
 from plannercheck.robots.configurations import joint_width
 from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.robot import Robot
@@ -200,10 +201,12 @@ def _counted(
     """(groups,) in how many configurations (n, nq) each collides, and which is the first."""
     counts, first = np.zeros(len(groups), dtype=np.int64), np.zeros(len(groups), dtype=np.int64)
     for start in range(0, len(q), _BATCH):
+        report(start, len(q), "configurations")
         collide = _collide(robot, compiled, q[start : start + _BATCH], groups)
         new = (counts == 0) & collide.any(axis=0)
         first[new] = start + collide[:, new].argmax(axis=0)
         counts += collide.sum(axis=0)
+    report(len(q), len(q), "configurations")
     return counts, first
 
 

@@ -33,6 +33,7 @@ from plannercheck.bodies.shapes import (
 from plannercheck.bodies.solids import Solid
 from plannercheck.checking.reach_bounds import Boxes, boxes_of
 from plannercheck.common.array_types import Floats
+from plannercheck.common.progress import reported
 
 # Up to this many points, preparing a body is faster than finding, reading and checking a cached file.
 _FEW_POINTS = 32
@@ -191,9 +192,11 @@ class Preparation:
             key += shape.digest
         found = _POLYTOPES.get(key)
         if found is None:
+            name = self._bodies[body].name
             prepare = Polytope if len(points) <= _FEW_POINTS else prepared
-            found = prepare(points, faces, inflation_radius, f"body {self._bodies[body].name!r}")
-            found = found.of_solid(shape) if isinstance(shape, Solid) else found
+            with reported(f"preparing body {name}"):
+                found = prepare(points, faces, inflation_radius, f"body {name!r}")
+                found = found.of_solid(shape) if isinstance(shape, Solid) else found
             _POLYTOPES[key] = found
         return found
 

@@ -41,6 +41,7 @@ from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.compiled_first import compiled_first
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.progress import reported
 from plannercheck.common.threads import MOST_THREADS, checked_threads
 from plannercheck.robots.kinematic_error import largest_distance
 from plannercheck.robots.robot import Robot
@@ -121,7 +122,8 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         self._settings = Settings(
             alone, self_collision, padding, "robot" if acm is None else acm, kinematics, None, tuning
         )
-        self._prepare(scene if scene is not None else Scene("empty"), None)
+        with reported(f"preparing robot {robot.name}"):
+            self._prepare(scene if scene is not None else Scene("empty"), None)
 
     def _prepare(self, scene: Scene, earlier: StateChecker | None, is_same_robot: bool = True) -> None:
         """Builds everything that depends on the scene; takes over what an earlier checker has, where it still holds.

@@ -1,7 +1,9 @@
 """How far long work of the library is, told to whoever listens.
 
 In: from the work, what is done of how much. Out: nothing, unless the caller has named a listener; the command line
-names a `TerminalLine`. A listener hears its own context only, so other threads stay silent.
+names a `TerminalLine`. A listener hears its own context only, so other threads stay silent. Where one piece of work is
+part of another one, the listener hears that the part is done only by the other one going on: a hundred parts of a tenth
+of a second are ten seconds of work.
 """
 
 from __future__ import annotations
@@ -21,11 +23,19 @@ _WIDTH = 79  # characters: a line that wraps can't be taken away
 
 _listener: ContextVar[Listener | None] = ContextVar("progress listener", default=None)
 
+# The pieces of work that are under way, from the whole to its part.
+_open: ContextVar[tuple[str, ...]] = ContextVar("work under way", default=())
+
 
 def report(done: int, total: int, what: str) -> None:
     """Says that `done` of `total` steps of some work are done; the work begins with 0 and ends with all of them."""
     listener = _listener.get()
-    if listener is not None:
+    if listener is None:
+        return
+    around = _open.get()
+    if done >= total and around:
+        listener(0, 1, around[-1])
+    else:
         listener(done, total, what)
 
 
@@ -36,11 +46,13 @@ def is_heard() -> bool:
 
 @contextmanager
 def reported(what: str) -> Iterator[None]:
-    """Reports a piece of work that is one step."""
+    """Reports a piece of work that is one step, and may have parts."""
     report(0, 1, what)
+    token = _open.set((*_open.get(), what))
     try:
         yield
     finally:
+        _open.reset(token)
         report(1, 1, what)
 
 
@@ -57,7 +69,7 @@ def reported_to(listener: Listener) -> Iterator[None]:
 class TerminalLine:
     """A line on a terminal about work that takes longer than `patience` s, also while nothing is reported."""
 
-    def __init__(self, stream: TextIO, patience: float = 2.0) -> None:
+    def __init__(self, stream: TextIO, patience: float = 1.0) -> None:
         self._stream, self._patience, self._lock = stream, patience, threading.Lock()
         self._text, self._is_shown, self._timer = "", False, threading.Timer(0, self._show)
 

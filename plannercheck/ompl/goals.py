@@ -68,9 +68,11 @@ class Goals:
         more = len(self.refused) - _MOST_NAMED
         return "; ".join(self.refused[:_MOST_NAMED]) + (f"; and {more} more goals" if more > 0 else "")
 
-    def reached(self, ends: Floats) -> int:
-        """The number of the goal to which differences (k, nq) from a path's end are least."""
-        return self.numbers[int(np.abs(ends).sum(axis=1).argmin())]
+    def reached(self, q: Floats, differences: Callable[[Floats, Floats], Floats]) -> int:
+        """The number of the goal that a path's end (nq,) is, by differences from configurations (k, nq) to it."""
+        if len(self.rows) == 1:
+            return self.numbers[0]
+        return self.numbers[int(np.abs(differences(np.array(self.rows), q)).sum(axis=1).argmin())]
 
 
 def goals_of(given: AnyChecker, planned: AnyChecker, goal: Goal, time_limit: float) -> Goals:

@@ -12,6 +12,7 @@ itself is found here, too, later by the iterations of the first stages.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
 from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
@@ -83,4 +84,6 @@ def _limited(condition: Any, iterations: int) -> Any:
 def box_around(space: JointSpace, ends: Sequence[Floats], part: float) -> tuple[Floats, Floats]:
     """Bounds (nq,) of a box around all ends, with this part of each joint's range as room. Angles have none."""
     room = part * (space.upper - space.lower)
-    return np.maximum(space.lower, np.min(ends, axis=0) - room), np.minimum(space.upper, np.max(ends, axis=0) + room)
+    return np.maximum(space.lower, reduce(np.minimum, ends) - room), np.minimum(
+        space.upper, reduce(np.maximum, ends) + room
+    )

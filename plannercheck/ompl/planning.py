@@ -222,6 +222,7 @@ def plan(
         else:
             status = search.go_on(condition)
         spent += time.perf_counter() - began
+        report(1, 1, "searched")
         if search.has_found:
             found = _found(search, checker, spent, goals, simplify, resolution)
         else:
@@ -236,10 +237,14 @@ def _timed(time_limit: float, planner: str) -> Any:
     timed = base.timedPlannerTerminationCondition(time_limit)
     if not is_heard():
         return timed
-    began = time.monotonic()
+    began, told = time.monotonic(), -1
 
     def tells() -> bool:
-        report(int(time.monotonic() - began), math.ceil(time_limit), f"{planner} searches, s")
+        nonlocal told
+        spent = int(time.monotonic() - began)
+        if spent > told:
+            report(spent, math.ceil(time_limit), f"{planner} searches, s")
+            told = spent
         return False
 
     return base.plannerOrTerminationCondition(timed, base.PlannerTerminationCondition(tells))
@@ -270,7 +275,7 @@ def _found(
         planner=search.planner,
         joint_names=checker.robot.joint_names,
         motion_path="slerp" if isinstance(space, PoseSpace) else "screw",
-        goal=goals.reached(space.differences(np.array(goals.rows), path[-1])),
+        goal=goals.reached(path[-1], space.differences),
     )
 
 

@@ -26,6 +26,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.progress import reported
 from plannercheck.common.public_names import set_module
 from plannercheck.robots.carried_objects import carried_pairs, check_objects
 from plannercheck.robots.configurations import ConfigurationMap, followed
@@ -155,7 +156,8 @@ class Robot(PosedRobot):
     @classmethod
     def from_description(cls, description: RobotDescription, reference: Reference = None) -> Robot:
         """Builds a robot from a description; `reference` as for `from_urdf`, where the description has none."""
-        return cls(robot_parts(description, reference))
+        with reported(f"loading robot {description.name or description.urdf.stem}"):
+            return cls(robot_parts(description, reference))
 
     @property
     def nq(self) -> int:

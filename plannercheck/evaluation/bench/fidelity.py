@@ -16,6 +16,7 @@ import numpy as np
 from plannercheck.bodies.distance import distance
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Bools, Floats
+from plannercheck.common.progress import report, reported
 from plannercheck.evaluation.bench.coal_loop import CoalLoop, Variant
 from plannercheck.evaluation.bench.other_libraries import coal_shape
 from plannercheck.evaluation.bench.solid_checkers import (
@@ -89,9 +90,10 @@ def measure(robot: str, states: int, seed: int) -> list[FidelityRow]:
     Raises:
         PlannercheckError: If there is no compiler for the loop around coal.
     """
-    checker = checker_of_meshes(robot)
-    q = checker.robot.random_configurations(states, seed)
-    by_hulls = with_hulls(checker).check_states(q)
+    with reported(f"preparing the meshes of {robot}"):
+        checker = checker_of_meshes(robot)
+        q = checker.robot.random_configurations(states, seed)
+        by_hulls = with_hulls(checker).check_states(q)
     rows = [_row(checker, CAPPED, q, by_hulls)]
     if has_solids(checker, open_only=True):
         rows.append(_row(checker_of_triangles(robot), TRIANGLES, q, by_hulls))
@@ -122,12 +124,15 @@ def _row(checker: Checker, geometry: str, q: Floats, by_hulls: Bools) -> Fidelit
 def _held_against_coal(checker: Checker, q: Floats) -> Counter[str]:
     """Pairs in states by what we and coal say of them, where one of both refuses them."""
     loop, counted, shapes = CoalLoop.of_checker(checker), Counter[str](), dict[int, Any]()
-    for block in np.array_split(q, range(_BLOCK, len(q), _BLOCK)):
+    what = f"states of {checker.robot.name} against coal"
+    for number, block in enumerate(np.array_split(q, range(_BLOCK, len(q), _BLOCK))):
+        report(number * _BLOCK, len(q), what)
         ours, poses = checker.colliding_pairs(block), checker.body_poses(block)
         coals = loop.check_pairs(loop.states(block), _VARIANT)
         counted["both"] += int((ours & coals).sum())
         for state, pair in np.argwhere(ours != coals).tolist():
             counted[_reason(checker, pair, poses[state], bool(ours[state, pair]), shapes)] += 1
+    report(len(q), len(q), what)
     return counted
 
 
