@@ -1,6 +1,9 @@
 """The verifier: confirms a proof of a motion in ball arithmetic, trusting nothing in it.
 
-In: a proof. Out: a `Verification`. It shares no function with the code that makes proofs, and none with the checker.
+In: a proof. Out: a `Verification`. It shares no function with the checker. The builder of proofs in space asks
+`EntryChecker` which of its candidates hold, and takes `parts_of` and `hashes_of` from here; the one in the plane takes
+`hashes_of`. Tests hold the verifier against a builder that takes nothing from here.
+
 The proof has to be well-formed (`well_formed.py`, `planar_well_formed.py`, `planar_curves.py`), its entries have to
 tile [0, 1] for every pair, in parts all pairs of triangles or parts (`covers.py`, `nesting.py`), and every entry has to
 hold (`entries.py`, `half_spaces.py`, `parts.py`, `planar_entries.py`) with links posed by the proof's own table of

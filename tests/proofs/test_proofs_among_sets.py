@@ -118,7 +118,7 @@ def test_each_part_inside_of_a_solid_is_found(in_a_cavity):
     check_not_nested(held, identity, shell_, identity)
     for k in range(8):
         small = replace(shell_, vertices=0.1 * BOX + 0.3 * BOX[k], triangles=tuple(map(tuple, SIDES.tolist())))
-        with pytest.raises(UnprovedError, match="is inside shell"):
+        with pytest.raises(UnprovedError, match="is inside 'shell'"):
             check_not_nested(held, identity, small, identity)
 
 

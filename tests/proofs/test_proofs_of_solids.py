@@ -299,7 +299,7 @@ def test_a_body_inside_is_refused_though_no_surfaces_meet(in_a_cavity):
     inner = {k for t in shell.triangles for k in t if np.abs(shell.vertices[k]).max() < 2.5}
     turned = [t[::-1] if set(t) <= inner else t for t in shell.triangles]
     bodies[rows[0]] = replace(shell, triangles=tuple(turned))
-    refused(with_bodies(in_a_cavity, bodies), "is inside shell")
+    refused(with_bodies(in_a_cavity, bodies), "is inside 'shell'")
 
 
 def test_open_surfaces_have_no_inside(in_a_cavity):
