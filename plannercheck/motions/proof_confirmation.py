@@ -87,7 +87,7 @@ def confirm_model(
         above = folders_above(file.path)
         find = partial(package_file, folders=description.package_dirs, above=above)
         compared += confirm_shapes(
-            model, description.urdf, file.mended, MeshFiles(find, description.mesh_units != "file")
+            model, file.mended, MeshFiles(str(description.urdf), find, description.mesh_units != "file")
         )
     loaded = Robot.from_description(description)
     obstacles = (

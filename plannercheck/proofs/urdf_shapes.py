@@ -48,22 +48,23 @@ class MeshFiles:
     """Where a URDF's meshes are, and how they are read.
 
     Attributes:
+        urdf: The URDF's path.
         find: The file of an address; None if there is none.
         as_metres: Whether their numbers are metres, whatever their format says.
     """
 
+    urdf: str
     find: Callable[[str], Path | None]
     as_metres: bool
 
 
-def confirm_shapes(model: Model, urdf: str | Path, content: str | None, files: MeshFiles) -> tuple[str, ...]:
+def confirm_shapes(model: Model, content: str | None, files: MeshFiles) -> tuple[str, ...]:
     """Compares the bodies on links with a URDF.
 
     Args:
         model: The well-formed model of a proof.
-        urdf: Path of the file.
         content: What to read in place of the file: what a xacro expands to.
-        files: Of its meshes.
+        files: The URDF, and where its meshes are.
 
     Returns:
         What was compared, and what was not.
@@ -71,7 +72,7 @@ def confirm_shapes(model: Model, urdf: str | Path, content: str | None, files: M
     Raises:
         UnprovedError: If a body differs from its element.
     """
-    root = ElementTree.parse(urdf).getroot() if content is None else ElementTree.fromstring(content)
+    root = ElementTree.parse(files.urdf).getroot() if content is None else ElementTree.fromstring(content)
     elements = {f"{link.get('name')}_{k}": (link, each) for link in root.findall("link") for k, each in _numbered(link)}
     on_links = [body for body in model.bodies if body.link != WORLD]
     same, not_read, unknown = list[str](), dict[str, list[str]](), list[str]()
@@ -90,7 +91,7 @@ def confirm_shapes(model: Model, urdf: str | Path, content: str | None, files: M
         else:
             same.append(body.name)
     unpaired = sorted(set(elements) - {body.name for body in on_links})
-    return tuple(_sentences(str(urdf), same, not_read, unknown, unpaired))
+    return tuple(_sentences(files.urdf, same, not_read, unknown, unpaired))
 
 
 def _sentences(
@@ -192,7 +193,7 @@ def _check_mesh(body: PosedBody, shape: Element, files: MeshFiles) -> None:
     address = shape.get("filename", "")
     path = files.find(address)
     if path is None:
-        raise PlannercheckError(f"mesh {address!r} of body {body.name!r} is not found")
+        raise PlannercheckError(f"URDF {files.urdf!r}: mesh {address!r} of body {body.name!r} is not found")
     if path.suffix.lower() == ".dae" and not files.as_metres:
         raise NotReadError("the verifier reads Collada only with mesh_units 'metre'")
     scale = [1.0] * 3 if shape.get("scale") is None else _numbers(shape, "scale", 3)
@@ -204,7 +205,7 @@ def _check_mesh(body: PosedBody, shape: Element, files: MeshFiles) -> None:
 
 
 def _check_hull(body: PosedBody, triangles: Floats, path: Path) -> None:
-    points = np.unique(triangles.reshape(-1, 3) + 0.0, axis=0)
+    points = np.array(sorted(_rows(triangles)))
     if not _rows(body.vertices) <= _rows(points):
         raise UnprovedError(f"body {body.name!r} has a vertex that {str(path)!r} does not have")
     try:

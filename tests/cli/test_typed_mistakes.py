@@ -37,7 +37,6 @@ MISTAKES = {
     f"validate {ARM}": "needs either files with configurations or --path",
     f"validate {ARM} q.npy --path plan.json": r"takes files with configurations \(q.npy\) or --path with",
     f"validate {ARM} --path plan.json --certify p.json": r"\(p.json\) or --path .*; --proof FILE says where",
-    f"plan {ARM} --start 0 --goal 1": "needs --scene, or --problems",
     f"{PLAN}": "scene 'cell' declares no start for robot 'arm': give the start yourself",
     f"{PLAN} --start 0": "scene 'cell' declares no goal for robot 'arm': give the goal yourself",
     "verify sound.proof.json --scene cell.yaml": "--scene needs --robot",

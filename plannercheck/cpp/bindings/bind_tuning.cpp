@@ -2,6 +2,7 @@
 #include <nanobind/nanobind.h>
 
 #include "bindings/module.hpp"
+#include "bindings/plain_floats.hpp"
 #include "checking/checker.hpp"
 
 namespace nb = nanobind;
@@ -27,7 +28,7 @@ void bind_tuning(nb::module_& m) {
       .def_rw("trees_first", &PairOptions::trees_first)
       .def_rw("dents", &PairOptions::dents);
   nb::class_<Tuning, PairOptions>(m, "Tuning")
-      .def(nb::init<>())
+      .def(nb::init<>(), plain_floats)
       .def_rw("bounds", &Tuning::bounds)
       .def_rw("boxes", &Tuning::boxes)
       .def_rw("overlaps", &Tuning::overlaps)
