@@ -84,6 +84,5 @@ def _limited(condition: Any, iterations: int) -> Any:
 def box_around(space: JointSpace, ends: Sequence[Floats], part: float) -> tuple[Floats, Floats]:
     """Bounds (nq,) of a box around all ends, with this part of each joint's range as room. Angles have none."""
     room = part * (space.upper - space.lower)
-    return np.maximum(space.lower, reduce(np.minimum, ends) - room), np.minimum(
-        space.upper, reduce(np.maximum, ends) + room
-    )
+    low, high = reduce(np.minimum, ends) - room, reduce(np.maximum, ends) + room
+    return np.maximum(space.lower, low), np.minimum(space.upper, high)
