@@ -122,7 +122,7 @@ class _Whole:
     def __init__(self, vertices: Floats, points: Floats) -> None:
         self._vertices, self._points = vertices, points
         numbers = np.concatenate([vertices, points]).ravel()
-        parts = [float(x).as_integer_ratio()[1] for x in np.unique(numbers)]
+        parts = [float(x).as_integer_ratio()[1] for x in set(numbers.tolist())]
         self._unit = max(parts, default=1)
 
     def is_inside(self, row: int, basis: Sequence[int]) -> bool:

@@ -65,7 +65,7 @@ def joined(mesh: TriangleMesh, count: int) -> Ints64:
         groups = {best} | {each for each in groups if not each <= best}
     ordered = sorted(map(sorted, groups))
     chosen = [next(k for k, group in enumerate(ordered) if set(triangle) <= set(group)) for triangle in mesh.triangles]
-    return np.unique(chosen, return_inverse=True)[1].astype(np.int64)
+    return np.searchsorted(sorted(set(chosen)), chosen).astype(np.int64)
 
 
 def excess_of(mesh: TriangleMesh) -> Callable[[Corners], float]:

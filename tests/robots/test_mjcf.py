@@ -368,8 +368,8 @@ def test_a_proof_is_confirmed_for_an_mjcf_file(path, tmp_path, capsys):
     assert main(["verify", str(proof), "--robot", str(path)]) == 0
     assert "model: confirmed" in capsys.readouterr().out
     for old, new, fault in (
-        ('pos="0 0 0.8"', 'pos="0 0 0.9"', "joint turn is not as the MJCF has it"),
-        ('axis="0 1 0"', 'axis="1 0 0"', "joint turn is not as the MJCF has it"),
+        ('pos="0 0 0.8"', 'pos="0 0 0.9"', "joint 'turn' is not as the MJCF has it"),
+        ('axis="0 1 0"', 'axis="1 0 0"', "joint 'turn' is not as the MJCF has it"),
         ('body name="tip"', 'body name="top"', "links of the proof and of the MJCF differ"),
         ('size="0.1" pos="0 0 0.3"', 'size="0.2" pos="0 0 0.3"', "has another shape than in the files"),
     ):
