@@ -117,7 +117,15 @@ class Tuning:
                 raise PlannercheckError(f"Tuning: {row.name} must be True or False, not {getattr(self, row.name)!r}")
 
     def without(self, *switches: str) -> Tuning:
-        """The same with switches, given by name, off."""
+        """The same with switches, given by name, off.
+
+        Raises:
+            PlannercheckError: If a name is none of a switch.
+        """
+        known = [row.name for row in tuning_table() if row.type == "bool"]
+        for switch in switches:
+            if switch not in known:
+                raise unknown_name("switch", switch, known)
         return replace(self, **dict.fromkeys(switches, False))  # type: ignore[arg-type]
 
 
@@ -147,5 +155,5 @@ def core_tuning(tuning: Tuning = DEFAULT_TUNING) -> Any:
 
 
 def pair_options(method: Method = "oracle", **switches: bool) -> Any:
-    """The core's record of a method and switches by name, for tests of single pairs."""
+    """The core's record of a method and of switches by name, for calls that judge pairs of bodies."""
     return core_tuning(Tuning(method=method, **switches))

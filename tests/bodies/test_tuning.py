@@ -52,3 +52,8 @@ def test_a_checker_has_at_most_eight_parameters():
 def test_bad_values_are_refused(given, said):
     with pytest.raises(pc.PlannercheckError, match=said):
         pc.Tuning(**given)
+
+
+def test_a_misspelt_switch_is_named_with_the_one_that_is_meant():
+    with pytest.raises(pc.PlannercheckError, match="unknown switch 'bonds'.*bounds"):
+        pc.Tuning().without("bonds")
