@@ -55,5 +55,5 @@ def test_bad_values_are_refused(given, said):
 
 
 def test_a_misspelt_switch_is_named_with_the_one_that_is_meant():
-    with pytest.raises(pc.PlannercheckError, match="unknown switch 'bonds'.*bounds"):
+    with pytest.raises(pc.PlannercheckError, match=r"unknown switch 'bonds'.*bounds"):
         pc.Tuning().without("bonds")
