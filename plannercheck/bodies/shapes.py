@@ -37,7 +37,6 @@ from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.sizes import array_of, length, numbers
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Faces
-from plannercheck.common.arrays import unmasked
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
@@ -285,7 +284,7 @@ def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOL
     """
     if pose is None:
         return _frozen(identity())
-    if core.is_surely_rigid(unmasked(pose), tolerance):  # most of all; what follows takes 10 µs
+    if core.is_surely_rigid(pose, tolerance):  # most of all, and no subclass of arrays; what follows takes 10 µs
         return _frozen(np.array(pose, dtype=np.float64))
     return _frozen(_checked_matrix(pose, what, tolerance))
 
