@@ -27,12 +27,12 @@ TABLES: dict[str, Callable[[], str]] = {
     for make in (
         *(peers.overview, peers.summary, peers.states, peers.pairs),
         *(planning.motions, planning.plans, planning.plan_sampling, planning.waiting, planning.changing_scenes),
-        *(inside.clearance_of_motions, inside.hierarchies, inside.preparation, inside.stages),
+        *(inside.clearance_of_motions, inside.hierarchies, inside.stages),
         *(inside.planar, inside.clearance, inside.scale, inside.ndim_rounds, inside.ndim_speed),
         *(inside.motions_missed, inside.kinematic_rounding, inside.disabled_pairs),
         *(inside.long_runs, inside.hard_pairs, inside.hard_solids),
-        *(sensed.sensed_scenes, sensed.sensed_costs, sensed.sensed_camera),
-        *(sensed.sensed_proofs, solids.solid_states, solids.solid_triangles),
+        *(sensed.sensed_scenes, sensed.sensed_camera),
+        *(sensed.sensed_proofs, solids.solid_states),
         *(solids.solid_fidelity, solids.pieces),
     )
 }

@@ -37,23 +37,6 @@ def hierarchies() -> str:
     return table(header, lines) + "\n" + provenance(found)
 
 
-def preparation() -> str:
-    """What preparing a body takes."""
-    found = record("hierarchies")
-    lines = [
-        (
-            f"{row['vertices']:,}",
-            number(row["microseconds_a_vertex"]),
-            number(row["hull_given"]),
-            number(row["bytes_a_vertex"]),
-        )
-        for row in found["rows"]
-        if row["family"] == "preparation"
-    ]
-    header = ("vertices", "µs a vertex", "with the hull given", "bytes a vertex")
-    return table(header, lines) + "\n" + provenance(found)
-
-
 def stages() -> str:
     """Which stage decides, and the mean time of what it decides."""
     found = record("stages")
@@ -130,7 +113,7 @@ def ndim_rounds() -> str:
     """Rounds and visited vertices of the paper's trees, of the largest bodies of each family and dimension."""
     found = record("ndim_rounds")
     largest = {(row["d"], row["bodies"]): row for row in found["rows"]}  # by size, so the largest stays
-    columns = [name for name in found["rows"][0] if name != "visited: mean"]
+    columns = [name for name in found["rows"][0] if name not in ("m (polar)", "visited: mean")]
     return table(columns, [[row[name] for name in columns] for row in largest.values()]) + "\n" + provenance(found)
 
 
@@ -139,7 +122,7 @@ def ndim_speed() -> str:
     found = record("ndim_speed")
     rows = {(row["d"], row["n"], row["gap"]): row for row in found["rows"]}
     lines = []
-    for d, n in dict.fromkeys((d, n) for d, n, gap in rows if gap == 0):
+    for d, n in dict.fromkeys((d, n) for d, n, gap in rows if gap == 0 and n != 1_000):
         cells = []
         for gap in (1e-4, 0):
             row = rows[d, n, gap]

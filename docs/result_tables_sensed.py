@@ -11,8 +11,6 @@ import re
 from result_markdown import beside, number, paragraph, provenance, record, table
 from result_tables import MOTION_TREE, ONE_BY_ONE, OURS, TREE, VAMP
 
-_POINTS = 1_000_000
-
 
 def sensed_scenes() -> str:
     """µs a random state, and a motion that RRTConnect asks for, before clouds and maps; a row a scene."""
@@ -33,23 +31,6 @@ def _cells(spent: dict[tuple[str, str], float], scene: str, coal: str) -> list[s
     ours, single = spent[scene, OURS], spent[scene, ONE_BY_ONE]
     peers = ((spent.get((scene, coal)), ours), (spent.get((scene, VAMP)), single))
     return [number(ours), number(single), *("–" if value is None else beside(value, mine) for value, mine in peers)]
-
-
-def sensed_costs() -> str:
-    """What building, changing and holding clouds takes."""
-    found = record("clouds_costs")
-    lines = [
-        (
-            f"{row['points']:,}",
-            row["method"].removeprefix("plannercheck, "),
-            *(number(1e3 * row[field]) for field in ("build", "update")),
-            number(row["bytes"]),
-        )
-        for row in found["rows"]
-        if row["points"] == _POINTS and not row["method"].startswith("python-fcl")
-    ]
-    header = ("points", "as", "built in ms", "next frame to first state, ms", "bytes a point")
-    return table(header, lines) + "\n" + provenance(found)
 
 
 def sensed_camera() -> str:

@@ -33,21 +33,6 @@ def solid_states() -> str:
     return f"{table(header, lines)}\n{provenance(files[0])}"
 
 
-def solid_triangles() -> str:
-    """µs a pair near contact, by number of triangles."""
-    found = record("solid_triangles")
-    spent = {(row["shape"], row["triangles"], row["gap"], row["method"]): row["microseconds"] for row in found["rows"]}
-    lines = []
-    for shape, triangles in (("torus", 10_000), ("torus", 1_000_000), ("screw", 9_996), ("screw", 999_896)):
-        cells = []
-        for gap in (1e-4, -1e-4):
-            ours = spent[shape, triangles, gap, "plannercheck"]
-            cells += [number(ours), beside(spent[shape, triangles, gap, AT_BEST], ours)]
-        lines.append((shape, f"{triangles:,}", *cells))
-    header = ("shape", "triangles", "0.1 mm apart: ours, µs", "coal", "0.1 mm deep: ours, µs", "coal")
-    return table(header, lines) + "\n" + provenance(found)
-
-
 def pieces() -> str:
     """Valid states and their cost by hulls, convex pieces and meshes, a row a robot."""
     found = record("pieces")
