@@ -1,4 +1,4 @@
-"""Curves of `Trajectory` beside joint_trajectory_controller's code: `python tests/benchmarks/controller_curves.py FOLDER`.
+"""Curves of `Trajectory` beside the controller's own code: `python tests/benchmarks/controller_curves.py FOLDER`.
 
 FOLDER is a copy of ros2_controllers, whose trajectory.cpp is compiled with stubs of what it includes. Random messages
 are linear, cubic and quintic, with points that lack derivatives, with the state before the first point, with continuous
