@@ -77,7 +77,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
     __slots__ = ("_judge_row",)  # the twin of `is_valid`
 
     # Attributes with compiled objects or a lock, which can't be pickled; they are made again.
-    _COMPILED: ClassVar[frozenset[str]] = frozenset({"_tables", "_judge_set", "_proofs"})
+    _COMPILED: ClassVar[frozenset[str]] = frozenset({"_tables", "_set_validity", "_proofs"})
 
     def __init__(
         self,
@@ -170,7 +170,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         is_wanted = self._settings.tuning.apart_cells
         in_cells = self._proofs.in_cells(self.pairs[~self.unreachable]) if is_wanted else ()
         self._tables = CompiledTables(self._pair_source(), self.pairs, self.unreachable, in_cells)
-        self._judge_row, self._judge_set = self._tables.judges(self._kernel)
+        self._judge_row, self._set_validity = self._tables.judges(self._kernel)
 
     def _pair_source(self) -> PairSource:
         tuning = self._settings.tuning
@@ -297,7 +297,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
             (n,), True means valid.
         """
         if type(threads) is int and threads >= 1:
-            known = self._judge_set(q, min(threads, MOST_THREADS))
+            known = self._set_validity(q, min(threads, MOST_THREADS))
             if known is not None:
                 return known.view(bool)
         rows = given_configurations(self.robot, q)

@@ -36,13 +36,13 @@ def test_states_and_motions(checker):
 def test_nothing_is_left_to_python(checker):
     q = checker.robot.random_configurations(20, seed=2)
     copy, tolerance = pickled(q), 1e-4
-    assert np.array_equal(checker._judge_set(copy, 1), checker._judge_set(q, 1))
+    assert np.array_equal(checker._set_validity(copy, 1), checker._set_validity(q, 1))
     assert checker._judge_row(copy[0]) == checker._judge_row(q[0])
     judges = checker.motion_certifier
     assert np.array_equal(judges.judge_sets(copy, copy, tolerance, 1), judges.judge_sets(q, q, tolerance, 1))
     assert judges.judge_sets(copy, copy, tolerance, 1) is not None
     for other in (pickled(q.astype(np.float32)), pickled(q.astype(np.int64)), pickled(q.astype(complex))):
-        assert checker._judge_set(other, 1) is None
+        assert checker._set_validity(other, 1) is None
         assert judges.judge_sets(other, copy, tolerance, 1) is None
 
 

@@ -42,7 +42,7 @@ CHECKED = [
     "plane_filter",
     "half_space",
     "half_space_pair",
-    "broad_phase_tables",
+    "candidate_tables",
     "direction_cells",
     "inner_shapes",
     "inner_shape_search",

@@ -32,6 +32,9 @@ class BlockCache {
     return value;
   }
 
+  // By body; of those that were asked for.
+  const Value* values() const { return values_.get(); }
+
  private:
   // Not set before they are posed: of many obstacles, few are ever asked for, and the others take no memory.
   std::unique_ptr<Value[]> values_;

@@ -1,8 +1,10 @@
-#include "broad_phase/box_filter.hpp"
-
+// Planes along the faces and edges of boxes around two bodies: the test of PairFrame::boxes_apart, in floats and with
+// more room for rounding.
 #include <cmath>
+#include <utility>
 
 #include "bodies/box_edges.hpp"
+#include "broad_phase/body_bounds.hpp"
 
 namespace plannercheck {
 namespace {
@@ -36,8 +38,6 @@ constexpr float kTilt = 3.3e-4F;
 
 float up(double value) { return std::nextafterf(static_cast<float>(value), __builtin_inff()); }
 
-}  // namespace
-
 BodyBox body_box(const GeometryObject& object) {
   const Polytope& body = *object.body;
   const Pose& p = object.placement;
@@ -62,7 +62,7 @@ BodyBox body_box(const GeometryObject& object) {
 }
 
 template <FloatVector Numbers>
-void BlockBoxes::spread(const BodyBox& box, PosedIn<Numbers>& posed) {
+void spread(const BodyBox& box, BoxInLanes<Numbers>& posed) {
   for (std::size_t j = 0; j < 3; ++j) {
     posed.centre[j] = Numbers{} + box.centre[j];
     for (std::size_t i = 0; i < 3; ++i) posed.axes[3 * j + i] = Numbers{} + box.axes[j][i];
@@ -71,8 +71,7 @@ void BlockBoxes::spread(const BodyBox& box, PosedIn<Numbers>& posed) {
 }
 
 template <FloatVector Numbers>
-void BlockBoxes::pose_on(const FloatPoseOf<Numbers>& link, PoseError error, const BodyBox& box,
-                         PosedIn<Numbers>& posed) {
+void pose_on(const FloatPoseOf<Numbers>& link, PoseError error, const BodyBox& box, BoxInLanes<Numbers>& posed) {
   Numbers size = {};
   for (std::size_t i = 0; i < 3; ++i) {
     posed.centre[i] = link.turned(i, box.centre[0], box.centre[1], box.centre[2]) + link.m[4 * i + 3];
@@ -88,18 +87,25 @@ void BlockBoxes::pose_on(const FloatPoseOf<Numbers>& link, PoseError error, cons
   posed.room = (size * static_cast<float>(kCentre) + room) * static_cast<float>(1 + kCentre);
 }
 
-void BlockBoxes::pose(FloatLinkPoses& links, const BodyBox& box, Posed& posed) {
-  if (box.link < 0) return spread(box, posed);
-  pose_on(links.of(at(box.link)), links.error(at(box.link)), box, posed);
+}  // namespace
+
+BodyBounds::BodyBounds(const std::vector<GeometryObject>& bodies, std::vector<std::array<std::int32_t, 2>> pairs)
+    : pairs_(std::move(pairs)) {
+  for (const GeometryObject& object : bodies) boxes_.push_back(body_box(object));
+  find_inner_shapes(bodies);
 }
 
-void BlockBoxes::pose_in_state(FloatLinkPoses& links, const BodyBox& box, PosedState& posed) {
-  if (box.link < 0) return spread(box, posed);
-  pose_on(links.of_state(at(box.link)), PoseError{}, box, posed);
+template <class Poses>
+void BodyBounds::pose_box(Poses& poses, const BodyBox& box, BoxInLanes<typename Poses::Numbers>& out) {
+  if (box.link < 0) return spread(box, out);
+  pose_on(poses.pose(at(box.link)), poses.error(at(box.link)), box, out);
 }
+template void BodyBounds::pose_box(FloatBlock&, const BodyBox&, BoxInLanes<StateFloats>&);
+template void BodyBounds::pose_box(SingleState&, const BodyBox&, BoxInLanes<Floats>&);
 
-unsigned BlockBoxes::apart(FloatLinkPoses& links, std::size_t a, std::size_t b, Workspace& w) const {
-  const Posed &p = posed(links, a, w), &q = posed(links, b, w);
+Masks BodyBounds::by_faces(std::size_t pair, Posed<FloatBlock>& posed) const {
+  const std::size_t a = at(pairs_[pair][0]), b = at(pairs_[pair][1]);
+  const BoxInLanes<StateFloats>&p = box(a, posed), &q = box(b, posed);
   const std::array<float, 3>&half_a = boxes_[a].half, &half_b = boxes_[b].half;
   const StateFloats room = p.room + q.room;
   const StateFloats x = p.centre[0] - q.centre[0], y = p.centre[1] - q.centre[1], z = p.centre[2] - q.centre[2];
@@ -123,11 +129,12 @@ unsigned BlockBoxes::apart(FloatLinkPoses& links, std::size_t a, std::size_t b, 
     const StateFloats along = dot_of(q.axes[3 * j], q.axes[3 * j + 1], q.axes[3 * j + 2], x, y, z);
     out |= bits_above(absolute(along), shadow[j]);
   }
-  return out & bits_above(StateFloats{} + kLargestRoom, room);
+  return {.apart = out & bits_above(StateFloats{} + kLargestRoom, room)};
 }
 
-unsigned BlockBoxes::apart_at_edges(FloatLinkPoses& links, std::size_t a, std::size_t b, Workspace& w) const {
-  const Posed &p = posed(links, a, w), &q = posed(links, b, w);
+Masks BodyBounds::by_edges(std::size_t pair, Posed<FloatBlock>& posed) const {
+  const std::size_t a = at(pairs_[pair][0]), b = at(pairs_[pair][1]);
+  const BoxInLanes<StateFloats>&p = box(a, posed), &q = box(b, posed);
   const std::array<float, 3>&half_a = boxes_[a].half, &half_b = boxes_[b].half;
   const StateFloats x = p.centre[0] - q.centre[0], y = p.centre[1] - q.centre[1], z = p.centre[2] - q.centre[2];
   const StateFloats room = p.room + q.room;
@@ -149,7 +156,7 @@ unsigned BlockBoxes::apart_at_edges(FloatLinkPoses& links, std::size_t a, std::s
     out.add_above(distance, reach + tilted);
     return false;
   });
-  return out.bits() & bits_above(StateFloats{} + kLargestRoom, room);
+  return {.apart = out.bits() & bits_above(StateFloats{} + kLargestRoom, room)};
 }
 
 }  // namespace plannercheck

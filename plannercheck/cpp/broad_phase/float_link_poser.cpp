@@ -78,7 +78,7 @@ void FloatLinkPoser::begin(const Kinematics& kinematics, const unsigned char* ne
   width_ = at(kinematics.width()), held_slide_ = 0, slides_anywhere_ = false;
   poses_.resize(links + kinematics.joints().size());
   bounds_.resize(poses_.size()), errors_.resize(links);
-  is_possible_ = false;
+  is_possible_ = false, kinematics_ = kinematics.id();
   const auto place_of = [&](int joint) {
     if (joint < 0) return kWorld;
     const int home = order.home[at(joint)];

@@ -13,6 +13,7 @@
 
 #include "broad_phase/float_pose_error.hpp"
 #include "broad_phase/float_sincos.hpp"
+#include "broad_phase/poses.hpp"
 #include "broad_phase/state_block.hpp"
 #include "math/simd.hpp"
 #include "robots/kinematics.hpp"
@@ -29,12 +30,11 @@ class FloatLinkPoser {
   // angle or a distance is too large or no number.
   bool pose(const Lanes* q);
 
-  // By link, of those that are needed. Poses are infinite or no numbers where placements or held slides are beyond
-  // floats: such bodies may be anywhere for a filter.
-  const FloatPose* poses() const { return poses_.data(); }
-  const PoseError* errors() const { return errors_.data(); }
-  // Whether these are those of all configurations: nothing slides.
-  bool errors_are_fixed() const { return !slides_anywhere_; }
+  // Of the links that are needed, for the first `count` states of q. Poses are infinite or no numbers where placements
+  // or held slides are beyond floats: such bodies may be anywhere for a filter.
+  FloatBlock block(BlockConfigurations q, int count) const {
+    return {poses_.data(), errors_.data(), q, count, slides_anywhere_ ? 0 : kinematics_};
+  }
 
  private:
   enum class Motion { kNone, kTurnX, kTurnY, kTurnZ, kSlide };
@@ -62,6 +62,7 @@ class FloatLinkPoser {
   double held_slide_ = 0;               // the largest one
   bool slides_anywhere_ = false;        // whether a joint that is not held does
   bool is_possible_ = false;
+  std::uint64_t kinematics_ = 0;
 
   void add_joint(const Kinematics::Joint& joint, int parent, int to);
   void add(Step step, const Rigid& placement, const double* axis);

@@ -20,9 +20,9 @@ bool HeightFilter::is_for(const GeometryObject& object) {
   return object.link < 0 && object.body->parts && object.body->parts->kind() == PartSet::Kind::kColumns;
 }
 
-HeightFilter::Field& HeightFilter::field_of(std::int32_t index, const GeometryObject& object) {
+std::size_t HeightFilter::field_of(std::int32_t index, const GeometryObject& object) {
   const auto known = std::find_if(fields_.begin(), fields_.end(), [&](const Field& f) { return f.index == index; });
-  if (known != fields_.end()) return *known;
+  if (known != fields_.end()) return static_cast<std::size_t>(known - fields_.begin());
   const PartSet& parts = *object.body->parts;
   const Pose& pose = object.placement;
   const Vec3 origin = pose.translation(), low = parts.low(), high = parts.high(), corner = parts.ceilings().corner();
@@ -37,7 +37,8 @@ HeightFilter::Field& HeightFilter::field_of(std::int32_t index, const GeometryOb
   field.unit = static_cast<float>(parts.ceilings().unit());
   field.size = norm_1(origin) + norm_1(low) + norm_1(high) + norm_1(corner);
   field.room = rounded_up(object.body->inflation_radius + field.size * double{kHeightError} + kTiniest);
-  return fields_.emplace_back(std::move(field));
+  fields_.push_back(std::move(field));
+  return fields_.size() - 1;
 }
 
 // The finest level that says something of such a radius.
@@ -57,29 +58,29 @@ HeightFilter::Level<float, std::int32_t> HeightFilter::level_for(double radius, 
   return out;
 }
 
-void HeightFilter::add(std::int32_t pair, std::size_t number, const BoundingBall& ball, std::int32_t index,
+void HeightFilter::add(std::int32_t pair, std::size_t ball, const BoundingBall& bound, std::int32_t index,
                        const GeometryObject& object) {
-  Field& field = field_of(index, object);
-  const double radius = (double{ball.radius} + double{ball.room} + double{field.room}) * kLongerRadius;
+  const std::size_t number = field_of(index, object);
+  Field& field = fields_[number];
+  const double radius = (double{bound.radius} + double{bound.room} + double{field.room}) * kLongerRadius;
   const auto level = level_for(radius + field.size * kFarCentre, field.parts->ceilings());
-  field.balls.push_back({pair, number, level});
-  put_beside_others(field.balls.back(), field.eights);
-  ++pairs_;
+  rows_.push_back({pair, ball, number, level});
+  put_beside_others(rows_.back(), field.eights);
 }
 
-void HeightFilter::put_beside_others(const Ball& ball, std::vector<Eight>& eights) {
-  const std::size_t index = ball.number / kFloats, lane = ball.number % kFloats;
+void HeightFilter::put_beside_others(const Row& row, std::vector<Eight>& eights) {
+  const std::size_t index = row.ball / kFloats, lane = row.ball % kFloats;
   if (eights.empty() || eights.back().index != index) {
     eights.emplace_back();
     eights.back().index = index;
   }
   Eight& eight = eights.back();
-  eight.paired |= 1U << lane, eight.pairs[lane] = ball.pair;
+  eight.paired |= 1U << lane, eight.pairs[lane] = row.pair;
   for (std::size_t i = 0; i < 2; ++i) {
-    eight.level.per_width[i][lane] = ball.level.per_width[i], eight.level.last[i][lane] = ball.level.last[i];
+    eight.level.per_width[i][lane] = row.level.per_width[i], eight.level.last[i][lane] = row.level.last[i];
   }
-  eight.level.width[lane] = ball.level.width;
-  eight.level.tiles[lane] = ball.level.tiles, eight.level.first[lane] = ball.level.first;
+  eight.level.width[lane] = row.level.width;
+  eight.level.tiles[lane] = row.level.tiles, eight.level.first[lane] = row.level.first;
 }
 
 }  // namespace plannercheck

@@ -1,8 +1,8 @@
 // Which bounding balls may reach down to fields of heights that stand still: by one look at the ceiling of the cell
 // below each centre (height_ceilings.hpp), in floats.
 //
-// In: fields in the world, posed balls of a block of states, or of one. Out: the pairs that may touch, and in which of
-// these states. A ball is clear if it is above the ceiling, or beyond a side of the box around the field. In doubt, and
+// In: fields in the world, posed balls of a block of states, or of one. Out: the states in which a pair is apart. A
+// ball is clear if it is above the ceiling, or beyond a side of the box around the field. In doubt, and
 // for centres that are no numbers, a pair may touch.
 //
 // Proof. A pair that touches shares a point w of the ball around c, with the field's inflation radius added, R, and the
@@ -20,7 +20,9 @@
 
 #include "bodies/height_ceilings.hpp"
 #include "broad_phase/bounding_sphere.hpp"
+#include "broad_phase/filter.hpp"
 #include "broad_phase/geometry_object.hpp"
+#include "broad_phase/posed_balls.hpp"
 #include "broad_phase/single_state_filter.hpp"
 #include "broad_phase/state_block.hpp"
 #include "math/simd.hpp"
@@ -31,25 +33,29 @@ class HeightFilter {
  public:
   static bool is_for(const GeometryObject& object);
 
-  // A pair of a ball, by its number, with such a field; `index` is the field's.
-  void add(std::int32_t pair, std::size_t number, const BoundingBall& ball, std::int32_t index,
+  // A level of ceilings, of one ball or of eight.
+  template <class Numbers, class Integers>
+  struct Level {
+    std::array<Numbers, 2> per_width, last;  // cells a metre, and the last cell's index, along x and y
+    Numbers width;                           // the lesser one of a cell, m; infinite if there is one cell
+    Integers tiles, first;
+  };
+  // A field that a ball, by its number, has a pair with.
+  struct Row {
+    std::int32_t pair;
+    std::size_t ball, field;
+    Level<float, std::int32_t> level;
+  };
+  // `index` is the field's.
+  void add(std::int32_t pair, std::size_t ball, const BoundingBall& bound, std::int32_t index,
            const GeometryObject& field);
-  std::size_t size() const { return pairs_; }
+  const std::vector<Row>& rows() const { return rows_; }
 
-  // Calls found(pair, states) where some of the states are left. `posed(number)`: a ball's x, y, z and radius as
-  // StateFloats.
-  template <class Posed, class Found>
-  void find(Posed posed, unsigned states, Found found) const {
-    for (const Field& field : fields_) {
-      for (const Ball& own : field.balls) {
-        const auto& ball = posed(own.number);
-        const unsigned near = ~state_bits(is_clear(field, own.level, ball.x, ball.y, ball.z, ball.radius)) & states;
-        if (near != 0) found(own.pair, near);
-      }
-    }
+  Masks look(const Row& row, const PosedBalls& ball) const {
+    return {.apart = state_bits(is_clear(fields_[row.field], row.level, ball.x, ball.y, ball.z, ball.radius))};
   }
 
-  // The same for one state: calls found(pair).
+  // Eight balls of one state at a time: calls found(pair) for pairs that may touch.
   template <class Found>
   void find(const SingleStateFilter::Workspace& balls, Found found) const {
     for (const Field& field : fields_) {
@@ -63,18 +69,6 @@ class HeightFilter {
   }
 
  private:
-  // A level of ceilings, of one ball or of eight.
-  template <class Numbers, class Integers>
-  struct Level {
-    std::array<Numbers, 2> per_width, last;  // cells a metre, and the last cell's index, along x and y
-    Numbers width;                           // the lesser one of a cell, m; infinite if there is one cell
-    Integers tiles, first;
-  };
-  struct Ball {
-    std::int32_t pair;
-    std::size_t number;
-    Level<float, std::int32_t> level;
-  };
   // Those of eight balls side by side that have a pair with the field, a bit each.
   struct Eight {
     std::size_t index;
@@ -92,7 +86,6 @@ class HeightFilter {
     float unit;                              // of ceilings, m
     float room;                              // to add to radii
     double size;                             // of all that enters
-    std::vector<Ball> balls;
     std::vector<Eight> eights;
   };
 
@@ -105,11 +98,11 @@ class HeightFilter {
   static constexpr float kHeightError = 0x1p-17F;
 
   std::vector<Field> fields_;
-  std::size_t pairs_ = 0;
+  std::vector<Row> rows_;
 
-  Field& field_of(std::int32_t index, const GeometryObject& object);
+  std::size_t field_of(std::int32_t index, const GeometryObject& object);
   static Level<float, std::int32_t> level_for(double radius, const HeightCeilings& ceilings);
-  static void put_beside_others(const Ball& ball, std::vector<Eight>& eights);
+  static void put_beside_others(const Row& row, std::vector<Eight>& eights);
 
   template <class Numbers, class Level>
   static auto is_clear(const Field& field, const Level& level, Numbers x, Numbers y, Numbers z, Numbers radius)

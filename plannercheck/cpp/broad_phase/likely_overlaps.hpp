@@ -1,18 +1,16 @@
-// The pairs that overlapped most often in the latest single states: planners ask for states one by one, and most of
+// The pairs that overlapped most often in the latest states: along motions, and as planners ask for states, most of
 // those that collide do so in one of the same few pairs.
 //
-// In: what each state showed. Out: the pairs that are worth a try in the next state, before anything else. Pairs gain
-// weight as they are found, tried or not, and lose it with every other state, so that nothing is tried where no pair
-// stands out, as in random states. There, of the pairs that are near, the one that overlapped in most of all states
-// goes first.
+// In: what each state, or block of states, showed. Out: the pairs that are worth a try in the next ones, before
+// anything else. Nothing is tried where no pair stands out, as in random states.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
+
+#include "math/recent_rate.hpp"
 
 namespace plannercheck {
 
@@ -20,63 +18,41 @@ class LikelyOverlaps {
  public:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-  // Of so many pairs.
-  explicit LikelyOverlaps(std::size_t pairs = 0) : counts_(pairs) {}
-
-  // The first pair for which overlaps(pair) holds, of those that are worth a try; the likeliest goes first.
+  // Calls overlaps(pair) for pairs that are worth a try, the likeliest first, until it returns true.
   template <class Overlaps>
-  std::size_t first(Overlaps overlaps) const {
-    int left = kAlways;  // the weight of what has not been tried in vain
+  void try_each(Overlaps overlaps) const {
     for (const Entry& entry : entries_) {
-      // The second: after very many states with the first pair, nothing is left, and there may be no other pair.
-      if (kWorth * entry.weight < left || entry.pair == kNone) break;
-      if (overlaps(entry.pair)) return entry.pair;
-      left -= entry.weight;
+      if (!entry.rate.is_at_least_one_in(kWorth) || entry.pair == kNone || overlaps(entry.pair)) return;
     }
-    return kNone;
   }
 
-  // Candidates have a pair.
-  template <class Candidate>
-  void put_first(std::vector<Candidate>& candidates) const {
-    if (candidates.empty()) return;
-    const auto count = [&](const Candidate& candidate) { return counts_[static_cast<std::size_t>(candidate.pair)]; };
-    const auto likeliest = std::max_element(candidates.begin(), candidates.end(),
-                                            [&](const auto& a, const auto& b) { return count(a) < count(b); });
-    std::swap(candidates.front(), *likeliest);
-  }
-
-  // Takes the pair that was found to overlap in a state, or kNone.
-  void learn(std::size_t found) {
-    for (Entry& entry : entries_) entry.weight -= entry.weight / kStates;
-    if (found == kNone) return;
-    ++counts_[found];
-    bool is_known = false;
-    for (std::size_t k = 0; k < kPairs; ++k) {
-      Entry& entry = entries_[k];
-      if (entry.pair != found) continue;
-      is_known = true;
-      entry.weight += kAlways / kStates;
-      if (k > 0 && entries_[k - 1].weight < entry.weight) std::swap(entries_[k - 1], entry);
+  // Of the states judged last, a pair overlapped in some; none did if there are none of these.
+  void learn(std::size_t pair, int states, int overlapping) {
+    const auto all = static_cast<std::uint32_t>(states), some = static_cast<std::uint32_t>(overlapping);
+    bool is_known = some == 0;
+    for (Entry& entry : entries_) {
+      is_known |= entry.pair == pair;
+      entry.rate.add(all, entry.pair == pair ? some : 0);
     }
-    if (!is_known) entries_.back() = {found, kAlways / kStates};
+    if (!is_known) {
+      entries_[1] = {pair, kUnknown};
+      entries_[1].rate.add(all, some);
+    }
+    if (entries_[1].rate.is_above(entries_[0].rate)) std::swap(entries_[0], entries_[1]);
   }
 
  private:
   // A pair is worth a try if it overlaps in one of so many states; with 5, random states lose 2 to 4 percent
   // (measured).
-  static constexpr int kWorth = 3;
-  // Weights are sums over about so many of the latest states; a pair that overlaps in each of them has kAlways.
-  static constexpr int kStates = 16, kAlways = 1 << 16;
-  static constexpr std::size_t kPairs = 2;
+  static constexpr std::uint32_t kWorth = 3;
+  static constexpr RecentRate kUnknown{32, 1, 16, 1};
 
   struct Entry {
     std::size_t pair = kNone;
-    int weight = 0;
+    RecentRate rate = kUnknown;
   };
 
-  std::array<Entry, kPairs> entries_{};
-  std::vector<std::uint32_t> counts_;  // by pair
+  std::array<Entry, 2> entries_{};
 };
 
 }  // namespace plannercheck

@@ -1,7 +1,9 @@
-#include "broad_phase/overlap_filter.hpp"
-
+// Balls inside one body that meet a box inside another.
 #include <cmath>
+#include <optional>
+#include <type_traits>
 
+#include "broad_phase/body_bounds.hpp"
 #include "broad_phase/obstacle_tree.hpp"
 
 namespace plannercheck {
@@ -29,25 +31,37 @@ constexpr float kShortest = 1e-16F;
 float below(double value) { return std::nextafterf(static_cast<float>(value), -__builtin_inff()); }
 float above(double value) { return std::nextafterf(static_cast<float>(value), __builtin_inff()); }
 
+template <FloatVector Numbers>
+InnerBallsInLanes<Numbers> posed_by(const FloatPoseOf<Numbers>& link, const InnerBallsInLanes<Numbers>& in_link,
+                                    float room) {
+  const auto& [x, y, z, radius] = in_link;
+  InnerBallsInLanes<Numbers> p;
+  p.x = link.turned(0, x, y, z) + link.m[3];
+  p.y = link.turned(1, x, y, z) + link.m[7];
+  p.z = link.turned(2, x, y, z) + link.m[11];
+  const Numbers size = (absolute(p.x) + absolute(p.y)) + absolute(p.z);
+  p.radius = radius - (size * static_cast<float>(kPosingError) + room);
+  return p;
+}
+
 }  // namespace
 
-BlockOverlaps::BlockOverlaps(const std::vector<GeometryObject>& bodies,
-                             const std::vector<std::array<std::int32_t, 2>>& pairs)
-    : balls_(bodies.size()), boxes_(bodies.size()) {
+void BodyBounds::find_inner_shapes(const std::vector<GeometryObject>& bodies) {
+  balls_.resize(bodies.size()), inner_boxes_.resize(bodies.size());
   const auto can_meet = [&](std::int32_t balls, std::int32_t box) {
-    return balls_[at(balls)].count > 0 && boxes_[at(box)].exists;
+    return balls_[at(balls)].count > 0 && inner_boxes_[at(box)].exists;
   };
-  for (const auto [a, b] : pairs) {
+  for (const auto [a, b] : pairs_) {
     for (const std::int32_t body : {a, b}) {
       const GeometryObject& object = bodies[at(body)];
       if (object.link >= 0 && balls_[at(body)].link < 0) balls_[at(body)] = balls_of(object);
-      if (!boxes_[at(body)].exists) boxes_[at(body)] = box_of(*object.body);
+      if (!inner_boxes_[at(body)].exists) inner_boxes_[at(body)] = box_inside(*object.body);
     }
     roles_.push_back(can_meet(b, a) ? Roles{b, a} : can_meet(a, b) ? Roles{a, b} : Roles{});
   }
 }
 
-BlockOverlaps::Balls BlockOverlaps::balls_of(const GeometryObject& object) {
+BodyBounds::Balls BodyBounds::balls_of(const GeometryObject& object) {
   const Polytope& body = *object.body;
   Balls out;
   out.link = object.link;
@@ -57,7 +71,7 @@ BlockOverlaps::Balls BlockOverlaps::balls_of(const GeometryObject& object) {
                              below((ball.radius + body.inflation_radius) * kShrunk)};
   }
   static_assert(kInnerBalls <= kFloats);
-  out.side_by_side = SideBySide{Floats{}, Floats{}, Floats{}, Floats{} - __builtin_inff()};
+  out.side_by_side = InnerBallsInLanes<Floats>{Floats{}, Floats{}, Floats{}, Floats{} - __builtin_inff()};
   for (std::size_t k = 0; k < out.count; ++k) {
     const auto [x, y, z] = out.ball[k].centre;
     out.side_by_side.x[k] = x, out.side_by_side.y[k] = y, out.side_by_side.z[k] = z;
@@ -68,8 +82,8 @@ BlockOverlaps::Balls BlockOverlaps::balls_of(const GeometryObject& object) {
   return out;
 }
 
-BlockOverlaps::Box BlockOverlaps::box_of(const Polytope& body) {
-  Box out;
+BodyBounds::BoxInside BodyBounds::box_inside(const Polytope& body) {
+  BoxInside out;
   // Obstacles are boxes more often than not, and need no balls.
   const std::optional<InnerBox> inner = body.is_box != 0 ? InnerBox{body.low, body.high, 0} : body.inner_shapes().box;
   if (!inner) return out;
@@ -84,38 +98,28 @@ BlockOverlaps::Box BlockOverlaps::box_of(const Polytope& body) {
   return out;
 }
 
-// For the rounding of posing and the error of the pose. No centre is further from its link's origin than the room, over
-// kPosingError.
-float BlockOverlaps::room_of(const Balls& balls, const FloatLinkPoses& links) {
-  return balls.room + links.error(at(balls.link)).of_point(balls.room * static_cast<float>(1 / kPosingError));
-}
-
-template <FloatVector Numbers>
-BlockOverlaps::PosedBall<Numbers> BlockOverlaps::posed(const FloatPoseOf<Numbers>& link,
-                                                       const PosedBall<Numbers>& in_link, float room) {
-  const auto& [x, y, z, radius] = in_link;
-  PosedBall<Numbers> p;
-  p.x = link.turned(0, x, y, z) + link.m[3];
-  p.y = link.turned(1, x, y, z) + link.m[7];
-  p.z = link.turned(2, x, y, z) + link.m[11];
-  const Numbers size = (absolute(p.x) + absolute(p.y)) + absolute(p.z);
-  p.radius = radius - (size * static_cast<float>(kPosingError) + room);
-  return p;
-}
-
-void BlockOverlaps::pose(FloatLinkPoses& links, const Balls& balls, PosedBalls& out) {
-  const FloatPose& link = links.of(at(balls.link));
-  const float room = room_of(balls, links);
+// No centre is further from its link's origin than the room, over kPosingError.
+template <>
+void BodyBounds::pose_balls(FloatBlock& poses, const Balls& balls, InnerBalls<FloatBlock>& out) {
+  const FloatPose& link = poses.pose(at(balls.link));
+  const PoseError error = poses.error(at(balls.link));
+  const float room = balls.room + error.of_point(balls.room * static_cast<float>(1 / kPosingError));
   for (std::size_t k = 0; k < balls.count; ++k) {
     const auto& [centre, radius] = balls.ball[k];
     const auto in_all = [](float number) { return filled<StateFloats>(number); };
-    out[k] = posed(link, {in_all(centre[0]), in_all(centre[1]), in_all(centre[2]), in_all(radius)}, room);
+    out.ball[k] =
+        posed_by<StateFloats>(link, {in_all(centre[0]), in_all(centre[1]), in_all(centre[2]), in_all(radius)}, room);
   }
 }
 
+template <>
+void BodyBounds::pose_balls(SingleState& poses, const Balls& balls, InnerBalls<SingleState>& out) {
+  out.all = posed_by(poses.pose(at(balls.link)), balls.side_by_side, balls.room);
+}
+
 template <FloatVector Numbers>
-unsigned BlockOverlaps::meet(const PosedBall<Numbers>& ball, const Box& box,
-                             const BlockBoxes::PosedIn<Numbers>& frame) {
+unsigned BodyBounds::meet(const InnerBallsInLanes<Numbers>& ball, const BoxInside& box,
+                          const BoxInLanes<Numbers>& frame) {
   const Numbers x = ball.x - frame.centre[0], y = ball.y - frame.centre[1], z = ball.z - frame.centre[2];
   Numbers square = {};
 #pragma GCC unroll 3
@@ -128,28 +132,24 @@ unsigned BlockOverlaps::meet(const PosedBall<Numbers>& ball, const Box& box,
   return bits_above(limit * limit, square) & bits_above(limit, Numbers{} + kShortest);
 }
 
-bool BlockOverlaps::overlap_in_state(FloatLinkPoses& links, std::size_t pair, const BlockBoxes& boxes,
-                                     BlockBoxes::Workspace& posed_boxes, Workspace& w) const {
+template <class Poses>
+Masks BodyBounds::by_inner_shapes(std::size_t pair, Posed<Poses>& posed) const {
   const Roles roles = roles_[pair];
-  if (roles.balls < 0) return false;
+  if (roles.balls < 0) return {};
   const Balls& own = balls_[at(roles.balls)];
-  const SideBySide& balls = w.in_state.of(at(roles.balls), false, [&](SideBySide& out) {
-    out = posed(links.of_state(at(own.link)), own.side_by_side, own.room);
-  });
-  return meet(balls, boxes_[at(roles.box)], boxes.posed_in_state(links, at(roles.box), posed_boxes)) != 0;
+  const InnerBalls<Poses>& balls =
+      posed.balls_.of(at(roles.balls), false, [&](InnerBalls<Poses>& out) { pose_balls(*posed.poses_, own, out); });
+  const auto& frame = box(at(roles.box), posed);
+  const BoxInside& inner = inner_boxes_[at(roles.box)];
+  if constexpr (std::is_same_v<Poses, SingleState>) {
+    return {.overlap = meet(balls.all, inner, frame) != 0 ? 1U : 0U};
+  } else {
+    unsigned out = 0;
+    for (std::size_t k = 0; k < own.count; ++k) out |= meet(balls.ball[k], inner, frame);
+    return {.overlap = out};
+  }
 }
-
-unsigned BlockOverlaps::overlap(FloatLinkPoses& links, std::size_t pair, const BlockBoxes& boxes,
-                                BlockBoxes::Workspace& posed_boxes, Workspace& w) const {
-  const Roles roles = roles_[pair];
-  if (roles.balls < 0) return 0;
-  const Balls& own = balls_[at(roles.balls)];
-  const PosedBalls& balls = w.in_block.of(at(roles.balls), false, [&](PosedBalls& out) { pose(links, own, out); });
-  const BlockBoxes::Posed& frame = boxes.posed(links, at(roles.box), posed_boxes);
-  const Box& box = boxes_[at(roles.box)];
-  unsigned out = 0;
-  for (std::size_t k = 0; k < own.count; ++k) out |= meet(balls[k], box, frame);
-  return out;
-}
+template Masks BodyBounds::by_inner_shapes(std::size_t, Posed<FloatBlock>&) const;
+template Masks BodyBounds::by_inner_shapes(std::size_t, Posed<SingleState>&) const;
 
 }  // namespace plannercheck

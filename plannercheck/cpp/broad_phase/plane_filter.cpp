@@ -15,7 +15,7 @@ void PlaneFilter::add(std::int32_t pair, std::size_t ball, const GeometryObject&
       norm_1(half_space.placement.translation()) + 2 * std::fabs(shape.offset) / norm_max(shape.normal) + radius;
   const std::array<float, 3> normal{static_cast<float>(plane.normal.x), static_cast<float>(plane.normal.y),
                                     static_cast<float>(plane.normal.z)};
-  planes_.push_back({pair, ball, normal, rounded_up(plane.offset + radius + size * kPlaneError + 1e-37)});
+  rows_.push_back({pair, ball, normal, rounded_up(plane.offset + radius + size * kPlaneError + 1e-37)});
 }
 
 }  // namespace plannercheck

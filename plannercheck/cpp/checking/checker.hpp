@@ -2,7 +2,7 @@
 //
 // In: posed links (from the kinematics kernel or given), bodies on links, pairs of bodies. Out: for each configuration
 // whether some pair shares a point, and which. Immutable: each thread brings a workspace, which holds what is learnt.
-// This header is free of lanes, whose number differs between instruction sets; only checker.cpp uses them.
+// This header is free of lanes, whose number differs between instruction sets.
 #pragma once
 
 #include <array>
@@ -50,6 +50,9 @@ enum class Query { kAnyCollision, kWhichCollide };
 
 class BroadPhase;
 class PartClearances;
+struct BlockConfigurations;
+struct FloatBlock;
+struct Found;
 
 class CheckerCore {
  public:
@@ -102,25 +105,31 @@ class CheckerCore {
   std::shared_ptr<const BroadPhase> broad_phase_;
   std::shared_ptr<const PartClearances> clearances_;
 
-  // Calls judge(row, state of the block) for every row, once the block's links are posed and its near pairs found.
+  // Each calls judge(row, state of the block, what the filters found) for every row, at a time when its links are
+  // posed.
   template <class Judge>
   void each_state(const Kinematics& kinematics, const double* q, std::size_t n, Query query, Workspace& workspace,
                   Judge judge) const;
   template <class Judge>
-  void each_block(const double* q, std::size_t n, std::size_t width, Workspace& workspace, Judge judge) const;
+  void each_in_blocks(const double* q, std::size_t n, Query query, Workspace& workspace, Judge judge) const;
+  template <class RowOf, class Judge>
+  void judge_in_floats(RowOf row_of, std::size_t count, Query query, Workspace& workspace, Judge judge) const;
   template <class Judge>
-  void judge_open(const double* q, std::size_t width, Workspace& workspace, Judge judge) const;
+  void judge_open(const double* q, Workspace& workspace, Judge judge) const;
   template <class Judge>
   void each_state(const double* links, std::size_t n, Workspace& workspace, Judge judge) const;
 
   void begin_posing(const Kinematics& kinematics, Workspace& workspace) const;
-  void pose_links(std::size_t width, int count, Workspace& workspace) const;
+  static void begin_block(std::size_t count, Workspace& workspace);
+  void pose_block(std::size_t count, Workspace& workspace) const;
   void load_links(const double* links, std::size_t n, Workspace& workspace) const;
-  void find_near(int count, Query query, Workspace& workspace, bool in_floats = false) const;
-  static void begin_block(int count, Workspace& workspace);
-  std::array<double, 12> link_pose(std::size_t link, std::size_t state, const Workspace& workspace) const;
+  FloatBlock rounded_block(BlockConfigurations q, std::size_t count, Workspace& workspace) const;
+  template <class Poses>
+  Found& filter(Poses& poses, Query query, Workspace& workspace) const;
+  bool are_boxed(const Workspace& workspace) const;
   Pose posed(std::size_t body, std::size_t state, const Workspace& workspace) const;
   bool collides(std::size_t pair, std::size_t state, Workspace& workspace) const;
+  bool shares_a_point(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool group_is_far(std::size_t group, std::size_t state, Workspace& workspace) const;
   bool is_clear_of_parts(std::size_t pair, std::size_t state, Workspace& workspace) const;
   double inflation(std::size_t pair) const;  // of both bodies
@@ -128,10 +137,11 @@ class CheckerCore {
   Answer look_under(std::size_t pair, std::size_t state, const Workspace& workspace) const;
   bool parts_share(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool half_space_shared(std::size_t pair, std::size_t state, Workspace& workspace) const;
-  bool is_free(std::size_t state, Workspace& workspace) const;
-  [[gnu::noinline]] bool no_pair_collides(std::size_t state, Workspace& workspace) const;
-  bool is_found_colliding(std::size_t state, Workspace& workspace) const;
-  std::int32_t first_collision(std::size_t state, Workspace& workspace) const;
+  bool is_free(Found& found, std::size_t state, Workspace& workspace) const;
+  [[gnu::noinline]] bool no_pair_collides(const std::vector<std::int32_t>& near, std::size_t state,
+                                          Workspace& workspace) const;
+  bool is_found_colliding(Found& found, std::size_t state, Workspace& workspace) const;
+  std::int32_t first_collision(std::vector<std::int32_t>& near, std::size_t state, Workspace& workspace) const;
 };
 
 }  // namespace plannercheck

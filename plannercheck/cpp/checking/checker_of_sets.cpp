@@ -25,10 +25,10 @@ double CheckerCore::inflation(std::size_t pair) const {
 
 // The states of a block are looked up together, in lanes: most of them are asked for most of their pairs.
 bool CheckerCore::is_clear_of_parts(std::size_t pair, std::size_t state, Workspace& w) const {
-  if (w.state_links != nullptr) {
+  if (w.links.are_of_one_state()) {
     const double margin = inflation(pair) * kRadiusStretch;
     const PartClearances::Look look = clearances_->look(pairs_[pair][0], pairs_[pair][1]);
-    return look.grid != nullptr && PartClearances::is_clear(look, link_pose(at(look.link), state, w), margin);
+    return look.grid != nullptr && PartClearances::is_clear(look, w.links.of(at(look.link), state).by_rows().m, margin);
   }
   ClearStates& known = w.clear[pair];
   if (known.block != w.block) known = {w.block, clear_states(pair, w)};
@@ -41,8 +41,7 @@ std::uint32_t CheckerCore::clear_states(std::size_t pair, const Workspace& w) co
   const double margin = inflation(pair) * kRadiusStretch;
   std::uint32_t clear = 0;
   for (std::size_t group = 0; group < w.block_groups; ++group) {
-    const Lanes* const link = &w.links[pose_index(at(links_), group, at(look.link))];
-    clear |= PartClearances::clear_lanes(look, link, margin) << (group * kLanes);
+    clear |= PartClearances::clear_lanes(look, w.links.lanes(group, at(look.link)), margin) << (group * kLanes);
   }
   return clear;
 }
@@ -63,7 +62,7 @@ bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w)
   if (tuning_.part_trees) {
     const Answer seen = look_under(pair, state, w);
     if (seen == Answer::kSeparated) ++w.counters.bounds;
-    if (seen == Answer::kShared) ++w.counters.overlaps, ++w.hits[pair], ++w.tests[pair];
+    if (seen == Answer::kShared) ++w.counters.overlaps;
     if (seen != Answer::kUndecided) return seen == Answer::kShared;
   }
   if (tuning_.bounds && is_clear_of_parts(pair, state, w)) {
@@ -77,25 +76,20 @@ bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w)
   }
   const PosedPolytope a{bodies_[guest].body.get(), posed(guest, state, w)};
   const PosedPolytope b{bodies_[host].body.get(), posed(host, state, w)};
-  ++w.tests[pair];
   SolidOptions options;
   options.part_trees = tuning_.part_trees;
   const SolidContact found = solids_contact(a, b, w.histories[pair].contact, w.counters.pair, options);
   ++w.counters.stages[static_cast<std::size_t>(Stage::kSolver)];
   if (found) w.histories[pair].contact = found;
-  w.hits[pair] += found ? 1 : 0;
   return static_cast<bool>(found);
 }
 
 bool CheckerCore::half_space_shared(std::size_t pair, std::size_t state, Workspace& w) const {
   const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
-  ++w.tests[pair];
   ++w.counters.stages[static_cast<std::size_t>(Stage::kSolver)];
-  const bool shared = half_space_contact({bodies_[guest].body.get(), posed(guest, state, w)},
-                                         {bodies_[host].body.get(), posed(host, state, w)}, w.counters.pair)
-                          .shared;
-  w.hits[pair] += shared ? 1 : 0;
-  return shared;
+  return half_space_contact({bodies_[guest].body.get(), posed(guest, state, w)},
+                            {bodies_[host].body.get(), posed(host, state, w)}, w.counters.pair)
+      .shared;
 }
 
 }  // namespace plannercheck

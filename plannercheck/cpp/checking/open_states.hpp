@@ -7,7 +7,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "broad_phase/near_pairs.hpp"
 #include "broad_phase/state_block.hpp"
+#include "math/recent_rate.hpp"
 
 namespace plannercheck {
 
@@ -24,14 +26,14 @@ class OpenStates {
     pairs_.insert(pairs_.end(), near.begin(), near.end());
   }
 
-  // Takes up to a block of those added last: their rows, and their pairs into the block's first states.
-  std::size_t take(std::array<std::size_t, kBlockStates>& rows,
-                   std::array<std::vector<std::int32_t>, kBlockStates>& near) {
+  // Takes up to a block of those added last: their rows, and what was found of them into the block's first states.
+  std::size_t take(std::array<std::size_t, kBlockStates>& rows, Found& found) {
     const std::size_t count = size_ < kBlockStates ? size_ : kBlockStates;
+    found.begin();
     for (std::size_t k = 0; k < count; ++k) {
       const State& last = states_[--size_];
       rows[k] = last.row;
-      near[k].assign(pairs_.begin() + static_cast<std::ptrdiff_t>(last.first), pairs_.end());
+      found.near.add(k, pairs_.begin() + static_cast<std::ptrdiff_t>(last.first), pairs_.end());
       pairs_.resize(last.first);
     }
     return count;
@@ -39,20 +41,15 @@ class OpenStates {
 
   // Whether few enough states are left open lately for floats to save time; now and then, to see whether that still
   // holds.
-  bool floats_pay() { return few_are_open() || ++passed_over_ % kTriedAgain == 0; }
+  bool floats_pay() { return open_.is_at_most(kMostOpen) || open_.is_due(); }
   void learn(std::size_t judged, std::size_t open) {
-    if (!few_are_open()) judged_ /= 2, open_ /= 2;  // a block that is tried counts as much as all before it
-    judged_ += static_cast<double>(judged), open_ += static_cast<double>(open);
-    if (judged_ > kLately) judged_ /= 2, open_ /= 2;
+    if (!open_.is_at_most(kMostOpen)) open_.halve();  // a block that is tried counts as much as all before it
+    open_.add(static_cast<std::uint32_t>(judged), static_cast<std::uint32_t>(open));
   }
 
  private:
-  // Poses in floats take about a third of the time of those in doubles, which states left open take besides. Of the
-  // states posed in floats, those of about kLately ago count half (all measured).
-  static constexpr double kMostOpen = 0.65, kLately = 1024;
-  // So many decided states are taken for granted before the first block, which would tell too much by itself.
-  static constexpr double kAtFirst = 256;
-  static constexpr std::size_t kTriedAgain = 128;
+  // Poses in floats take about a third of the time of those in doubles, which states left open take besides (measured).
+  static constexpr double kMostOpen = 0.65;
   static constexpr std::size_t kFew = 16;
   static constexpr std::size_t kMost = 2 * kBlockStates;  // less than a block, and a block more
 
@@ -60,13 +57,12 @@ class OpenStates {
     std::size_t row, first;  // of its pairs, which end where the next state's begin
   };
 
-  bool few_are_open() const { return kMostOpen * judged_ >= open_; }
-
   std::size_t size_ = 0;
   std::array<State, kMost> states_{};
   std::vector<std::int32_t> pairs_;
-  double judged_ = kAtFirst, open_ = 0;
-  std::size_t passed_over_ = 0;  // counts the blocks for which floats did not pay
+  // Of the states posed in floats: those left open. So many decided ones are taken for granted before the first block,
+  // which would tell too much by itself (all measured).
+  RecentRate open_{1024, 128, 256, 0};
 };
 
 }  // namespace plannercheck

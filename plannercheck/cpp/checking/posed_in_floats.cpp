@@ -22,13 +22,14 @@ PosedInFloats posed_in_floats(const Kinematics& kinematics, const double* q, std
     load_rows<kBlockStates>([&](std::size_t state) { return q + (first + state) * width; }, count, width,
                             columns.data());
     if (!poser.pose(columns.data())) continue;
+    const FloatBlock block = poser.block({columns.data(), width}, static_cast<int>(count));
     for (std::size_t state = 0; state < count; ++state) {
       for (std::size_t link = 0; link < links; ++link) {
         if (needed[link] == 0) continue;
         const std::size_t place = (first + state) * links + link;
-        for (std::size_t i = 0; i < 12; ++i) out.poses[place * 12 + i] = poser.poses()[link].m[i][state];
-        out.errors[place * 2] = poser.errors()[link].turn;
-        out.errors[place * 2 + 1] = poser.errors()[link].shift;
+        for (std::size_t i = 0; i < 12; ++i) out.poses[place * 12 + i] = block.pose(link).m[i][state];
+        out.errors[place * 2] = block.error(link).turn;
+        out.errors[place * 2 + 1] = block.error(link).shift;
       }
     }
   }

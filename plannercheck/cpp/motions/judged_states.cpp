@@ -25,30 +25,25 @@ constexpr std::array<double, kLooks> kLookAt{0.5, 0.75, 1};
 // that collides with one is refused late, as no descent tells.
 constexpr std::size_t kFewestLooks = 3;
 
-// All places are looked at on the first kTried motions of each kBetweenTrials, to learn how often they collide. If at
-// the likeliest one at least one motion in kFirstWorth does, all are looked at there; then those that are left at
-// another one, by kSecondWorth: a motion that collides saves so many times what a look costs (measured). A tally begins
-// with one collision in eight, and is halved when it is full, so that it follows what is asked.
-constexpr std::size_t kTried = 8, kBetweenTrials = 512, kFirstWorth = 16, kSecondWorth = 12, kRemembered = 64;
+// All places are looked at on the first kTried motions where that is due, to learn how often they collide. If at the
+// likeliest one at least one motion in kFirstWorth does, all are looked at there; then those that are left at another
+// one, by kSecondWorth: a motion that collides saves so many times what a look costs (measured).
+constexpr std::size_t kTried = 8;
+constexpr std::uint32_t kFirstWorth = 16, kSecondWorth = 12;
 
-void add(StateTally& tally, const std::uint8_t* is_free, std::size_t n) {
+void add(RecentRate& rate, const std::uint8_t* is_free, std::size_t n) {
   const auto free = static_cast<std::size_t>(std::count(is_free, is_free + n, std::uint8_t{1}));
-  tally.judged += n, tally.collided += n - free;
-  while (tally.judged > kRemembered) tally.judged /= 2, tally.collided /= 2;
+  rate.add(static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(n - free));
 }
 
-bool is_likelier(const StateTally& a, const StateTally& b) { return a.collided * b.judged > b.collided * a.judged; }
-
 // The place, other than `but`, where most of the motions collide.
-std::size_t likeliest(const LookTallies& tallies, std::size_t but) {
+std::size_t likeliest(const LookRates& rates, std::size_t but) {
   std::size_t best = but == 0 ? 1 : 0;
   for (std::size_t look = best + 1; look < kLooks; ++look) {
-    if (look != but && is_likelier(tallies[look], tallies[best])) best = look;
+    if (look != but && rates[look].is_above(rates[best])) best = look;
   }
   return best;
 }
-
-bool pays(const StateTally& tally, std::size_t worth) { return tally.collided * worth >= tally.judged; }
 
 }  // namespace
 
@@ -58,17 +53,16 @@ void MotionCertifier::judge_states(const Kinematics& kinematics, const double* q
   const bool has_parts = !part_groups_.groups.empty();
   if (states_ == nullptr || (count < kFewestLooks && !has_parts)) return;
   std::size_t tried = 0;
-  if (w.untried == 0) {
-    w.untried = kBetweenTrials, tried = std::min(count, kTried);
+  if (w.looks[0].is_due(static_cast<std::uint32_t>(count))) {
+    tried = std::min(count, kTried);
     try_all_looks(kinematics, q0, q1, tried, w);
   }
-  w.untried -= std::min(count, w.untried);
   const std::size_t first = likeliest(w.looks, kLooks);
-  if (!has_parts && !pays(w.looks[first], kFirstWorth)) return;
+  if (!has_parts && !w.looks[first].is_at_least_one_in(kFirstWorth)) return;
   judge_at(kinematics, q0, q1, {first, tried, count}, w.looks[first], w);
   const std::size_t second = likeliest(w.later_looks[first], first);
-  StateTally& tally = w.later_looks[first][second];
-  if (pays(tally, kSecondWorth)) judge_at(kinematics, q0, q1, {second, tried, count}, tally, w);
+  RecentRate& rate = w.later_looks[first][second];
+  if (rate.is_at_least_one_in(kSecondWorth)) judge_at(kinematics, q0, q1, {second, tried, count}, rate, w);
 }
 
 // Judges all looks at the first motions.
@@ -92,7 +86,7 @@ void MotionCertifier::try_all_looks(const Kinematics& kinematics, const double* 
 
 // Judges the states at one place on those of some motions that no look has refused yet.
 void MotionCertifier::judge_at(const Kinematics& kinematics, const double* q0, const double* q1, const Look& look,
-                               StateTally& tally, Workspace& w) const {
+                               RecentRate& rate, Workspace& w) const {
   const std::size_t width = at(model_.width);
   w.rows.resize(kMotionsAtOnce * width);
   std::size_t rows = 0;
@@ -105,7 +99,7 @@ void MotionCertifier::judge_at(const Kinematics& kinematics, const double* q0, c
   if (rows == 0) return;
   states_->seek_collisions(kinematics, w.rows.data(), rows, w.found.data(), *w.states);
   for (std::size_t row = 0; row < rows; ++row) w.is_free[w.motion_of_row[row]] = w.found[row];
-  add(tally, w.found.data(), rows);
+  add(rate, w.found.data(), rows);
 }
 
 }  // namespace plannercheck

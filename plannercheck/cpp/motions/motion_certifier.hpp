@@ -64,7 +64,7 @@ class ChainTable;
 class MotionScreen;
 class MotionCollisions;
 class PartClearances;
-struct StateTally;
+class RecentRate;
 
 class MotionCertifier {
  public:
@@ -117,7 +117,7 @@ class MotionCertifier {
                     Workspace& workspace) const;
   void try_all_looks(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
                      Workspace& workspace) const;
-  void judge_at(const Kinematics& kinematics, const double* q0, const double* q1, const Look& look, StateTally& tally,
+  void judge_at(const Kinematics& kinematics, const double* q0, const double* q1, const Look& look, RecentRate& rate,
                 Workspace& workspace) const;
 };
 

@@ -1,7 +1,6 @@
 #include "motions/motion_collisions.hpp"
 
 #include <array>
-#include <utility>
 
 namespace plannercheck {
 namespace {
@@ -12,26 +11,25 @@ std::vector<std::array<std::int32_t, 2>> bodies_of(const std::vector<CertifiedPa
   return out;
 }
 
-std::vector<BodyBox> boxes_of(const std::vector<GeometryObject>& bodies) {
-  std::vector<BodyBox> out;
-  for (const GeometryObject& body : bodies) out.push_back(body_box(body));
-  return out;
-}
-
 }  // namespace
 
 MotionCollisions::MotionCollisions(const MotionModel& model)
-    : links_(at(model.links)), boxes_(boxes_of(model.bodies)), overlaps_(model.bodies, bodies_of(model.pairs)) {}
+    : links_(at(model.links)), bounds_(model.bodies, bodies_of(model.pairs)) {
+  for (const CertifiedPair& pair : model.pairs) {
+    links_of_.push_back({model.bodies[at(pair.a)].link, model.bodies[at(pair.b)].link});
+  }
+}
 
 void MotionCollisions::begin(const MotionGrid& grid, Workspace& w) const {
   w.used = grid.intervals() / kBlockStates + 1;
   while (w.blocks.size() < w.used) {
-    w.blocks.push_back({FloatLinkPoses(links_), boxes_.new_workspace(), overlaps_.new_workspace()});
+    w.blocks.push_back({RoundedPoses(links_), {}, bounds_.posed<FloatBlock>()});
   }
   for (std::size_t k = 0; k < w.used; ++k) {
     Block& block = w.blocks[k];
     block.links.begin(grid.links_at(k * kBlockStates));
-    block.boxes.begin(), block.overlaps.begin();
+    block.poses = block.links.block({}, kBlockStates);
+    block.bounds.begin(block.poses);
   }
 }
 
@@ -41,7 +39,10 @@ int MotionCollisions::colliding_state(const NearPair& near, Workspace& w) const 
     const auto wanted = static_cast<unsigned>(states >> k * kBlockStates) & ((1U << kBlockStates) - 1);
     if (wanted == 0) continue;
     Block& block = w.blocks[k];
-    const unsigned found = wanted & overlaps_.overlap(block.links, at(near.pair), boxes_, block.boxes, block.overlaps);
+    for (const std::int32_t link : links_of_[at(near.pair)]) {
+      if (link >= 0) block.links.round(at(link));
+    }
+    const unsigned found = wanted & bounds_.by_inner_shapes(at(near.pair), block.bounds).overlap;
     if (found != 0) return static_cast<int>(k * kBlockStates) + __builtin_ctz(found);
   }
   return -1;

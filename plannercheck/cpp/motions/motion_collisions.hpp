@@ -4,12 +4,12 @@
 // whatever the rounding, if one is found. Such a motion can't be proved free: a proof would cover that very state.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "broad_phase/box_filter.hpp"
-#include "broad_phase/float_link_poses.hpp"
-#include "broad_phase/overlap_filter.hpp"
+#include "broad_phase/body_bounds.hpp"
+#include "broad_phase/poses.hpp"
 #include "motions/adaptive_subdivision.hpp"
 #include "motions/motion_certifier.hpp"
 #include "motions/motion_grid.hpp"
@@ -20,11 +20,11 @@ class MotionCollisions {
  public:
   explicit MotionCollisions(const MotionModel& model);
 
-  // Of a block of the grid's states.
+  // Of a block of the grid's states; links are rounded when they are first asked for.
   struct Block {
-    FloatLinkPoses links;
-    BlockBoxes::Workspace boxes;
-    BlockOverlaps::Workspace overlaps;
+    RoundedPoses links;
+    FloatBlock poses;
+    BodyBounds::Posed<FloatBlock> bounds;
   };
   struct Workspace {
     std::vector<Block> blocks;  // made when grids first need them
@@ -37,8 +37,8 @@ class MotionCollisions {
 
  private:
   std::size_t links_;
-  BlockBoxes boxes_;
-  BlockOverlaps overlaps_;
+  std::vector<std::array<std::int32_t, 2>> links_of_;  // by pair; −1: the world
+  BodyBounds bounds_;
 };
 
 }  // namespace plannercheck

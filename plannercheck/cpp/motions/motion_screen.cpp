@@ -96,21 +96,21 @@ MotionScreen::ChainRange MotionScreen::chains(const MotionModel& model, std::vec
 
 void MotionScreen::group_movers(const MotionModel& model, std::vector<Mover> movers,
                                 const std::vector<std::size_t>& ball_of) {
-  std::vector<MoverGroup> groups(balls_.size());
+  std::vector<LinkMovers> groups(balls_.size());
   for (Mover& mover : movers) {
     if (mover.pair.empty()) continue;
-    MoverGroup& group = groups[ball_of[at(mover.body)]];
+    LinkMovers& group = groups[ball_of[at(mover.body)]];
     group.paired.resize(mover.paired.size());
     for (std::size_t k = 0; k < mover.paired.size(); ++k) group.paired[k] |= mover.paired[k];
     group.movers.push_back(std::move(mover));
   }
   for (std::size_t ball = 0; ball < groups.size(); ++ball) {
-    MoverGroup& group = groups[ball];
+    LinkMovers& group = groups[ball];
     if (group.movers.empty()) continue;
     std::vector<std::int32_t> of_bodies;
     for (const Mover& mover : group.movers) of_bodies.push_back(mover.chain);
     group.ball = ball, group.chains = chains(model, of_bodies);
-    mover_groups_.push_back(std::move(group));
+    movers_by_link_.push_back(std::move(group));
   }
 }
 
@@ -150,7 +150,7 @@ void MotionScreen::bound_obstacles(const MotionModel& model, const std::vector<s
 void MotionScreen::find_by_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const {
   found = unbounded_pairs_;
   found.insert(found.end(), moving_pairs_.begin(), moving_pairs_.end());
-  for (const MoverGroup& group : mover_groups_) {
+  for (const LinkMovers& group : movers_by_link_) {
     for (const Mover& mover : group.movers) {
       const Floats box = filters.box_around_path(mover.body, mover.chain);
       for (std::size_t first = 0; first < eights_.size(); first += kFloats) {
@@ -167,7 +167,7 @@ void MotionScreen::find_by_speeds(const MotionGrid& grid, const MotionFilters& f
   find_among_links(grid, filters, bounds, beyond, w, found);
   found.insert(found.end(), unbounded_pairs_.begin(), unbounded_pairs_.end());
   if (eights_.size() * kFloats <= kFewObstaclesOnPaths) return find_near_links(filters, bounds, beyond, w, found);
-  for (const MoverGroup& group : mover_groups_) {
+  for (const LinkMovers& group : movers_by_link_) {
     find_in_tree(grid, group, speed(bounds, group.chains), room, w);
     if (w.found.empty()) continue;
     for (const Mover& mover : group.movers) {
@@ -207,7 +207,7 @@ double MotionScreen::curvature(const ChainBounds& bounds, ChainRange range) cons
 // Boxes around one body take no room, as `find_by_paths` has the same ones.
 void MotionScreen::find_near_links(const MotionFilters& filters, const ChainBounds& bounds, double beyond,
                                    const Workspace& w, std::vector<std::int32_t>& found) const {
-  for (const MoverGroup& group : mover_groups_) {
+  for (const LinkMovers& group : movers_by_link_) {
     const bool is_one = group.movers.size() == 1;
     const LinkBound& ball = balls_[group.ball];
     const double radius = ball.radius + (is_one ? 0 : beyond);
@@ -285,7 +285,7 @@ bool MotionScreen::boxes_stay_apart(const MovingGroup& group, const MotionGrid& 
 }
 
 // Writes the obstacles that a ball may come near, piece by piece of its way.
-void MotionScreen::find_in_tree(const MotionGrid& grid, const MoverGroup& group, double way, double room,
+void MotionScreen::find_in_tree(const MotionGrid& grid, const LinkMovers& group, double way, double room,
                                 Workspace& w) const {
   const std::size_t pieces = pieces_for(way);
   w.found.clear();

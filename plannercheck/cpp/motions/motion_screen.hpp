@@ -57,7 +57,7 @@ class MotionScreen {
   };
 
   // Those on one link.
-  struct MoverGroup {
+  struct LinkMovers {
     std::size_t ball;
     ChainRange chains;
     std::vector<Mover> movers;
@@ -83,7 +83,7 @@ class MotionScreen {
   std::vector<std::int32_t> chains_;
   std::vector<std::int32_t> moving_pairs_;  // of two bodies that move
   std::vector<MovingGroup> moving_groups_;
-  std::vector<MoverGroup> mover_groups_;
+  std::vector<LinkMovers> movers_by_link_;
   std::vector<Eight> eights_;  // all obstacles
   ObstacleTree tree_;          // where obstacles are many
 
@@ -102,7 +102,7 @@ class MotionScreen {
                         const ChainBounds& bounds, double beyond, Vec3& direction) const;
   void find_near_links(const MotionFilters& filters, const ChainBounds& bounds, double beyond, const Workspace& w,
                        std::vector<std::int32_t>& found) const;
-  void find_in_tree(const MotionGrid& grid, const MoverGroup& group, double way, double room, Workspace& w) const;
+  void find_in_tree(const MotionGrid& grid, const LinkMovers& group, double way, double room, Workspace& w) const;
   std::uint64_t near_boxes(std::size_t first, Floats box, const std::vector<unsigned>& paired) const;
   static void take(const Mover& mover, std::size_t eight, std::uint64_t near, std::vector<std::int32_t>& found);
   static unsigned meeting(const Eight& boxes, Floats box);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "math/recent_rate.hpp"
 #include "motions/adaptive_subdivision.hpp"
 #include "motions/motion_certifier.hpp"
 #include "motions/motion_collisions.hpp"
@@ -18,14 +19,10 @@ namespace plannercheck {
 // So many motions at once have states judged: whole blocks of them, also of what a first look leaves.
 inline constexpr std::size_t kMotionsAtOnce = 128;
 
-// How many states of one kind were judged lately, and how many of them collided.
-struct StateTally {
-  std::size_t judged = 8, collided = 1;
-};
-
-// The same by the places where motions are looked at.
+// How often states collide, by the places where motions are looked at; all of these are tried again now and then.
 inline constexpr std::size_t kLooks = 3;
-using LookTallies = std::array<StateTally, kLooks>;
+inline constexpr RecentRate kUnknownLook{64, 512, 8, 1};
+using LookRates = std::array<RecentRate, kLooks>;
 
 // The Space of adaptive_subdivision.hpp.
 struct SpatialMotions {
@@ -57,10 +54,9 @@ struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
       is_free{};                                     // of the motions at once: no state of it that was judged collides
   std::array<std::uint8_t, kMotionsAtOnce> found{};  // verdicts of `rows`
   std::array<std::size_t, kMotionsAtOnce> motion_of_row{};
-  std::vector<double> rows;                     // configurations that are judged together
-  LookTallies looks;                            // of all motions
-  std::array<LookTallies, kLooks> later_looks;  // by a place where the motions were found free
-  std::size_t untried = 0;                      // motions until all looks are tried again
+  std::vector<double> rows;                                        // configurations that are judged together
+  LookRates looks{kUnknownLook, kUnknownLook, kUnknownLook};       // of all motions
+  std::array<LookRates, kLooks> later_looks{looks, looks, looks};  // by a place where the motions were found free
 };
 
 }  // namespace plannercheck

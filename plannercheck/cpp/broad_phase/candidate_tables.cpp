@@ -1,9 +1,9 @@
-// What the broad phase prepares, once a checker: which bodies move, around which obstacles there are boxes, and which
-// filter looks at which pair.
+// What the search for candidates prepares, once a checker: which bodies move, around which obstacles there are boxes,
+// and how each pair is found.
 #include <limits>
 #include <utility>
 
-#include "broad_phase/broad_phase.hpp"
+#include "broad_phase/candidate_search.hpp"
 
 namespace plannercheck {
 namespace {
@@ -32,10 +32,10 @@ WorldBox world_box(const GeometryObject& object) {
 
 }  // namespace
 
-BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
-                       const std::vector<bool>& permanent, std::size_t links,
-                       std::shared_ptr<const SampledPoses> sampled, const std::vector<PairsInCells>& in_cells)
-    : links_(links), pairs_(pairs), obstacles_(0), sampled_(std::move(sampled)), tree_({}) {
+CandidateSearch::CandidateSearch(const std::vector<GeometryObject>& bodies,
+                                 const std::vector<std::array<std::int32_t, 2>>& pairs,
+                                 std::shared_ptr<const SampledPoses> sampled, const std::vector<PairsInCells>& in_cells)
+    : pairs_(pairs.size()), sampled_(std::move(sampled)), tree_({}) {
   // The index of a body among the movers or among the obstacles, in the order of the bodies.
   std::vector<std::int32_t> place(bodies.size(), -1);
   std::vector<bool> used(bodies.size(), false);
@@ -86,9 +86,7 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
       height_filter_.add(pair, mover, movers_[mover], still, bodies[at(still)]);
     } else if (first && second) {
       if (!is_in_cells[k]) moving_pairs_.push_back({a, b, pair});
-    } else if (!first && !second) {
-      if (permanent[k]) permanent_pairs_.push_back(pair);
-    } else {
+    } else if (first || second) {
       const std::int32_t mover = first ? a : b, obstacle = first ? b : a;
       pair_of_[at(mover) * obstacles_ + at(obstacle)] = pair;
       has_obstacle[at(mover)] = true;
@@ -119,27 +117,17 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   }
   first_slice_.push_back(slices_.size());
   single_state_filter_ = SingleStateFilter(movers_, slices, boxes, with_movers, with_boxes);
-  std::vector<BodyBox> body_boxes;
-  for (const GeometryObject& object : bodies) body_boxes.push_back(body_box(object));
-  boxes_ = BlockBoxes(std::move(body_boxes));
-  overlaps_ = BlockOverlaps(bodies, pairs);
 }
 
-BroadPhase::Workspace BroadPhase::new_workspace() const {
+CandidateSearch::Workspace CandidateSearch::new_workspace() const {
   Workspace w;
-  w.links = FloatLinkPoses(links_);
-  w.state_links.resize(links_);
   w.balls.resize(movers_.size()), w.slices.resize(slices_.size());
   w.single_state_filter = single_state_filter_.new_workspace();
-  w.boxes = boxes_.new_workspace();
-  w.overlaps = overlaps_.new_workspace();
-  w.candidates.reserve(pairs_.size());
-  w.unboxed.reserve(plane_filter_.size() + height_filter_.size());
+  w.candidates.reserve(pairs_);
+  w.unboxed.reserve(plane_filter_.rows().size() + height_filter_.rows().size());
   w.found.reserve(obstacles_);
-  w.likely = LikelyOverlaps(pairs_.size());
   w.reached.reserve(obstacles_);
   w.states.resize(obstacles_);
-  for (auto& near : w.near) near.reserve(pairs_.size());
   return w;
 }
 

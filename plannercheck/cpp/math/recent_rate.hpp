@@ -1,0 +1,44 @@
+// How often something happened of late, for whatever saves time only where it happens often, or seldom.
+//
+// In: tries, and in how many it happened. Out: the share of about the latest `window` tries, older ones counting half;
+// and, where the share tells against a try, whether one is due all the same: every `retry`-th.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace plannercheck {
+
+class RecentRate {
+ public:
+  // Begins as if it had happened in `happened` of `tried` tries.
+  explicit constexpr RecentRate(std::uint32_t window, std::uint32_t retry = 1, std::uint32_t tried = 0,
+                                std::uint32_t happened = 0)
+      : window_(window), retry_(retry), tried_(tried), happened_(happened) {}
+
+  void add(std::uint32_t tried, std::uint32_t happened) {
+    tried_ += tried, happened_ += happened;
+    while (tried_ > window_) halve();
+  }
+  // So that the next tries count as much as all before.
+  void halve() { tried_ /= 2, happened_ /= 2; }
+
+  // In at least one of so many tries; true if there were none.
+  bool is_at_least_one_in(std::uint32_t tries) const { return happened_ * tries >= tried_; }
+  bool is_at_most(double share) const { return happened_ <= share * tried_; }
+  bool is_above(const RecentRate& other) const { return happened_ * other.tried_ > other.happened_ * tried_; }
+
+  // Of `passed` times at which the share told against a try: true at the first one, and after each `retry` more.
+  bool is_due(std::uint32_t passed = 1) {
+    const bool due = wait_ == 0;
+    if (due) wait_ = retry_;
+    wait_ -= std::min(passed, wait_);
+    return due;
+  }
+
+ private:
+  std::uint32_t window_, retry_, tried_, happened_;
+  std::uint32_t wait_ = 0;  // until the next one is due
+};
+
+}  // namespace plannercheck
