@@ -128,7 +128,7 @@ def test_a_link_in_the_journals_place_is_not_followed(tmp_path: Path, validate: 
 
 
 def test_parquet_holds_the_same_bytes_in_every_run_and_no_foreign_ones(tmp_path: Path) -> None:
-    np.save(tmp_path / "q.npy", pc.Robot.load("panda").random_configurations(3000, seed=5))
+    np.save(tmp_path / "q.npy", pc.Robot.load("panda").random_configurations(300, seed=5))
     marker = b"FOREIGN-MEMORY-" * 3
     found = set()
     for k in range(2):
