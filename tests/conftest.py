@@ -14,11 +14,28 @@ os.environ.setdefault("LANGUAGE", "C")
 import pytest
 from sample_robots import SRDF, URDF
 
+# Processor time of a test, its processes included, s. What needs more is a run of its own, see tests/README.md.
+MOST_SECONDS = 30.0
+
+gc.disable()  # while tests are collected
+
 
 def pytest_collection_finish():
     """Tests live until the end. Garbage collection, which benchmarks ask for often, need not go through all of them."""
     gc.collect()
     gc.freeze()
+    gc.enable()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item):
+    """A test that takes too long fails: ten thousand of them have to end within ten minutes."""
+    before = sum(os.times()[:4])
+    result = yield
+    taken = sum(os.times()[:4]) - before
+    if taken > MOST_SECONDS and not item.get_closest_marker("agreement") and "LD_PRELOAD" not in os.environ:
+        pytest.fail(f"takes {taken:.0f} s of processor time, more than {MOST_SECONDS:.0f} s")
+    return result
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -8,6 +8,7 @@ from fractions import Fraction
 from itertools import product
 from typing import Any
 
+import exact_verdicts
 import numpy as np
 import pytest
 
@@ -94,7 +95,7 @@ def test_random_small_bodies_of_all_dimensions() -> None:
         bodies = [(random_points(rng) * scale, float(inflation_radius * scale)) for inflation_radius in inflation_radii]
         poses = [at(*rng.uniform(-1, 1, 3) * scale, turn=random_turn(rng)) for _ in range(2)]
         arguments = bodies[0][0], bodies[1][0], *poses, bodies[0][1], bodies[1][1]
-        truth = exact.intersects(*arguments)
+        truth = exact_verdicts.intersects(*arguments)
         p, r = (pc.Polytope(points, inflation_radius=inflation_radius) for points, inflation_radius in bodies)
         assert [pc.intersects(p, r, *poses, method=method) for method in METHODS] == [truth] * len(METHODS)
         certificate = proved(p, r, *poses)
@@ -115,7 +116,7 @@ def test_a_direction_of_entries_2_to_the_1094_apart(swapped: bool) -> None:
         for y in (0.25, 0.5, 0.75):
             ends = np.array([[start, y, 0], [far / 2, y, 0]])[:: -1 if swapped else 1]
             segment = pc.Polytope(ends)
-            truth = exact.intersects(triangle.vertices, ends)
+            truth = exact_verdicts.intersects(triangle.vertices, ends)
             assert truth == (start <= 0)
             for method in METHODS:
                 assert pc.intersects(triangle, segment, method=method) == truth

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from fractions import Fraction
 
+import exact_verdicts
 import numpy as np
 import pytest
 from random_poses import pose_at
@@ -24,7 +25,7 @@ def assert_as_promised(found, first, second, poses, inflation_radii=(0.0, 0.0)):
     size = max(body.core.radius + body.inflation_radius for body in (first, second))
     room = 1e-9 * max(truth, 1e-3 * size)
     assert abs(found.distance - truth) <= room
-    assert (found.distance == 0) == exact.intersects(first.vertices, second.vertices, *poses, *inflation_radii)
+    assert (found.distance == 0) == exact_verdicts.intersects(first.vertices, second.vertices, *poses, *inflation_radii)
     assert found.lower_bound <= truth * (1 + 1e-15)
     if truth > 0:
         assert found.lower_bound >= truth - room

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from fractions import Fraction
 
+import exact_verdicts
 import numpy as np
 import pytest
 
@@ -31,7 +32,9 @@ def test_lengths_whose_squares_underflow(scale, inflation_radius):
     offsets[0] = 0.8248, 0.2086, 0.1484
     poses = contacts.identities(60)
     poses[:, :3, 3] = offsets * scale
-    truth = [exact.intersects(P.vertices, R.vertices, pose, np.eye(4), 0.0, R.inflation_radius) for pose in poses]
+    truth = [
+        exact_verdicts.intersects(P.vertices, R.vertices, pose, np.eye(4), 0.0, R.inflation_radius) for pose in poses
+    ]
     assert 0 < sum(truth) < 60
     for options in (pair_options(), pair_options(cached_plane=False), pair_options(centre_axis=False)):
         shared, _, _ = core.intersect_batch(P.core, poses, R.core, np.eye(4)[None], options)
@@ -100,7 +103,7 @@ def test_flat_pairs_with_coinciding_centres(exponent, method):
         pose = np.eye(4)
         onto = np.array([[rng.choice([-1.0, 1.0]), 0, 0]])
         pose[:3, :3] = contacts.turns_onto(contacts.unit(normal[None].astype(float)), onto, rng)[0]
-        assert exact.intersects(P.vertices, R.vertices, pose, pose)  # both have their middle
+        assert exact_verdicts.intersects(P.vertices, R.vertices, pose, pose)  # both have their middle
         assert pc.intersects(P, R, pose, pose, method=method)
         assert pc.distance(P, R, pose, pose).distance == 0
 
@@ -204,7 +207,7 @@ def test_bodies_at_the_ends_of_the_range_of_doubles(method):
         for at_p, at_r in itertools.combinations_with_replacement(places, 2):
             poses = contacts.identities(2)
             poses[:, :3, 3] = at_p, at_r
-            truth = exact.intersects(P.vertices, R.vertices, *poses, P.inflation_radius, R.inflation_radius)
+            truth = exact_verdicts.intersects(P.vertices, R.vertices, *poses, P.inflation_radius, R.inflation_radius)
             assert pc.intersects(P, R, *poses, method=method) == truth
 
 
@@ -217,7 +220,7 @@ def test_denormal_and_normal_numbers_add_up(method):
         second = pc.Polytope(steps * last + UNIT * normal)
         pose = np.eye(4)
         pose[:3, 3] = normal
-        assert exact.intersects(first.vertices, second.vertices, np.eye(4), pose) == shared
+        assert exact_verdicts.intersects(first.vertices, second.vertices, np.eye(4), pose) == shared
         assert pc.intersects(first, second, None, pose, method) == shared
         assert pc.intersects(second, first, pose, None, method) == shared
 

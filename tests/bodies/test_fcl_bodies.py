@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import sys
 
+import exact_verdicts
 import numpy as np
 import pytest
 from solids import random_poses
 
-from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.fcl_bodies import FclBodies
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress import body_families as families
@@ -26,7 +26,7 @@ def test_fcl_is_right_at_clear_gaps() -> None:
         bodies.place(0, pose_p)
         bodies.place(1, pose_r)
         verdicts.append(bodies.collides(0, 1))
-        assert verdicts[-1] == exact.intersects(SOLID.vertices, SOLID.vertices, pose_p, pose_r)
+        assert verdicts[-1] == exact_verdicts.intersects(SOLID.vertices, SOLID.vertices, pose_p, pose_r)
     assert 20 < sum(verdicts) < 180
 
 
@@ -47,7 +47,7 @@ def test_boxes_apart_means_free() -> None:
     meet = bodies.boxes_meet(poses, np.array([[0, 1]]))[:, 0]
     assert 30 < np.count_nonzero(meet) < 270
     for pose_p, pose_r in poses[~meet]:
-        assert not exact.intersects(SOLID.vertices, SOLID.vertices, pose_p, pose_r)
+        assert not exact_verdicts.intersects(SOLID.vertices, SOLID.vertices, pose_p, pose_r)
 
 
 def test_boxes_that_touch_meet() -> None:
@@ -79,7 +79,9 @@ def test_inflated_points_and_segments_are_spheres_and_capsules() -> None:
     verdicts = []
     for pose_p, pose_r in zip(*random_poses(SOLID, SOLID, 100, rng), strict=True):
         for p, r in pairs.tolist():
-            truth = exact.intersects(hulls[p][0], hulls[r][0], pose_p, pose_r, inflation_radii[p], inflation_radii[r])
+            truth = exact_verdicts.intersects(
+                hulls[p][0], hulls[r][0], pose_p, pose_r, inflation_radii[p], inflation_radii[r]
+            )
             poses = np.stack([pose_p, pose_r])
             two = FclBodies([hulls[p], hulls[r]], [inflation_radii[p], inflation_radii[r]])
             assert two.collide_all(poses, np.array([[0, 1]])) == [truth]

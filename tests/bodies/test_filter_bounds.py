@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import itertools
 
+import exact_verdicts
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 import plannercheck as pc
-from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress.body_families import FAMILIES, THIN_FAMILIES
@@ -215,7 +215,7 @@ def test_balls_of_stretched_bodies_hold_them(inflation_radius):
     pose_p[0, 0] = pose_r[0, 0] = stretch
     for gap in (0.0, 1e-9, -1e-9, 4e-7, 1e-5):
         pose_p[0, 3] = 2 * stretch + inflation_radius + gap
-        colliding = exact.intersects(OCTAHEDRON, OCTAHEDRON, pose_p, pose_r, inflation_radius, 0.0)
+        colliding = exact_verdicts.intersects(OCTAHEDRON, OCTAHEDRON, pose_p, pose_r, inflation_radius, 0.0)
         assert colliding == (gap <= 0) or gap == 0
         for options in (pair_options(), pair_options(turned_axis=False), pair_options("walk")):
             arguments = bodies[0].core, pose_p[None], bodies[1].core, pose_r[None], options

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import itertools
 
+import exact_verdicts
 import numpy as np
 import pytest
 from pair_ways import CENTRE_AXIS, NEAR, PAIRS, UNIT, WAYS, assert_all_ways_agree, moved
 from solids import dyadic_poses, random_poses, solid_of
 
 import plannercheck as pc
-from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.tuning import METHODS, pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress import body_families as families
@@ -116,7 +116,7 @@ def test_poses_off_rigid_are_the_affine_maps_that_they_are(defect):
         poses[:, :3, :3] += rng.uniform(-1, 1, (len(gaps), 3, 3)) * defect / 8
     assert_all_ways_agree(P, R, poses_p, poses_r)
     for pose_p, pose_r in zip(poses_p, poses_r, strict=True):
-        assert pc.intersects(P, R, pose_p, pose_r) == exact.intersects(P.vertices, R.vertices, pose_p, pose_r)
+        assert pc.intersects(P, R, pose_p, pose_r) == exact_verdicts.intersects(P.vertices, R.vertices, pose_p, pose_r)
 
 
 @pytest.mark.parametrize("name", ["cone", "prism", "doubling", "round"])
@@ -155,7 +155,7 @@ def test_bodies_within_their_inflation_radii(first, second):
     poses[:4, :3, 3] = [[0.5, 0, 0], [np.nextafter(0.5, 1), 0, 0], [0, 0, 0], [0, np.nextafter(0.5, 0), 0]]
     fixed = np.eye(4)[None]
     truth = [
-        exact.intersects(P.vertices, R.vertices, pose, fixed[0], P.inflation_radius, R.inflation_radius)
+        exact_verdicts.intersects(P.vertices, R.vertices, pose, fixed[0], P.inflation_radius, R.inflation_radius)
         for pose in poses
     ]
     for centre_axis in (True, False):

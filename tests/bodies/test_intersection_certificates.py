@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from fractions import Fraction
 
+import exact_verdicts
 import numpy as np
 import pytest
 from pair_ways import CENTRE_AXIS, NEAR, PAIRS, UNIT, moved
@@ -74,7 +75,7 @@ def test_a_plane_found_by_balls_is_no_wider_than_the_host():
     directions = contacts.unit(np.random.default_rng(35).normal(size=(60, 3)))
     poses = contacts.identities(120)
     poses[0::2, :3, 3], poses[1::2, :3, 3] = 3 * directions, 0.7 * directions
-    truth = [exact.intersects(P.vertices, R.vertices, pose, np.eye(4)) for pose in poses]
+    truth = [exact_verdicts.intersects(P.vertices, R.vertices, pose, np.eye(4)) for pose in poses]
     assert sum(truth) > 30
     for a, b in ((P, R), (R, P)):
         turned = poses if a is P else np.linalg.inv(poses)
@@ -97,7 +98,7 @@ def test_certificates_prove_their_verdicts(first, second, n, method):
     (p, P), (r, R) = solid_of(first, n, 11), solid_of(second, n, 12)
     for pose_p, pose_r in zip(*contacts.contact_poses(p, r, np.array(NEAR), np.random.default_rng(n)), strict=True):
         certificate = pc.certify(P, R, pose_p, pose_r, method)
-        truth = exact.intersects(P.vertices, R.vertices, pose_p, pose_r)
+        truth = exact_verdicts.intersects(P.vertices, R.vertices, pose_p, pose_r)
         assert isinstance(certificate, pc.SharedPoint) == truth
         if truth:
             assert_shared(certificate.point, P, R, pose_p, pose_r)
@@ -121,7 +122,7 @@ def assert_shared(point, P, R, pose_p, pose_r):
     for body, pose in ((P, pose_p), (R, pose_r)):
         size = np.abs(body.vertices).max() + np.abs(pose[:3, 3]).max()
         ball = 1e-14 * size * (UNIT * 2 - 1)
-        assert exact.intersects(point + ball, body.vertices, None, pose)
+        assert exact_verdicts.intersects(point + ball, body.vertices, None, pose)
 
 
 def test_a_separations_normal_points_from_second_to_first():

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import itertools
 
+import exact_verdicts
 import numpy as np
 import pytest
 from pair_ways import DOUBLE_DOUBLE, EXACT, NEAREST_POINTS, SOLVER, UNIT, moved
 from solids import dyadic_poses, solid_of
 
 import plannercheck as pc
-from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.tuning import METHODS, pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress import contact_poses as contacts
@@ -76,7 +76,7 @@ def test_nearest_points_change_no_verdict(P, R):
     assert (stages[False] == EXACT).any()
     assert (verdicts[True] == verdicts[False]).all()
     truth = [
-        exact.intersects(
+        exact_verdicts.intersects(
             P.vertices, R.vertices, p, still[0], inflation_p=P.inflation_radius, inflation_r=R.inflation_radius
         )
         for p in poses
@@ -92,7 +92,7 @@ BEHIND = list(itertools.product((True, False), repeat=3))
 def assert_stages_behind_the_filter_agree(P, R, poses_p, poses_r):
     """All switches against the oracle, in both orders; returns the stages by (double_double, warm_start)."""
     truth = [
-        exact.intersects(P.vertices, R.vertices, p, r, P.inflation_radius, R.inflation_radius)
+        exact_verdicts.intersects(P.vertices, R.vertices, p, r, P.inflation_radius, R.inflation_radius)
         for p, r in zip(poses_p, poses_r, strict=True)
     ]
     stages = {}

@@ -6,11 +6,11 @@ import pickle
 from collections.abc import Iterator
 from typing import Any
 
+import exact_verdicts
 import numpy as np
 import pytest
 
 import plannercheck as pc
-from plannercheck.bodies import exact_reference
 from plannercheck.bodies.part_certificates import PartSeparation
 from plannercheck.bodies.part_sets import PartSet
 
@@ -95,7 +95,7 @@ def other_body(rng: np.random.Generator, size: float) -> pc.Polytope:
 
 def exactly(body: pc.Polytope, at: Any, parts: list[Part], set_at: Any) -> bool:
     return any(
-        exact_reference.intersects(body.vertices, corners, at, set_at, body.inflation_radius, radius)
+        exact_verdicts.intersects(body.vertices, corners, at, set_at, body.inflation_radius, radius)
         for corners, radius in parts
     )
 
@@ -182,7 +182,7 @@ def test_parts_just_apart_from_what_is_inside_are_apart(kind: str, case: str) ->
         corners, radius = box_corners(low, low + 1), 0.0
     for gap, shared in ((-1e-9, True), (1e-9, False)):
         set_at = at_x(-(place + gap) - near if left else place + gap - near, stretch)
-        assert exact_reference.intersects(body.vertices, corners, at, set_at, body.inflation_radius, radius) == shared
+        assert exact_verdicts.intersects(body.vertices, corners, at, set_at, body.inflation_radius, radius) == shared
         assert pc.intersects(body, shape, at, set_at) == shared
 
 
@@ -227,7 +227,7 @@ def test_two_sets_meet_where_their_parts_do() -> None:
     for rng, size, first, parts in cases(13, 15):
         second, others = cloud(rng, 0.4 * size)
         at, set_at = pose(rng, size), pose(rng, 0.3 * size)
-        expected = any(exact_reference.intersects(p, q, at, set_at, r, s) for p, r in parts for q, s in others)
+        expected = any(exact_verdicts.intersects(p, q, at, set_at, r, s) for p, r in parts for q, s in others)
         met += expected
         assert pc.intersects(first, second, at, set_at) == expected
         assert pc.certify(first, second, at, set_at).verify()

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import exact_verdicts
 import numpy as np
 import pytest
 from random_poses import pose_at
 
 import plannercheck as pc
-from plannercheck.bodies import exact_reference as exact
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress.body_families import MESHES, THIN_FAMILIES, family, mesh_points
 from plannercheck.evaluation.stress.oracle import compiled_oracle
@@ -55,7 +55,7 @@ def truth(body, pose, frame, points, radii):
     for k, (point, radius) in enumerate(zip(points, radii, strict=True)):
         verdict = oracle.decide(hull, pose[None], oracle.Points(point[None], radius), frame[None], False)[0]
         if verdict == 2:
-            verdict = exact.intersects(body.vertices, point[None], pose, frame, body.inflation_radius, radius)
+            verdict = exact_verdicts.intersects(body.vertices, point[None], pose, frame, body.inflation_radius, radius)
         found[k] = verdict == 1
     return found
 

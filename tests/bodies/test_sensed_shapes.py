@@ -7,11 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import exact_verdicts
 import numpy as np
 import pytest
 
 import plannercheck as pc
-from plannercheck.bodies import exact_reference
 from plannercheck.bodies.part_sets import PartSet
 
 CORNERS = np.indices((2, 2, 2)).reshape(3, 8).T
@@ -251,7 +251,7 @@ def test_a_grid_an_octree_and_the_same_boxes_have_one_verdict() -> None:
                     at[:3, 3] += rng.choice([-1, 0, 1], size=3) * 2.0**-53
                 expected = any(pc.intersects(other, single, at) for single in singles)
                 exact = any(
-                    exact_reference.intersects(other.vertices, box, at, np.eye(4), other.inflation_radius, 0.0)
+                    exact_verdicts.intersects(other.vertices, box, at, np.eye(4), other.inflation_radius, 0.0)
                     for box in boxes
                 )
                 assert expected == exact
@@ -291,7 +291,7 @@ def test_a_height_field_has_the_verdicts_of_its_prisms_one_by_one() -> None:
                 other = pc.Polytope([[0, 0, 0], [0, 0, 2.0]])  # stands on the surface, or beside it
                 at[2, 3] += rng.choice([0, 2.0**-40, -0.01])
             exact = any(
-                exact_reference.intersects(other.vertices, prism, at, np.eye(4), other.inflation_radius, 0.0)
+                exact_verdicts.intersects(other.vertices, prism, at, np.eye(4), other.inflation_radius, 0.0)
                 for prism in prisms
             )
             assert pc.intersects(other, whole, at) == exact

@@ -7,13 +7,13 @@ import itertools
 import pickle
 from fractions import Fraction
 
+import exact_verdicts
 import numpy as np
 import pytest
 import trimesh
 from solid_meshes import angle
 
 import plannercheck as pc
-from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies import solid_certificates
 from plannercheck.bodies.hull_equality import is_hull
 from plannercheck.bodies.solid_certificates import winding_number
@@ -360,7 +360,7 @@ def brute_force(a, pose_a, b, pose_b):
     posed = [x @ pose[:3, :3].T + pose[:3, 3] for x, pose in ((p, pose_a), (r, pose_b))]  # whole numbers: exact
     boxes = [(x[k].min(axis=1), x[k].max(axis=1)) for x, k in zip(posed, (s, t), strict=True)]
     near = ((boxes[0][0][:, None] <= boxes[1][1]) & (boxes[1][0] <= boxes[0][1][:, None])).all(axis=2)
-    if any(exact.intersects(posed[0][s[i]], posed[1][t[j]]) for i, j in np.argwhere(near).tolist()):
+    if any(exact_verdicts.intersects(posed[0][s[i]], posed[1][t[j]]) for i, j in np.argwhere(near).tolist()):
         return True
     whole = [np.array([[int(8 * x) for x in row] for row in each.tolist()], dtype=object) for each in posed]
     return any(

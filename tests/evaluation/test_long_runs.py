@@ -29,7 +29,7 @@ def rows_of(tmp_path: Path, *arguments: str) -> list[dict[str, object]]:
 
 def test_damage_scenes_plans_and_threads(tmp_path: Path) -> None:
     parts = ("damage", "scenes", "plans", "threads")
-    counts = ("--damage", "10", "--scenes", "60", "--plans", "8", "--threads", "2")
+    counts = ("--damage", "10", "--scenes", "60", "--plans", "8", "--threads", "1")
     rows = {row["part"]: row for row in rows_of(tmp_path, *parts, *counts)}
     assert rows["damage"]["bodies"] == rows["damage"]["cache files"] == rows["damage"]["journals"] == 10
     assert rows["scenes"]["calls"] == 60

@@ -112,20 +112,20 @@ def triangles_meet(p, r, pose_p, pose_r, radii=(0.0, 0.0)):
 def test_triangles_meet_as_their_hulls_do(steps):
     """Two triangles on a small lattice: in one plane, sharing corners and edges, segments and points among them."""
     rng, verdicts = np.random.default_rng(steps), []
-    for _ in range(1500):
+    for _ in range(500):
         p, r = rng.integers(0, steps + 1, (2, 3, 3)).astype(float)
         pose_p, pose_r = (quarter_turn(rng) if rng.integers(2) else EYE for _ in range(2))
         found = reason(mesh(p, [[0, 1, 2]]), mesh(r, [[0, 1, 2]]), pose_p, pose_r)
         # A segment's edges cancel, but nothing is inside.
         assert found == (TRIANGLES if exact.intersects(p, r, pose_p, pose_r) else NONE)
         verdicts.append(found)
-    assert 100 < sum(verdicts) < 1400
+    assert 30 < sum(verdicts) < 470
 
 
 def test_triangles_of_one_line_or_plane_at_any_pose():
     """The same pose of both keeps contact exact; another turns it to any."""
     rng, verdicts = np.random.default_rng(5), []
-    for _ in range(600):
+    for _ in range(300):
         arms = rng.integers(-3, 4, (2, 3))
         p, r = (rng.integers(-2, 3, (2, 3, 2)) @ arms).astype(float)
         pose_p = any_pose(rng)
@@ -133,7 +133,7 @@ def test_triangles_of_one_line_or_plane_at_any_pose():
         found = reason(mesh(p, [[0, 1, 2]]), mesh(r, [[0, 1, 2]]), pose_p, pose_r)
         assert found == exact.intersects(p, r, pose_p, pose_r)
         verdicts.append(found)
-    assert 100 < sum(verdicts) < 500
+    assert 50 < sum(verdicts) < 250
 
 
 def test_a_triangle_or_segment_within_another_of_its_plane():
@@ -153,7 +153,7 @@ def test_a_triangle_or_segment_within_another_of_its_plane():
 
 def test_triangles_within_radii_as_their_hulls_are():
     rng, seen = np.random.default_rng(6), set()
-    for k in range(1500):
+    for k in range(500):
         p, r = rng.integers(0, 5, (2, 3, 3)).astype(float)
         pose_p = any_pose(rng) if k % 3 == 0 else quarter_turn(rng)
         radii = [float(x) for x in rng.choice([0.0, 0.5, 1.0, 2.0, 2.5], 2)]

@@ -141,7 +141,7 @@ def test_draws_can_be_made_again_and_are_of_all_families() -> None:
 
 def test_draws_share_points_in_half_of_the_cases_and_lie_inside_in_some() -> None:
     reasons: list[int] = []
-    for number in range(200):
+    for number in range(100):
         drawn = draw(np.random.default_rng([11, number]))
         reasons += decided(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r).tolist()
     shares = np.bincount(reasons, minlength=5) / len(reasons)

@@ -23,7 +23,7 @@ from plannercheck.evaluation.stress.random_cases import FAMILY_NAMES, GAPS, Draw
 from plannercheck.evaluation.stress.supervised_process import Supervised
 from plannercheck.evaluation.stress.tables import lines
 
-SAMPLE = 6000  # pairs, about 15 s
+SAMPLE = 6000  # pairs: fewer leave families out
 
 
 @pytest.fixture(scope="module")

@@ -29,7 +29,7 @@ from plannercheck.evaluation.stress_motions.tables import lines
 from plannercheck.evaluation.stress_motions.tangents import tangents_of
 from plannercheck.evaluation.stress_motions.trees import Wishes, random_states, random_tree
 
-SAMPLE = 2000  # motions, about 4 s
+SAMPLE = 1000  # motions
 
 
 @pytest.fixture(scope="module")

@@ -31,7 +31,7 @@ from plannercheck.evaluation.stress_parts.set_families import SETS, random_set
 from plannercheck.evaluation.stress_parts.tables import lines
 from plannercheck.evaluation.stress_parts.truth import decide
 
-SAMPLE = 4000  # pairs, about 4 s
+SAMPLE = 2000  # pairs
 
 
 @pytest.fixture(scope="module")

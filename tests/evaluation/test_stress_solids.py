@@ -24,7 +24,7 @@ from plannercheck.evaluation.stress_solids.solid_families import SOLID_FAMILIES
 from plannercheck.evaluation.stress_solids.surfaces import ball
 from plannercheck.evaluation.stress_solids.tables import lines
 
-SAMPLE = 3000  # pairs, about 5 s
+SAMPLE = 1500  # pairs
 CASES = sorted((Path(__file__).parent / "solid_cases").glob("*.json"))
 
 

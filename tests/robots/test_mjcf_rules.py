@@ -14,7 +14,7 @@ import plannercheck as pc
 from plannercheck.bodies import mjcf_files, mjcf_worker
 from plannercheck.checking.pair_table import pair_table
 
-STATES = 1000
+STATES = 200
 PROBES, RADIUS = 30, 0.05  # m
 PROBE = '<body name="probe"><freejoint/><geom name="probe" type="sphere" size="0.05" gap="0" quat="1 0 0 0"/></body>'
 
@@ -84,8 +84,9 @@ def test_shapes_are_those_that_mujoco_tests(rule, tmp_path):
     links = robot.link_poses(oracle.as_q(model, model.qpos0))
     posed = [(body, links[robot.link_index(body.link)] @ body.pose) for body in robot.bodies if body.name != "probe"]
     touched = 0
+    probes = [pc.Polytope(pc.Sphere(RADIUS * factor)) for factor in (0.97, 1.03)]
     for body, pose in [*posed, *((body, body.pose) for body in scene.bodies)]:
-        geom = names.index(body.name)
+        geom, prepared = names.index(body.name), pc.Polytope(body.shape)
         is_field = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_HFIELD
         spread = model.hfield_size[model.geom_dataid[geom], :3] if is_field else model.geom_rbound[geom] or 1.0
         for _ in range(PROBES * (10 if is_field else 1)):
@@ -96,12 +97,7 @@ def test_shapes_are_those_that_mujoco_tests(rule, tmp_path):
             theirs = frozenset((geom, model.ngeom - 1)) in pairs
             at = np.eye(4)
             at[:3, 3] = place
-            inner, outer = (touches(body, pose, RADIUS * factor, at) for factor in (0.97, 1.03))
+            inner, outer = (pc.intersects(prepared, probe, pose, at) for probe in probes)
             assert inner <= theirs <= outer, (body.name, place)
             touched += theirs
     assert touched
-
-
-def touches(body, pose, radius, at):
-    """Whether a ball touches a body."""
-    return pc.intersects(body.shape, pc.Sphere(radius), pose, at)

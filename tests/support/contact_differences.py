@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import exact_verdicts
 import numpy as np
 from solids import centroid
 
@@ -17,13 +18,13 @@ def differ_from_contact(p: Solid, r: Solid, pose_p: Points, pose_r: Points, gap:
     the width, so each moves by a fair part of the gap; for a long body that part is small, therefore the overlap
     along the facets' normals has to exceed the gap as well.
     """
-    if not exact.intersects(p.vertices, r.vertices, pose_p, pose_r):
+    if not exact_verdicts.intersects(p.vertices, r.vertices, pose_p, pose_r):
         return exact.distance(p.vertices, r.vertices, pose_p, pose_r) > gap
     arms = p.vertices - centroid(p)
     part = min(1.0, gap / np.linalg.norm(arms, axis=1).max())
     if overlap_along_facets(p, r, pose_p, pose_r) <= gap:
         return False
-    return exact.intersects(p.vertices - part * arms, r.vertices, pose_p, pose_r)
+    return exact_verdicts.intersects(p.vertices - part * arms, r.vertices, pose_p, pose_r)
 
 
 def overlap_along_facets(p: Solid, r: Solid, pose_p: Points, pose_r: Points) -> float:

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import itertools
 
+import exact_verdicts
 import numpy as np
 
-from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.tuning import METHODS, pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress.body_families import MESHES
@@ -26,7 +26,10 @@ UNIT = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 def assert_all_ways_agree(first, second, poses_p, poses_r):
     """All methods and switches, in both orders, against the oracle; returns the verdicts."""
     truth = np.array(
-        [exact.intersects(first.vertices, second.vertices, p, r) for p, r in zip(poses_p, poses_r, strict=True)]
+        [
+            exact_verdicts.intersects(first.vertices, second.vertices, p, r)
+            for p, r in zip(poses_p, poses_r, strict=True)
+        ]
     )
     poses_p, poses_r = np.ascontiguousarray(poses_p), np.ascontiguousarray(poses_r)
     for way in WAYS:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import exact_verdicts
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 import plannercheck as pc
-from plannercheck.bodies import exact_reference as exact
 from plannercheck.evaluation.stress import body_families as families
 from plannercheck.validation.fcl_agreement import compare_with_fcl
 
@@ -51,7 +51,7 @@ class SlidingBodies:
         return np.array(verdicts)
 
     def _verdicts(self, poses: NDArray[np.float64]) -> list[bool]:
-        return [exact.intersects(self._vertices, self._vertices, poses[p], poses[r]) for p, r in self.pairs]
+        return [exact_verdicts.intersects(self._vertices, self._vertices, poses[p], poses[r]) for p, r in self.pairs]
 
     def check_states(self, q: NDArray[np.float64]) -> NDArray[np.bool_]:
         return ~self.colliding_pairs(q).any(axis=1) ^ self._invert_states

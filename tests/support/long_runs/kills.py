@@ -26,6 +26,7 @@ OUTPUTS = ("npz", "csv", "parquet")
 INPUTS = ("npy", "npz", "csv", "parquet", "h5")
 OPTIONS: tuple[tuple[str, ...], ...] = ((), ("--only-invalid",), ("--explain",))
 ROWS = {(): 800_000, ("--only-invalid",): 800_000, ("--explain",): 28_000}  # a dozen chunks each
+_LATE = 0.8  # The part of the kills that wait for the journal: most time goes by before it is begun.
 KILLED_BY = (signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 _COMMAND = [*PYTHON, "-m", "plannercheck", "validate", "--robot", "panda", "--scene", "bookshelf"]
 
@@ -93,8 +94,11 @@ def _one(command: list[object], place: Path, usual: float, rng: np.random.Genera
         process = subprocess.Popen(
             [*map(str, command), "--resume"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=ENVIRONMENT
         )
+        if done < most and rng.random() < _LATE:
+            while process.poll() is None and not journal.exists():
+                time.sleep(0.002)
         try:
-            process.wait(None if done >= most else rng.uniform(0.2, 1.0) * usual * patience)
+            process.wait(None if done >= most else 0.5 * rng.uniform() ** 3 * usual * patience)
         except subprocess.TimeoutExpired:
             chosen = KILLED_BY[int(rng.integers(len(KILLED_BY)))]
             size = journal.stat().st_size if journal.exists() else 0
