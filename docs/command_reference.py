@@ -1,7 +1,7 @@
 """Writes docs/reference/commands.md from the parsers of the command line: `python docs/command_reference.py`.
 
 In: `plannercheck.cli.main`. Out: a page with every command and subcommand: what it does, its arguments, its own
-options, and the notes below them without the examples. Options that several commands share stand once, at the head. The
+options, and its exit codes. Options that several commands share stand once, at the head. The
 page is made whenever the documentation is built, so it can't fall behind.
 """
 
@@ -23,9 +23,8 @@ _SHARED = 3  # commands that have an option word for word: then it stands at the
 _HEAD = """\
 # Command reference
 
-Made from the parsers; `plannercheck COMMAND --help` prints the same, with examples. Subcommands stand here by name;
-`plannercheck bench NAME --help` has their options. [Command line](command_line.md) has an overview, exit codes and
-environment variables.
+Made from the parsers; `plannercheck COMMAND --help` prints the same, with notes and examples. Subcommands stand here by
+name; `plannercheck bench NAME --help` has their options. [Command line](command_line.md) has an overview.
 
 ## Options of several commands
 """
@@ -56,14 +55,14 @@ def parsers() -> Iterator[argparse.ArgumentParser]:
 
 
 def _section(parser: argparse.ArgumentParser, shared: dict[_Key, int], common: list[argparse.Action]) -> str:
-    """One command: its own options in full, the names of the shared ones, its notes."""
+    """One command: its own options in full, the names of the shared ones, its exit codes."""
     own = [action for action in _arguments(parser) if _key(action) not in shared]
     also = [shared[_key(action)] for action in _arguments(parser) if _key(action) in shared]
     parts = [f"## {parser.prog}\n", f"{parser.description}\n"]
     parts += [_listed(parser, own)] if own else []
     parts += [f"Also {', '.join(_runs(also, common))}.\n"] if also else []
-    notes = ((_arguments(parser) and parser.epilog) or "").partition("Example")[0].strip()
-    parts += [f"```text\n{notes}\n```\n"] if notes else []
+    notes = (parser.epilog or "").split("\n\n") if _arguments(parser) else []
+    parts += [f"{' '.join(note.split())}\n" for note in notes if note.strip().startswith("Exit codes")]
     return "\n".join(parts)
 
 

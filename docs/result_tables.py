@@ -29,8 +29,9 @@ def summary() -> str:
 
 
 def overview() -> str:
-    """The same with more rows."""
-    return table(("", "AVX2 (AMD)", "AVX-512 (Intel)"), [(*line[:2], line[2] or "–") for line in _lines()])
+    """The same with more rows; the tables of each subject say where the first column is from."""
+    lines = [(*line[:2], line[2] or "–") for line in _lines()]
+    return table(("", "AVX2 (AMD)", "AVX-512 (Intel)"), lines) + "\n" + provenance(record("avx512"))
 
 
 def _lines() -> list[tuple[str, str, str]]:

@@ -13,8 +13,7 @@ from result_tables import AT_BEST, ONE_BY_ONE, OURS, TREE
 
 Row = dict[str, Any]
 
-_ROBOTS = ("states_solid_ur3", "states_solid_ur5", "states_solid_ur10", "states_solid_pr2")
-_ROBOTS += ("states_solid_baxter", "states_solid_talos", "states_solid_xarm7", "states_solid_panda")
+_ROBOTS = ("states_solid_ur5", "states_solid_ur10", "states_solid_pr2", "states_solid_baxter", "states_solid_talos")
 HULLS = "plannercheck, hulls"
 
 

@@ -62,7 +62,7 @@ def _lie_in_boundary(triangles: Ints, facets: Ints, signs: _Signs) -> bool:
     at_vertex = (order // 3).astype(np.int64)  # facets, by their corners
     degree = np.bincount(facets.ravel(), minlength=signs.count)
     first = np.cumsum(degree) - degree
-    # Of the corners, the vertex of the hull with the fewest facets.
+    # The corner that is in the fewest facets of the hull.
     degrees = np.where(degree[triangles] > 0, degree[triangles], len(facets) + 1)
     chosen = triangles[np.arange(len(triangles)), degrees.argmin(axis=1)]
     has_vertex = degree[chosen] > 0

@@ -66,7 +66,7 @@ def _checked(path: Path) -> tuple[bytes, str, list[PlyElement], int]:
 def _words(
     content: bytes, body: int, order: str, elements: list[PlyElement]
 ) -> Iterator[tuple[str, NDArray[np.float64]]]:
-    """Of a text, the indices of vertices in each element; raises for rows that are not whole."""
+    """The indices of vertices in each element of a text; raises for incomplete rows."""
     lines = [line for line in content[body:].decode("latin-1").splitlines() if line.strip()]
     at = 0
     for element in elements:

@@ -108,7 +108,7 @@ def _have_hulls(*bodies: Polytope) -> bool:
 
 
 def _in_a_block(part: Floats) -> Floats:
-    """In which part of the blocks of states something is that is in a part of the states."""
+    """The part of the blocks of states in which an event of a part of the states occurs."""
     return np.asarray(1 - (1 - part) ** _BLOCK)
 
 

@@ -120,7 +120,7 @@ class MeetingProofs:
         return (apart if self._is_compiled else np.zeros_like(apart)), static
 
     def _of_own(self, pairs: Ints) -> tuple[Bools, Bools]:
-        """Of pairs (k, 2) of bodies on links."""
+        """Which pairs (k, 2) of bodies on links are proved apart, and which are static."""
         assert self._reach is not None
         apart, static = self._reach.own_pairs(pairs)
         near = np.flatnonzero(static & ~apart)
@@ -149,7 +149,7 @@ class MeetingProofs:
         return np.asarray(self._robot.sampled_link_poses[:, links] @ np.array([body.pose for body in own]))
 
     def _of_obstacles(self, pairs: Ints, static: Bools) -> Bools:
-        """Of pairs (k, 2) of a body on a link and an obstacle."""
+        """Which pairs (k, 2) of a body on a link and an obstacle are proved apart."""
         rows, columns = pairs[:, 0], pairs[:, 1] - self._own
         near = np.flatnonzero(static & (self._facts[rows, columns] == _MAY_MEET))
         if len(near):

@@ -65,14 +65,14 @@ class _PreparedShape:
         return self._box
 
 
-# Of these, some are kept beyond their scene, unless they may be large.
+# Some prepared bodies of these kinds outlive their scene, unless they may be large.
 _CURVED = (Sphere, Cylinder, Cone, Capsule)
 _USUAL_EXCESS = 1e-5
 
-# Of a shape, so many last used with different excesses or paddings are kept.
+# So many bodies of a shape, last used with different excesses or paddings, are cached.
 _MOST_SETTINGS = 4
 
-# Of a scene of more bodies than these, boxes are not looked up among those of other scenes: making them is as fast.
+# In a scene of more bodies, boxes are not looked up among those of other scenes: making them is as fast.
 _MOST_LOOKED_UP = 1000
 
 # By shape, for each excess and padding, most often one. Shapes that compare equal are the same shape.
@@ -135,7 +135,7 @@ class Preparation:
         return self._entries[body].hull(self._bodies[body].shape)
 
     def hulls(self, count: int) -> list[InflatedHull]:
-        """Those of the first bodies."""
+        """The hulls of the first bodies."""
         return [self.hull(body) for body in range(count)]
 
     def boxes(self, bodies: Sequence[int]) -> Boxes:

@@ -109,7 +109,7 @@ class RobotReach:
         return 0 if self._carrier is None else self._carrier._chains.count
 
     def shared_with(self, other: RobotReach | None) -> int:
-        """Of how many bodies, the first ones, both say the same: of robots that may carry different objects."""
+        """For how many of the first bodies both agree; the robots may carry different objects."""
         mine, others = (self, self._carrier), () if other is None else (other, other._carrier)
         return next((one._chains.count for one in mine if one is not None and one in others), 0)
 

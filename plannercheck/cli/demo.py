@@ -27,7 +27,7 @@ How to go on:
 """
 
 
-# Of the moving camera.
+# Frames of the moving camera, and points of each frame.
 _FRAMES, _POINTS = 90, 100_000
 
 

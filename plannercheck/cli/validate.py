@@ -170,7 +170,7 @@ def _outcome(options: argparse.Namespace, checker: AnyChecker, judge: Judge, jou
 
 
 def _warn_of_units(chunk: Chunk, findings: Findings) -> None:
-    """Of a set that begins with configurations most of which are beyond the limits."""
+    """Warns if a set begins with configurations most of which are beyond the limits."""
     if chunk.first_row == 0 and 2 * findings.report.beyond_limits > findings.report.states:
         warnings.warn(
             "most configurations are beyond the limits: are they in degrees (--degrees), or in another order "

@@ -52,10 +52,10 @@ Examples:
   plannercheck view --robot talos --meshes --only-invalid samples.npy --html talos.html
 """
 
-# Frames of a set that are shown unless told otherwise.
+# Frames of a set that are shown by default.
 _DEFAULT_STATES = 50
 
-# Of TCP.
+# The last port of TCP.
 _LAST_PORT = 65535
 
 

@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-# Of how much of a file its kind is told.
+# The bytes at the start of a file that decide its kind.
 _START = 1 << 16
 
 # How files begin.

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
-# Of a proof's model, a robot, a scene (None for the empty one), what meshes of the scene are, what those of the robot
-# are, and how mesh files are read (None for what the files say); raises at the first difference. It returns sentences:
-# what was compared with which file.
+# Takes a proof's model, a robot, a scene (None for the empty one), the kinds of the scene's and of the robot's meshes,
+# and how mesh files are read (None for what the files say); raises at the first difference. Returns sentences: what was
+# compared with which file.
 Comparison: TypeAlias = Callable[[Any, Any, str | None, Any, Any, Any], tuple[str, ...]]
 
-# Of a path file, the names of its joints, and how many numbers a configuration has; see `validation.formats.paths`.
+# Takes a path file, the names of its joints, and the length of a configuration; see `validation.formats.paths`.
 PathReader: TypeAlias = Callable[[Any, Sequence[str], int], Any]
 
 _comparisons: dict[str, Comparison] = {}

@@ -53,7 +53,7 @@ class Silence:
 
 @lru_cache(maxsize=1)
 def urdf_silence() -> Silence:
-    """That of urdfdom, which writes through console_bridge; where it can't be found, what it writes is seen."""
+    """Silences urdfdom, which writes through console_bridge; if it can't be found, its output stays visible."""
     try:
         bridge = ctypes.CDLL(_bridge_path())
         return Silence(getattr(bridge, _BRIDGE_GET), getattr(bridge, _BRIDGE_SET), _BRIDGE_NONE)

@@ -43,7 +43,7 @@ from plannercheck.motions.certifier_pairs import ChainedPairs
 from plannercheck.motions.rounding_bounds import RoundingBounds
 from plannercheck.robots.robot import Robot
 
-# Of one motion between rows; None for those that need more care.
+# Judges one motion between two rows; None if the motion needs more care.
 JudgeMotion = Callable[[Configuration, Configuration, float], bool | None]
 
 # A motion whose clearance falls below this may be refused, m: no robot follows a path that closely.

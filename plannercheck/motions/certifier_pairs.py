@@ -123,7 +123,7 @@ def _permanently_apart(robot: Robot, pairs: Ints, polytopes: Mapping[int, Polyto
 
 
 def _separations(robot: Robot, pairs: list[list[int]], polytopes: Mapping[int, Polytope], poses: Floats) -> list[bool]:
-    """Of the robot's own pairs, all at once."""
+    """Which of the robot's own pairs are apart, all at once."""
     sides = [k for pair in pairs for k in pair]
     key = "own pairs permanently apart", tuple(polytopes[k] for k in sides), poses[sides].tobytes()
     return robot.remembered(key, lambda: [_are_separate(a, b, polytopes, poses) for a, b in pairs])

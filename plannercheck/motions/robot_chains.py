@@ -22,7 +22,7 @@ from plannercheck.motions.joint_chains import ChainBuilder, ChainJoint, PairPart
 from plannercheck.motions.joint_drives import Spread, defect, drives, spread
 from plannercheck.robots.robot import Robot
 
-# Of so many choices of pairs, each of at most so many, the arrays are kept: a moved obstacle has the pairs that it had.
+# Arrays are cached for so many choices of pairs of at most so many pairs each: a moved obstacle keeps its pairs.
 _MOST_CHOICES, _MOST_PAIRS_KEPT = 8, 4096
 
 

@@ -25,7 +25,7 @@ from plannercheck.ndim.posed import ExactRows
 from plannercheck.ndim.poses import LARGEST, identity
 from plannercheck.ndim.rounding import UNDERFLOW, UNIT
 
-# Of the reach: a smaller Chebyshev radius does not give qhull or a polar anything to work with.
+# As a part of the body's extent: a smaller Chebyshev radius leaves qhull and polars no room.
 _INSIDE = 1e-9
 
 

@@ -24,7 +24,7 @@ from plannercheck.ompl.start_and_goal import check_end_state
 # One configuration, several of them, or a function that yields them.
 Goal: TypeAlias = Configuration | ArrayLike | Callable[[], Iterable[Configuration]]
 
-# Of a function, so many goals are taken, or as many as it yields in this part of the time limit, but at least one if
+# A function gives so many goals, or as many as it yields in this part of the time limit, but at least one if
 # there is one: a planner that connects trees needs few goals, and has to have the time to reach one.
 _MOST_DRAWN, _TIME_TO_DRAW = 16, 0.1
 

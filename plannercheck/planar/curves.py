@@ -202,7 +202,7 @@ class _Cells:
         self._radius, self._lever, self._length, self._rounding = radius, lever, length, rounding
 
     def length(self, a: _Place, b: _Place) -> float:
-        """Of the curve between two states, in turning radii."""
+        """The length of the curve between two states, in turning radii."""
         return (b.t - a.t) * self._length
 
     def _way(self, a: _Place, b: _Place, heading: float) -> tuple[float, float]:

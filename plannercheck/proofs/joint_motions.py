@@ -97,7 +97,7 @@ def _cross(a: Sequence[Any]) -> list[Any]:
 
 
 def _parts(axis: Sequence[float]) -> tuple[Any, Any, Any]:
-    """Of c (I - a a^T) + s [a] + a a^T, as a map: the factors of c and s, and what is constant."""
+    """The map c (I - a a^T) + s [a] + a a^T: the factors of c and s, and the constant part."""
     a = [arb(part) for part in axis]
     outer, one = linear(_outer(a)), linear([arb(int(k % 4 == 0)) for k in range(9)])
     last = arb_mat(4, 4, [0] * 15 + [1])

@@ -43,7 +43,7 @@ class Span(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Of a link: turned by `turn`, of length 1, its origin at `origin`, m."""
+    """The pose of a link: turned by `turn`, of length 1, its origin at `origin`, m."""
 
     turn: Any
     origin: Any
@@ -77,7 +77,7 @@ class Paths:
         self._known: dict[tuple[int, float], list[Place]] = {}
 
     def _root_pieces(self, motion: PlanarMotion) -> list[Root]:
-        """Of curves the last one is the end, at which the root stands."""
+        """The root's pieces; the last one of a curve is its end, at which the root stands."""
         if self._links[0].joint != "free":
             nothing = acb(0)
             return [Root(arb(0), arb(1), nothing, nothing, arb(0), arb(0), nothing, 0.0)]
@@ -101,11 +101,11 @@ class Paths:
         return spans
 
     def slip(self, span: Span) -> float:
-        """Of the span's piece, m."""
+        """The slip of the span's piece, m."""
         return self._roots[span.piece].slip
 
     def places(self, piece: int, t: float) -> list[Place]:
-        """Of all links at a parameter that is on a piece."""
+        """The places of all links at a parameter that is on a piece."""
         if (piece, t) not in self._known:
             if len(self._known) >= _MOST_KNOWN:
                 self._known.clear()
@@ -176,7 +176,7 @@ class Paths:
         return total / 8 * _UP**8
 
     def _share(self, span: Span) -> Any:
-        """Of the piece that the span is."""
+        """The span's share of its piece."""
         root = self._roots[span.piece]
         return (arb(span.end) - span.start) / root.length if root.length != 0 else arb(0)
 

@@ -95,7 +95,7 @@ def _shapes_by_link(file: UrdfFile, kind: ElementKind) -> dict[str, deque[Geomet
 def _placements(
     model: pin.Model, file: UrdfFile, kind: ElementKind
 ) -> Iterator[tuple[str, NDArray[np.float64], str, int]]:
-    """Of each element: Pinocchio's name for it, its pose (4, 4) on its link, the link, and the joint that moves it."""
+    """For each element: Pinocchio's name, its pose (4, 4) on its link, the link, and the joint that moves it."""
     pinocchio_kind = pin.COLLISION if kind == "collision" else pin.VISUAL
     with urdf_silence()():
         geometry = pin.buildGeomFromUrdfString(model, file.text_with(kind), pinocchio_kind)

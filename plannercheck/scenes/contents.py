@@ -86,7 +86,7 @@ class AllowedCollisions:
         return allowed
 
 
-# In place of False and True for a name that has no default.
+# Stands for a name without a default, beside False and True.
 _UNSAID = 2
 
 

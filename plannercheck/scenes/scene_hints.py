@@ -22,7 +22,7 @@ def scale_hint(scene: SceneContents) -> str:
     if any(
         isinstance(part.shape, Box) and min(part.shape.size) < _THIN for item in scene.objects for part in item.parts
     ):
-        return ""  # told without hulls
+        return ""  # decided without hulls
     extents: dict[str, list[NDArray[np.float64]]] = {}
     for item in scene.objects:
         for part in item.parts:

@@ -233,7 +233,7 @@ def _check_is_journal(path: Path, file: BinaryIO) -> None:
 
 
 def row_checksum(chunk: Chunk) -> int:
-    """Of the numbers of a chunk."""
+    """The checksum of a chunk's numbers."""
     return zlib.crc32(chunk.rows.data) if chunk.rows.size else 0
 
 

@@ -182,7 +182,7 @@ def _csv_header(results: Results) -> list[str]:
 
 
 def _dimension(results: Results) -> int:
-    """Of space or the plane, as the certificates say."""
+    """The dimension, 3 or 2, by the certificates."""
     points = results.sample().get("point")
     return len(_AXES) if points is None else int(points.shape[1])
 

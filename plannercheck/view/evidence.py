@@ -64,7 +64,7 @@ class Evidence:
         return [plane for plane in found if plane is not None]
 
     def _nearest(self, count: int, poses: Floats, rows: NDArray[np.int64]) -> list[int]:
-        """Those of some rows of pairs that are nearest, nearest first."""
+        """The nearest of some rows of pairs, nearest first."""
         bounds = self._lower_bounds(poses, rows)
         best: list[tuple[float, int]] = []
         for place in np.argsort(bounds).tolist():
@@ -99,7 +99,7 @@ class Evidence:
         )
 
     def _separation(self, k: int, poses: Floats, near: Distance) -> Separation | None:
-        """Of the nearest points' direction, which keeps the most room; else the one that the verdict comes with."""
+        """The plane across the nearest points, which has the largest gap; else the verdict's plane."""
         first, second, pose_p, pose_r = self._posed(k, poses)
         bodies = certified_body(first, pose_p), certified_body(second, pose_r)
         way = near.point_p - near.point_r

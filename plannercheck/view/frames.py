@@ -15,7 +15,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath, check_path
 from plannercheck.motions.checker import Checker
 
-# Of an animation: four seconds.
+# Frames of an animation of four seconds.
 DEFAULT_FRAMES = 120
 
 

@@ -29,7 +29,7 @@ COLLIDING = (0.84, 0.12, 0.10)
 PLANE = (0.16, 0.45, 0.80)
 OBSTACLE_OPACITY = 0.45
 FLOOR_OPACITY = 0.6
-# Of hulls around the meshes as delivered, which show through.
+# Opacity of hulls around meshes, so that the meshes show through.
 VEIL_OPACITY = 0.35
 
 

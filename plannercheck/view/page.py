@@ -38,7 +38,7 @@ class Picture(Drawing):
 
     def _repr_html_(self) -> str:
         page = html.escape(page_of(self))
-        # In a frame that may run its own script, and reach nothing of the notebook.
+        # The frame may run its own script, and has no access to the notebook.
         return (
             f'<iframe sandbox="allow-scripts" style="width:100%;height:{_HEIGHT}px;border:0" srcdoc="{page}"></iframe>'
         )
@@ -55,7 +55,7 @@ def page_of(picture: Drawing) -> str:
     script = "".join(each.read_text(encoding="utf-8") for each in _SCRIPTS)
     parts = {_TITLE: html.escape(picture.title), _DATA: json_in_script(data_of(picture)), _PARTS: script}
     template = _TEMPLATE.read_text(encoding="utf-8")
-    # In one pass: what is put in is not looked through again.
+    # One pass, so that inserted texts are not searched again.
     return re.sub("|".join(map(re.escape, parts)), lambda match: parts[match[0]], template)
 
 

@@ -36,7 +36,7 @@ _DRAWN_EXCESS = 5e-3
 _MOST_ALONG = 320
 
 
-# Of half-spaces, a square of twice this edge is drawn, m.
+# A half-space is drawn as a square of twice this edge, m.
 _HALF_PLATE = 2.0
 
 

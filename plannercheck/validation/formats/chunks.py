@@ -138,7 +138,7 @@ class _State(NamedTuple):
 
 
 def _state(path: Path) -> _State | None:
-    """Of a file; None of standard input, and of a file that is gone."""
+    """The status of a file; None for standard input, and for a file that is gone."""
     if path == STANDARD_INPUT:
         return None
     try:
