@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 
-from result_markdown import number, provenance, record, table, times
+from result_markdown import number, provenance, ratio, record, table, times
 
 
 def motions_cost() -> str:
@@ -187,7 +187,7 @@ def clearance() -> str:
 def switches() -> str:
     """What each way of skipping work brings."""
     found = record("switches")
-    lines = [(row["states"], row["off"], number(row["microseconds"]), f"{row['ratio']:.2f}") for row in found["rows"]]
+    lines = [(row["states"], row["off"], number(row["microseconds"]), ratio(row)) for row in found["rows"]]
     return table(("states", "off", "µs a state", "×"), lines) + "\n" + provenance(found)
 
 

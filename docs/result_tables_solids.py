@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from result_markdown import beside, items, number, provenance, record, source, table, times
+from result_markdown import beside, items, number, provenance, ratio, record, source, table, times
 from result_tables import ALL_PAIRS, AT_BEST, ONE_BY_ONE, OURS, TREE
 
 Row = dict[str, Any]
@@ -130,7 +130,7 @@ def solid_costs() -> str:
             f"{row['robot']} ({row['dented']} dented, {row['concave']} concave)",
             row["work"],
             *(number(row[field]) for field in ("of_hulls", "of_solids")),
-            f"{row['ratio']:.3f}",
+            ratio(row, 3),
         )
         for row in found["rows"]
     ]
