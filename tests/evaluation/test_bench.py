@@ -156,7 +156,14 @@ def test_the_null_control_is_the_first_contender_again():
 
 @pytest.mark.parametrize(
     ("value", "noise", "told"),
-    [(1.0, 1.0, "1"), (0.99, 1.02, "1"), (1.03, 1.02, "1.03"), (0.5, 1.02, "0.50"), (None, 2.0, "-")],
+    [
+        (1.0, 1.0, "1"),
+        (0.99, 1.02, "1"),
+        (1.01, 1.02, "1"),
+        (1.03, 1.02, "1.03"),
+        (0.5, 1.02, "0.50"),
+        (None, 2.0, "-"),
+    ],
 )
 def test_no_ratio_is_told_that_is_noise(value, noise, told):
     assert ratio(value, noise) == told
