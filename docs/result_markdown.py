@@ -76,6 +76,12 @@ def times(value: float, ours: float) -> str:
     return f"{number(value)} ({number(value / ours)} ×)"
 
 
+def ratio(row: Record, digits: int = 2) -> str:
+    """A row's ratio; 1 where the same code that ran twice differed by as much."""
+    noise = row.get("noise", 1.0)
+    return "1" if 1 / noise < row["ratio"] < noise else f"{row['ratio']:.{digits}f}"
+
+
 def beside(value: float, ours: float) -> str:
     """A peer's time, and how many times ours it is; bold where the peer is faster."""
     return f"**{times(value, ours)}**" if value < ours else times(value, ours)

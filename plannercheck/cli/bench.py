@@ -1,6 +1,6 @@
 """`plannercheck bench`: run time against error, beside other methods and libraries.
 
-In: a subcommand and its options. Out: a table on the terminal and, with --output, CSV, JSON and plots in a folder.
+In: a subcommand and its options. Out: a table on the terminal and, with --output, JSON and plots in a folder.
 """
 
 from __future__ import annotations
@@ -19,10 +19,11 @@ from plannercheck.cli.bench_options import (
     keep,
     note,
     positive,
+    ratio_of,
+    show,
     show_how,
     sizes,
 )
-from plannercheck.cli.common import table, table_of
 from plannercheck.cli.robot_options import robot_of
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench import ablation, complexity, pairs, plots, states
@@ -70,7 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             sub.add_argument(
                 "--rounds", type=positive, default=rounds, help=f"turns of each contender (default: {rounds})"
             )
-        sub.add_argument("--output", type=Path, metavar="FOLDER", help="write CSV, JSON and plots there")
+        sub.add_argument("--output", type=Path, metavar="FOLDER", help="write JSON and plots there")
         sub.set_defaults(measure=subcommand.run)
 
 
@@ -138,7 +139,7 @@ def _print_states(rows: Sequence[StateRow]) -> None:
     columns: dict[str, Callable[[StateRow], object]] = {
         "method": lambda row: row.method,
         "µs a state": lambda row: f"{row.microseconds:.2f}",
-        "x": lambda row: f"{row.ratio:.2f}",
+        "x": ratio_of,
         "false free %": lambda row: f"{100 * row.false_free:.3f}",
         "inside %": lambda row: "-" if row.false_free_inside is None else f"{100 * row.false_free_inside:.3f}",
         "false coll. %": lambda row: f"{100 * row.false_collision:.3f}",
@@ -149,7 +150,7 @@ def _print_states(rows: Sequence[StateRow]) -> None:
     }
     if first.false_free_inside is None:
         del columns["inside %"]
-    print(table_of(rows, columns))
+    show(rows, columns)
     if first.false_free_inside is not None:
         print("inside: false free since nothing but one body inside another collides; coal's meshes are surfaces")
     show_how(rows)
@@ -187,8 +188,17 @@ def _run_pairs(options: argparse.Namespace) -> None:
     if min(options.vertices) < 4:
         raise PlannercheckError("--vertices must be at least 4 each")
     rows = pairs.measure(options.vertices, options.pairs, options.rounds, note, options.ellipsoids)
-    header = ("vertices", "gap", "method", "µs a pair", "coal's time over it", "asked for", "wrong", "of")
-    print(table(header, [_pair_cells(row) for row in rows]))
+    columns: dict[str, Callable[[PairRow], object]] = {
+        "vertices": lambda row: row.vertices,
+        "gap": lambda row: f"{row.gap:+g}",
+        "method": lambda row: row.method,
+        "µs a pair": lambda row: f"{row.microseconds:.3f}",
+        "coal's time over it": lambda row: output.ratio(row.coal_ratio, row.noise),
+        "asked for": lambda row: "-" if row.asked is None else row.asked,
+        "wrong": lambda row: row.wrong,
+        "of": lambda row: row.pairs,
+    }
+    show(rows, columns)
     show_how(rows)
     for method in dict.fromkeys(row.method for row in rows):
         grown = pairs.growth(rows, method)
@@ -197,43 +207,57 @@ def _run_pairs(options: argparse.Namespace) -> None:
     keep(options.output, "pairs", rows, plots.time_against_vertices)
 
 
-def _pair_cells(row: PairRow) -> tuple[object, ...]:
-    ratio, asked = output.number(row.coal_ratio), "-" if row.asked is None else row.asked
-    return row.vertices, f"{row.gap:+g}", row.method, f"{row.microseconds:.3f}", ratio, asked, row.wrong, row.pairs
-
-
 def _run_switches(options: argparse.Namespace) -> None:
     robot = robot_of(options)
     scene = Scene("empty") if options.scene == "none" else Scene.load(options.scene)
     rows: list[SwitchRow] = ablation.measure(robot, scene, options.states, options.rounds, options.seed)
-    cells = [(row.states, row.off, f"{row.microseconds:.2f}", f"{row.ratio:.2f}", row.wrong) for row in rows]
-    print(table(("states", "off", "µs a state", "x", "wrong"), cells))
+    columns: dict[str, Callable[[SwitchRow], object]] = {
+        "states": lambda row: row.states,
+        "off": lambda row: row.off,
+        "µs a state": lambda row: f"{row.microseconds:.2f}",
+        "x": ratio_of,
+        "wrong": lambda row: row.wrong,
+    }
+    show(rows, columns)
     keep(options.output, "switches", rows)
 
 
 def _run_scale(options: argparse.Namespace) -> None:
     rows = scale.measure(robot_of(options), options.boxes, options.states, options.rounds, options.seed)
-    motion = f"µs a motion of {scale.LENGTH:g} rad"
-    memory = ("kB", "bodies kB", "bytes a vertex", "process kB")
-    header = ("boxes", "pairs", "µs a state", "x", motion, "x", "prepared s", *memory)
-    print(table(header, [_scale_cells(row) for row in rows]))
+    columns: dict[str, Callable[[ScaleRow], object]] = {
+        "boxes": lambda row: row.boxes,
+        "pairs": lambda row: row.pairs,
+        "µs a state": lambda row: f"{row.microseconds:.2f}",
+        "x": ratio_of,
+        f"µs a motion of {scale.LENGTH:g} rad": lambda row: f"{row.motion_microseconds:.2f}",
+        "x of motions": lambda row: output.ratio(row.motion_ratio, row.noise),
+        "prepared s": lambda row: f"{row.preparation:.2f}",
+        "kB": lambda row: output.size_of(row.resident),
+        "bodies kB": lambda row: output.size_of(row.prepared),
+        "bytes a vertex": lambda row: f"{row.bytes_a_vertex:.0f}",
+        "process kB": lambda row: output.size_of(row.process),
+    }
+    show(rows, columns)
     print(f"asked for: at most {scale.ASKED:g} times the first")
     keep(options.output, "scale", rows)
-
-
-def _scale_cells(row: ScaleRow) -> tuple[object, ...]:
-    sizes = output.size_of(row.resident), output.size_of(row.prepared), f"{row.bytes_a_vertex:.0f}"
-    motions = f"{row.motion_microseconds:.2f}", f"{row.motion_ratio:.2f}"
-    times = f"{row.microseconds:.2f}", f"{row.ratio:.2f}", *motions, f"{row.preparation:.2f}"
-    return row.boxes, row.pairs, *times, *sizes, output.size_of(row.process)
 
 
 def _run_complexity(options: argparse.Namespace) -> None:
     if options.most < min(complexity.SIZES):
         raise PlannercheckError(f"--most must be at least {min(complexity.SIZES)}")
     rows = list(complexity.measure(options.most, options.queries, options.seed, note))
-    header = ("where", "bodies", "method", "vertices", "rounds: mean", "worst", "visited: mean", "worst", "shared")
-    print(table(header, [_complexity_cells(row) for row in rows]))
+    counted: dict[str, Callable[[ComplexityRow], object]] = {
+        "where": lambda row: row.where,
+        "bodies": lambda row: row.family,
+        "method": lambda row: row.method,
+        "vertices": lambda row: row.vertices,
+        "rounds: mean": lambda row: f"{row.rounds_mean:.1f}",
+        "worst": lambda row: row.rounds_worst,
+        "visited: mean": lambda row: f"{row.visited_mean:.0f}",
+        "worst visited": lambda row: row.visited_worst,
+        "shared": lambda row: f"{row.shared} of {row.queries}",
+    }
+    show(rows, counted)
     grown = complexity.growth(rows)
     if grown:
         print(
@@ -247,15 +271,9 @@ def _run_complexity(options: argparse.Namespace) -> None:
             "exponent": lambda row: f"{row.exponent:.2f}",
             "of the worst": lambda row: f"{row.exponent_worst:.2f}",
         }
-        print(table_of(grown, columns))
+        show(grown, columns)
         keep(options.output, "complexity_growth", grown)
     keep(options.output, "complexity", rows, plots.visited_against_vertices)
-
-
-def _complexity_cells(row: ComplexityRow) -> tuple[object, ...]:
-    rounds, visited = (row.rounds_mean, row.rounds_worst), (row.visited_mean, row.visited_worst)
-    counts = f"{rounds[0]:.1f}", rounds[1], f"{visited[0]:.0f}", visited[1], f"{row.shared} of {row.queries}"
-    return row.where, row.family, row.method, row.vertices, *counts
 
 
 # A further measurement is a further entry.

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from plannercheck.cli.bench_options import Subcommand, add_robot, add_seed, keep, note, positive, sizes
-from plannercheck.cli.common import table_of
+from plannercheck.cli.bench_options import Subcommand, add_robot, add_seed, keep, note, positive, ratio_of, show, sizes
 from plannercheck.cli.robot_options import robot_of
 from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.bench import clouds, maps, motions, states
@@ -117,7 +116,7 @@ def _states(checker: Checker, q: Floats, rounds: int) -> list[StateRow]:
     judges = [method for method in methods(checker, _KINDS) if method.name in _JUDGES]
     rows = states.measure(checker, judges, q, rounds, note)
     print(f"\n{rows[0].robot} before {rows[0].scene}: {rows[0].states:,} random states, {rows[0].valid:.0%} valid")
-    print(table_of(rows, {"method": _method, "µs a state": _time, **_RATES}), flush=True)
+    show(rows, {"method": _method, "µs a state": _time, **_RATES})
     return rows
 
 
@@ -128,7 +127,7 @@ def _motions(asked: MotionSet, rounds: int) -> list[MotionRow]:
     movers = [method for method in METHODS if method.name in _MOVERS]
     rows = motions.measure(asked, rounds, note, movers)
     print(f"\n{rows[0].robot} before {asked.where}: {rows[0].motions} motions, {asked.kind}, {rows[0].free:.0%} free")
-    print(table_of(rows, {"method": _method, "µs a motion": _time, **_RATES}), flush=True)
+    show(rows, {"method": _method, "µs a motion": _time, **_RATES})
     return rows
 
 
@@ -141,7 +140,8 @@ def _costs(rows: Sequence[CostRow]) -> Sequence[CostRow]:
         "by its own account": lambda row: number(row.own),
     }
     if rows:
-        print(f"\n{rows[0].points:,} points\n{table_of(rows, columns)}", flush=True)
+        print(f"\n{rows[0].points:,} points")
+        show(rows, columns)
     return rows
 
 
@@ -154,7 +154,7 @@ def _time(row: StateRow | MotionRow) -> str:
 
 
 _RATES: dict[str, Callable[[StateRow | MotionRow], object]] = {
-    "x": lambda row: f"{row.ratio:.2f}",
+    "x": ratio_of,
     "false free %": lambda row: f"{100 * row.false_free:.2f}",
     "false coll. %": lambda row: f"{100 * row.false_collision:.2f}",
 }

@@ -1,18 +1,19 @@
 """What the subcommands of `plannercheck bench` share: options, the checker they ask for, notes, and files of results.
 
-In: parsed options, rows. Out: checkers; CSV, JSON and plots in a folder.
+In: parsed options, rows. Out: checkers; JSON and plots in a folder.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.part_sets import PartSet
+from plannercheck.cli.common import table_of
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments
 from plannercheck.common.errors import PlannercheckError, with_article
 from plannercheck.common.package_data import is_folder
@@ -118,6 +119,18 @@ def show_how(rows: Sequence[Any]) -> None:
         print(f"{COAL_AT_BEST}: {text}")
 
 
+def show(rows: Sequence[Any], columns: Mapping[str, Callable[[Any], object]]) -> None:
+    """Prints rows as a table, and the null control of those that have one."""
+    print(table_of(rows, columns), flush=True)
+    if rows and hasattr(rows[0], "noise"):
+        print(output.null_control(rows), flush=True)
+
+
+def ratio_of(row: Any) -> str:
+    """The cell of a row's ratio."""
+    return output.ratio(row.ratio, row.noise)
+
+
 def checker_in(loaded: Robot, scene: str) -> Checker:
     """The checker in a scene by name or file, in the first of a problem set, or in none."""
     if scene == "none":
@@ -147,7 +160,6 @@ def keep(
     """Writes the rows and, if they have one, their plot."""
     if folder is None or not rows:
         return
-    output.write_csv(folder / f"{name}.csv", rows)
     write_record(folder / f"{name}.json", rows)
     try:
         if draw is not None:

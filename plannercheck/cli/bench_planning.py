@@ -19,9 +19,10 @@ from plannercheck.cli.bench_options import (
     note,
     positive,
     positive_number,
+    ratio_of,
+    show,
     show_how,
 )
-from plannercheck.cli.common import table_of
 from plannercheck.cli.robot_options import robot_of
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench import from_files, many_boxes, motions, plans, set_up
@@ -128,12 +129,12 @@ def _print_motions(rows: Sequence[MotionRow]) -> None:
     columns: dict[str, Callable[[MotionRow], object]] = {
         "method": lambda row: row.method,
         "µs a motion": lambda row: f"{row.microseconds:.2f}",
-        "x": lambda row: f"{row.ratio:.2f}",
+        "x": ratio_of,
         "false free %": lambda row: f"{100 * row.false_free:.2f}",
         "false coll. %": lambda row: f"{100 * row.false_collision:.2f}",
         "motions": lambda row: row.motions,
     }
-    print(table_of(rows, columns))
+    show(rows, columns)
     show_how(rows)
 
 
@@ -159,7 +160,8 @@ def _run_setup(options: argparse.Namespace) -> None:
             "median ms": lambda row: number(row.total),
             "mean ms": lambda row: number(row.total_mean),
         }
-        print(f"\n{table_of(solved, columns)}")
+        print()
+        show(solved, columns)
         keep(options.output, "from_files", solved)
     if options.boxes:
         _run_boxes(options)
@@ -181,7 +183,8 @@ def _run_boxes(options: argparse.Namespace) -> None:
         "and checker": lambda row: number(row.checker_mb),
         "and motion": lambda row: number(row.motion_mb),
     }
-    print(f"\n{table_of(rows, columns)}")
+    print()
+    show(rows, columns)
     keep(options.output, "boxes", rows)
 
 
@@ -195,7 +198,7 @@ def _print_setup(rows: Sequence[SetUpRow]) -> None:
         "first motion ms": lambda row: number(row.first_motion),
         "prepared again": lambda row: "-" if row.prepared is None else row.prepared,
     }
-    print(table_of(rows, columns))
+    show(rows, columns)
 
 
 def _run_plans(options: argparse.Namespace) -> None:
@@ -234,7 +237,8 @@ def _print_plans(rows: Sequence[PlanRow]) -> None:
         "most": lambda row: number(row.deepest_mm),
     }
     if rows:
-        print(f"\n{table_of(rows, columns)}", flush=True)
+        print()
+        show(rows, columns)
 
 
 SUBCOMMANDS = {

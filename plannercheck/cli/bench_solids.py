@@ -1,6 +1,6 @@
 """`plannercheck bench fidelity`, `solid-costs`, `link-pairs`, `triangles`: solids against hulls and coal's meshes.
 
-In: options. Out: tables on the terminal and, with --output, CSV, JSON and a plot in a folder.
+In: options. Out: tables on the terminal and, with --output, JSON and a plot in a folder.
 """
 
 from __future__ import annotations
@@ -10,11 +10,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from statistics import median
 
-from plannercheck.cli.bench_options import Subcommand, add_seed, keep, note, positive, sizes
-from plannercheck.cli.common import table, table_of
+from plannercheck.cli.bench_options import Subcommand, add_seed, keep, note, positive, ratio_of, show, sizes
+from plannercheck.cli.common import table
 from plannercheck.cli.robot_options import ROBOT_HELP
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench import fidelity, link_pairs, plots, solid_costs, solid_sizes
+from plannercheck.evaluation.bench import tables as output
 from plannercheck.evaluation.bench.fidelity import FidelityRow
 from plannercheck.evaluation.bench.link_pairs import LinkPairRow, mean
 from plannercheck.evaluation.bench.solid_checkers import checker_of_meshes
@@ -85,7 +86,7 @@ def _print_fidelity(rows: Sequence[FidelityRow]) -> None:
         "refused, apart": lambda row: row.refused_apart,
         "missed": lambda row: row.missed,
     }
-    print(table_of(rows, columns))
+    show(rows, columns)
     print(
         "counts are pairs in states on which ours and coal's surfaces differ: one body inside the other; nearer than "
         f"{fidelity.NEAR:g} m to contact; refused by us alone; free for us alone",
@@ -103,13 +104,13 @@ def _run_solid_costs(options: argparse.Namespace) -> None:
         "µs each": lambda row: row.work,
         "by hulls": lambda row: number(row.of_hulls),
         "by solids": lambda row: number(row.of_solids),
-        "x": lambda row: f"{row.ratio:.3f}",
+        "x": ratio_of,
         "verdicts differ": lambda row: row.differ,
         "dented": lambda row: row.dented,
         "deepest": lambda row: f"{row.deepest:.1e}",
         "concave": lambda row: row.concave,
     }
-    print(table_of(rows, columns))
+    show(rows, columns)
     keep(options.output, "solid_costs", rows)
 
 
@@ -141,22 +142,23 @@ def _print_link_pairs(robot: str, rows: Sequence[LinkPairRow]) -> None:
     of_pair = ("pair", "triangles", "verdict", "queries", "µs a query", "coal's µs", "x")
     most = sorted(rows, key=lambda row: -row.microseconds * row.queries)[:6]
     print("where our time goes:")
-    print(table(of_pair, [_pair_cells(row) for row in most]), flush=True)
+    print(table(of_pair, [_pair_cells(row) for row in most]))
+    print(output.null_control(rows), flush=True)
 
 
 def _verdict_cells(name: str, rows: Sequence[LinkPairRow]) -> tuple[object, ...]:
     ours, coal = mean(rows, lambda row: row.microseconds), mean(rows, lambda row: row.coal)
     assert ours is not None
     counts = (sum(getattr(row, field) for row in rows) for field in ("inside", "false_free", "false_collision"))
-    ratio = None if coal is None else coal / ours
-    return name, sum(row.queries for row in rows), number(ours), number(coal), number(ratio), link_pairs.ASKED, *counts
+    ratio = output.ratio(None if coal is None else coal / ours, rows[0].noise)
+    return name, sum(row.queries for row in rows), number(ours), number(coal), ratio, link_pairs.ASKED, *counts
 
 
 def _pair_cells(row: LinkPairRow) -> tuple[object, ...]:
-    ratio = None if row.coal is None else row.coal / row.microseconds
+    ratio = output.ratio(None if row.coal is None else row.coal / row.microseconds, row.noise)
     names, triangles = f"{row.first} / {row.second}", " / ".join(map(str, row.triangles))
     verdict = "meet" if row.meet else "apart"
-    return names, triangles, verdict, row.queries, number(row.microseconds), number(row.coal), number(ratio)
+    return names, triangles, verdict, row.queries, number(row.microseconds), number(row.coal), ratio
 
 
 def _run_triangles(options: argparse.Namespace) -> None:
@@ -169,7 +171,7 @@ def _run_triangles(options: argparse.Namespace) -> None:
         "gap": lambda row: f"{row.gap:+g}",
         "method": lambda row: row.method,
         "µs a pair": lambda row: number(row.microseconds),
-        "x": lambda row: number(row.ratio),
+        "x": ratio_of,
         "meet %": lambda row: f"{100 * row.meet:.0f}",
         "differ": lambda row: row.wrong,
         "pairs": lambda row: row.pairs,
@@ -177,7 +179,7 @@ def _run_triangles(options: argparse.Namespace) -> None:
         "its hull s": lambda row: number(row.of_hull),
         "bytes a triangle": lambda row: "-" if row.bytes_a_triangle is None else f"{row.bytes_a_triangle:.0f}",
     }
-    print(table_of(rows, columns))
+    show(rows, columns)
     for shape, gap, method in dict.fromkeys((row.shape, row.gap, row.method) for row in rows):
         grown = solid_sizes.growth(rows, shape, gap, method)
         if grown is not None:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import sys
+import time
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from plannercheck.cli.common import check_folder
 from plannercheck.cli.unheeded_options import check_heeded
-from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.stress.other_libraries import Coal, Fcl, Peer
-from plannercheck.evaluation.stress.random_cases import Draw
-from plannercheck.evaluation.stress.run import StressTally
-from plannercheck.evaluation.stress.run import run as run_suite
-from plannercheck.evaluation.stress.tables import lines
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.evaluation.campaign.campaign import Campaign
+from plannercheck.evaluation.campaign.campaign import run as run_campaign
+from plannercheck.evaluation.campaign.cases import load, save
+from plannercheck.evaluation.campaign.tallies import Tally
 
 _EPILOG = """\
 Families of bodies x size x ratio of sizes x distance from the origin x rotation x gap, drawn at random. Every pair is
@@ -35,17 +38,15 @@ verdict depends on what else was asked, or a proof is not verified. With --geome
 they are, and free bodies in concave puzzles, held against coal's meshes at states in between, too; and how many motions
 of RRT-Connect hulls, or with --pieces convex pieces (which CoACD makes first, in minutes), would have refused.
 """
-# Options of pairs, of solids, of sets of parts, of motions, and of all kinds of runs.
-_OF_PAIRS, _OF_SOLIDS, _OF_PARTS, _OF_MOTIONS = (
-    ("--pairs",),
-    ("--solids", "--links"),
-    ("--parts",),
-    ("--motions", "--verified", "--families", "--geometry", "--pieces"),
-)
-_OF_BODIES = ("--peers",)
+# Options that count only with the one that asks for a campaign; others are of pairs.
+_OF_CAMPAIGNS: dict[str, tuple[str, ...]] = {
+    "--motions": ("--verified", "--families", "--geometry", "--pieces"),
+    "--solids": ("--links",),
+    "--parts": (),
+}
 _OF_RUNS = ("--seed", "--processes", "--cases")
-# Pairs between two lines of progress.
-_REPORT_EVERY = 20_000
+# Seconds between two lines of progress.
+_REPORT_SECONDS = 10.0
 # More would only get in each other's way on any machine.
 MOST_PROCESSES = 1024
 
@@ -73,83 +74,99 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Runs the command."""
-    _check_heeded(options)
-    if options.pairs < 1 or options.seed < 0:
-        raise PlannercheckError(
-            f"--pairs must be at least 1 and --seed at least 0, not {options.pairs}, {options.seed}"
-        )
+    name = next((each for each in _OF_CAMPAIGNS if getattr(options, each[2:]) is not None), "--pairs")
+    _check_heeded(options, name)
+    wanted: int = getattr(options, name[2:])
+    for each, value, least in ((name, wanted, 1), ("--seed", options.seed, 0), ("--verified", options.verified, 0)):
+        if value < least:
+            raise PlannercheckError(f"{each} must be at least {least}, not {value}")
     if options.cases is not None:
         check_folder(options.cases / "case")
     if not 1 <= options.processes <= MOST_PROCESSES:
         raise PlannercheckError(f"--processes must be 1 to {MOST_PROCESSES}, not {options.processes}")
     if options.case is not None:
-        return _run_case(options.case)
-    if options.motions is not None:
-        from plannercheck.cli.stress_motions import run_motions  # needs OMPL
-
-        return run_motions(options)
-    if options.solids is not None:
-        from plannercheck.cli.stress_solids import run_solids
-
-        return run_solids(options)
-    if options.parts is not None:
-        from plannercheck.cli.stress_parts import run_parts
-
-        return run_parts(options)
-    peers: list[Peer[Draw]] = [Fcl(), Coal()] if options.peers else []
-    tally = run_suite(options.pairs, options.seed, peers, _Progress(), options.processes)
-    print("\n".join(lines(tally, [peer.name for peer in peers])))
+        return _run_case(options)
+    campaign = _CAMPAIGNS[name[2:]](options)
+    tally = run_campaign(campaign, wanted, options.processes, _Progress(campaign.unit, wanted))
+    print("\n".join(campaign.lines(tally)))
     for number, case in enumerate(tally.cases):
         print(f"failed: {case.name}")
         if options.cases is not None:
-            case.save(options.cases / f"{options.seed}-{number}.json")
-    return 0 if tally.passed else 1
+            path = options.cases / f"{campaign.name}-{options.seed}-{number}.json"
+            save(path, campaign.name, campaign.shrunk(case).document())
+    return 1 if tally.failures else 0
 
 
-def _check_heeded(options: argparse.Namespace) -> None:
+def _check_heeded(options: argparse.Namespace, name: str) -> None:
     """Raises if options are given that would change nothing."""
     if options.case is not None:
-        others = (*_OF_PAIRS, *_OF_SOLIDS, *_OF_PARTS, *_OF_MOTIONS, *_OF_BODIES, *_OF_RUNS)
+        others = ("--pairs", *_OF_CAMPAIGNS, *itertools.chain(*_OF_CAMPAIGNS.values()), "--peers", *_OF_RUNS)
         check_heeded(options, others, "without --case, which is one motion or pair")
-    elif options.motions is not None:
-        check_heeded(options, (*_OF_PAIRS, *_OF_SOLIDS, *_OF_PARTS, *_OF_BODIES), "without --motions")
-    elif options.solids is not None:
-        check_heeded(options, (*_OF_PAIRS, *_OF_PARTS), "without --solids")
-        check_heeded(options, _OF_MOTIONS, "with --motions")
-    elif options.parts is not None:
-        check_heeded(options, (*_OF_PAIRS, *_OF_BODIES), "without --parts")
-        check_heeded(options, _OF_SOLIDS, "with --solids")
-        check_heeded(options, _OF_MOTIONS, "with --motions")
-    else:
-        check_heeded(options, _OF_SOLIDS, "with --solids")
-        check_heeded(options, _OF_MOTIONS, "with --motions")
+    check_heeded(options, [each for each in ("--pairs", *_OF_CAMPAIGNS) if each != name], f"without {name}")
+    for other, those in _OF_CAMPAIGNS.items():
+        if other != name:
+            check_heeded(options, those, f"with {other}")
+    if name in ("--motions", "--parts"):
+        check_heeded(options, ["--peers"], f"without {name}")
 
 
-def _run_case(path: Path) -> int:
-    from plannercheck.evaluation.stress_parts.cases import PartCase
-    from plannercheck.evaluation.stress_solids.cases import SolidCase
+def _run_case(options: argparse.Namespace) -> int:
+    """Judges a kept case again; 1 if it still fails."""
+    campaign, case = load(options.case, {name: partial(made, options) for name, made in _CAMPAIGNS.items()})
+    faults = campaign.faults(case)
+    print(case.name)
+    print("\n".join(f"{who}: {outcome}" for who, outcome in faults.items()) or "nothing is wrong now")
+    return 1 if faults else 0
 
-    if PartCase.is_in(path):
-        from plannercheck.cli.stress_parts import run_part_case
 
-        return run_part_case(path)
-    if SolidCase.is_in(path):
-        from plannercheck.cli.stress_solids import run_solid_case
+def _pairs(options: argparse.Namespace) -> Campaign[Any]:
+    from plannercheck.evaluation.stress.campaign import campaign
+    from plannercheck.evaluation.stress.other_libraries import Coal, Fcl
 
-        return run_solid_case(path)
-    from plannercheck.cli.stress_motions import run_case  # needs OMPL
+    return campaign(options.seed, (Fcl, Coal) if options.peers else ())
 
-    return run_case(path)
+
+def _solids(options: argparse.Namespace) -> Campaign[Any]:
+    from plannercheck.evaluation.stress_solids.campaign import campaign
+    from plannercheck.evaluation.stress_solids.other_libraries import CoalMeshes, FclMeshes
+
+    return campaign(options.seed, (FclMeshes, CoalMeshes) if options.peers else (), options.links)
+
+
+def _parts(options: argparse.Namespace) -> Campaign[Any]:
+    from plannercheck.evaluation.stress_parts.campaign import campaign
+
+    return campaign(options.seed)
+
+
+def _motions(options: argparse.Namespace) -> Campaign[Any]:
+    from plannercheck.evaluation.stress_motions.campaign import FAMILY_NAMES, SOLID_NAMES, campaign  # needs OMPL
+
+    known = SOLID_NAMES if options.geometry == "solid" else FAMILY_NAMES
+    families = tuple(name for name in options.families.split(",") if name) or known
+    for name in families:
+        if name not in known:
+            raise unknown_name("family", name, known)
+    if options.pieces and options.geometry != "solid":
+        raise PlannercheckError("--pieces is of planners' motions among solids, with --geometry solid")
+    return campaign(options.seed, families, options.verified / (options.motions or 1), options.pieces)
+
+
+_CAMPAIGNS = {"pairs": _pairs, "solids": _solids, "parts": _parts, "motions": _motions}
 
 
 class _Progress:
-    """Lines on the error stream now and then."""
+    """A line on the error stream now and then."""
 
-    def __init__(self) -> None:
-        self._next = _REPORT_EVERY
+    def __init__(self, unit: str, wanted: int) -> None:
+        self._unit, self._wanted, self._began = unit, wanted, time.monotonic()
+        self._next = self._began + _REPORT_SECONDS
 
-    def __call__(self, tally: StressTally) -> None:
-        pairs = tally.pairs.total()
-        if pairs >= self._next:
-            self._next = (pairs // _REPORT_EVERY + 1) * _REPORT_EVERY
-            print(f"{pairs} pairs, {len(tally.cases)} failures", file=sys.stderr, flush=True)
+    def __call__(self, tally: Tally[Any]) -> None:
+        now = time.monotonic()
+        if now < self._next:
+            return
+        self._next = now + _REPORT_SECONDS
+        rate = tally.judged / (now - self._began)
+        text = f"{tally.judged} of {self._wanted} {self._unit}, {rate:.0f} a second, {tally.failures} failures"
+        print(text, file=sys.stderr, flush=True)

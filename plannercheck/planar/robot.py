@@ -131,10 +131,6 @@ class Robot:
         """The column of the first number of a configuration that moves a link."""
         return int(self._columns[link])
 
-    def within(self, lower: ArrayLike, upper: ArrayLike) -> Robot:
-        """`with_bounds` by its former name, for one release."""
-        return self.with_bounds(lower, upper)
-
     def with_bounds(self, lower: ArrayLike, upper: ArrayLike) -> Robot:
         """The same robot with limits of x and y, m; a fixed root stays as it is."""
         if not self.is_free:

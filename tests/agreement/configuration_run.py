@@ -8,11 +8,12 @@ the border between free and colliding that halving can't bring them closer.
 from __future__ import annotations
 
 import numpy as np
-from pair_run import is_clear
+from pair_run import is_clear, kept_case
 
 import plannercheck as pc
+from plannercheck.evaluation.campaign.pairs import PairCase
 from plannercheck.evaluation.stress.contact_poses import Points, Solid
-from plannercheck.evaluation.stress.failing_cases import Case
+from plannercheck.evaluation.stress.sample_bodies import Specimen
 from plannercheck.validation.fcl_agreement import AgreementReport, Disagreement, compare_with_fcl
 
 # Halvings of a segment between two configurations, at most: from radians to the last bits.
@@ -69,7 +70,6 @@ def solid_of(checker: pc.Checker, index: int, known: dict[int, Solid]) -> Solid:
     return known[index]
 
 
-def case_of(checker: pc.Checker, found: Disagreement) -> Case:
+def case_of(checker: pc.Checker, found: Disagreement) -> PairCase[Specimen]:
     """A disagreement as a case that can be saved."""
-    p, r = (solid_of(checker, index, {}) for index in found.indices)
-    return Case.of(p, r, *found.poses)
+    return kept_case(*(solid_of(checker, index, {}) for index in found.indices), *found.poses)

@@ -24,10 +24,11 @@ import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.fcl_bodies import FclBodies
 from plannercheck.bodies.tuning import Method
+from plannercheck.evaluation.campaign.pairs import PairCase
 from plannercheck.evaluation.stress import body_families as families
 from plannercheck.evaluation.stress import contact_poses as contacts
 from plannercheck.evaluation.stress.contact_poses import Points, Solid
-from plannercheck.evaluation.stress.failing_cases import Case
+from plannercheck.evaluation.stress.sample_bodies import Specimen as Body
 
 # Scales in m, about the size of a body; the last two are far below what FCL is made for.
 SCALES = (1.0, 0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4, 1e-5)
@@ -74,7 +75,7 @@ class Tally:
     pairs: int = 0
     decided: int = 0
     table: ErrorTable = field(default_factory=ErrorTable)
-    against_us: list[Case] = field(default_factory=list)
+    against_us: list[PairCase[Body]] = field(default_factory=list)
     clear_errors: list[str] = field(default_factory=list)
 
 
@@ -116,7 +117,7 @@ def compare_two(p: Specimen, r: Specimen, rng: np.random.Generator, tally: Tally
         tally.pairs += 1
         truth = ours[0]
         if len(set(ours)) > 1 or doubtful(truth, theirs, gap, tally):
-            truth = judged(Case.of(p.solid, r.solid, pose_p, pose_r), ours, tally)
+            truth = judged(kept_case(p.solid, r.solid, pose_p, pose_r), ours, tally)
         tally.table.add(p.solid, r.solid, gap, truth, theirs)
         if theirs != truth and is_clear(p.solid, r.solid, pose_p, pose_r, gap):
             tally.clear_errors.append(f"{p.solid.name} | {r.solid.name} | gap {gap} | collide {truth}")
@@ -140,13 +141,19 @@ def verdicts(p: Specimen, r: Specimen, pose_p: Points, pose_r: Points) -> list[b
     return [pc.intersects(p.polytope, r.polytope, pose_p, pose_r, method=method) for method in SOLVERS]
 
 
-def judged(case: Case, ours: list[bool], tally: Tally) -> bool:
+def kept_case(p: Solid, r: Solid, pose_p: Points, pose_r: Points) -> PairCase[Body]:
+    """Two solids as a case that can be saved."""
+    return PairCase(f"{p.name} | {r.name}", Body(p.name, p.vertices), Body(r.name, r.vertices), pose_p, pose_r)
+
+
+def judged(case: PairCase[Body], ours: list[bool], tally: Tally) -> bool:
     """The exact verdict, noted if it goes against any of ours."""
-    certificate = exact.decide(*case.bodies)
+    question = case.p.points, case.r.points, case.pose_p, case.pose_r
+    certificate = exact.decide(*question)
     truth = isinstance(certificate, exact.ExactSharedPoint)
     tally.decided += 1
     if set(ours) != {truth}:
-        assert exact.holds(certificate, *case.bodies)
+        assert exact.holds(certificate, *question)
         tally.against_us.append(case)
     return truth
 

@@ -8,6 +8,7 @@ import pytest
 from configuration_run import case_of, clear_errors, compare
 
 import plannercheck as pc
+from plannercheck.evaluation.campaign.cases import save
 from plannercheck.robots.description import shipped_robots
 from plannercheck.scenes.scene import shipped_scenes
 from plannercheck.validation.fcl_agreement import AgreementReport, merged
@@ -35,7 +36,7 @@ def test_no_verdict_of_ours_is_refuted(name: str, states_wanted: int, reports: l
         report = compare(checker, robot, each, seed)
         done.append(report)
         for number, found in enumerate(report.against_us[:20]):
-            case_of(checker, found).save(tmp_path / f"{scene}-{number}.json")
+            save(tmp_path / f"{scene}-{number}.json", "pairs", case_of(checker, found).document())
         assert not report.against_us, f"in {scene}, cases saved in {tmp_path}: {report.against_us[:5]}"
         assert not report.contradictions, f"check_states contradicts the pairs in {scene}"
         clear += clear_errors(checker, report)

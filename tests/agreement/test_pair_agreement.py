@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from pair_run import Tally, run
 
+from plannercheck.evaluation.campaign.cases import save
+
 pytestmark = pytest.mark.agreement
 
 
@@ -23,7 +25,7 @@ def tally(pairs_wanted: int, reports: list[str]) -> Tally:
 
 def test_no_verdict_of_ours_is_refuted(tally: Tally, tmp_path: Path) -> None:
     for number, case in enumerate(tally.against_us[:20]):
-        case.save(tmp_path / f"{number}.json")
+        save(tmp_path / f"{number}.json", "pairs", case.document())
     names = [case.name for case in tally.against_us[:20]]
     assert not tally.against_us, f"{len(tally.against_us)} cases, the first saved in {tmp_path}: {names}"
 

@@ -31,7 +31,7 @@ MISTAKES = {
     f"plan {ARM} --problems missing.tar": "'missing.tar' is neither a folder nor a readable tar .*No such file",
     f"plan {ARM} --scene parking --start 0 --goal 1": "scene 'parking' is planar, robot 'arm.urdf' is not",
     "plan --robot forklift --scene cell.yaml": "'cell.yaml': it is not planar: 'kind: planar' is missing",
-    "stress --case missing.json": "'missing.json' is no case of a motion: .*No such file",
+    "stress --case missing.json": "'missing.json' is no case of a stress: .*No such file",
     # what is missing, or too much
     "validate q.npy": "the following arguments are required: --robot",
     f"validate {ARM}": "needs either files with configurations or --path",

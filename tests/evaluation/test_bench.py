@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
+import json
 import time
 from functools import partial
 
@@ -21,7 +21,8 @@ from plannercheck.evaluation.bench import hausdorff as distances
 from plannercheck.evaluation.bench.methods import methods
 from plannercheck.evaluation.bench.solid_checkers import as_hull, substituted
 from plannercheck.evaluation.bench.states import measure
-from plannercheck.evaluation.bench.timing import least_seconds
+from plannercheck.evaluation.bench.tables import ratio
+from plannercheck.evaluation.bench.timing import Contender, least_seconds, measured
 from plannercheck.evaluation.stress.body_families import family
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
@@ -143,6 +144,36 @@ def test_contenders_take_turns():
     assert len(order) > 1  # too short for the clock
 
 
+def test_the_null_control_is_the_first_contender_again():
+    order = []
+    work = partial(worked, order)
+    contenders = {
+        "a": Contender([partial(work, "a", 2e-3)], 4, [partial(work, "o", 1e-3)]),
+        "b": Contender([partial(work, "b", 4e-3)]),
+    }
+    times = measured(contenders, 3)
+    assert order.count("a") == 2 * order.count("b")
+    assert list(times.seconds) == ["a", "b"]
+    assert times.seconds["a"] == pytest.approx(2.5e-4, rel=0.2)
+    assert 1 <= times.noise < 1.2
+    assert measured({"a": contenders["b"], "c": Contender([partial(work, "c", 8e-3)])}, 2, null="c").noise > 1.9
+
+
+@pytest.mark.parametrize(
+    ("value", "noise", "told"),
+    [
+        (1.0, 1.0, "1"),
+        (0.99, 1.02, "1"),
+        (1.01, 1.02, "1"),
+        (1.03, 1.02, "1.03"),
+        (0.5, 1.02, "0.50"),
+        (None, 2.0, "-"),
+    ],
+)
+def test_no_ratio_is_told_that_is_noise(value, noise, told):
+    assert ratio(value, noise) == told
+
+
 def test_parts_take_turns_and_add_up():
     order = []
     work = partial(worked, order)
@@ -154,20 +185,18 @@ def test_parts_take_turns_and_add_up():
 
 
 def read(path):
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
+    return json.loads(path.read_text(encoding="utf-8"))["rows"]
 
 
 def test_states_command(tmp_path, capsys):
     arguments = ["--robot", "panda", "--scene", "table", "none", "--states", "50", "--rounds", "1"]
     chosen = ["--methods", "boxes", "coal"]
     assert main(["bench", "states", *arguments, *chosen, "--output", str(tmp_path / "new")]) == 0
-    rows = read(tmp_path / "new" / "states.csv")
+    rows = read(tmp_path / "new" / "states.json")
     assert {row["scene"] for row in rows} == {"table", "empty"}
     assert {row["kind"] for row in rows} - {"coal loop"} == {"exact", "boxes", "coal"}
     assert {row["which"] for row in rows} == {"random"}
     assert {path.name for path in (tmp_path / "new").iterdir()} == {
-        "states.csv",
         "states.json",
         "states.png",
         "states.svg",
@@ -180,22 +209,21 @@ def test_states_command(tmp_path, capsys):
 def test_pairs_command(tmp_path, capsys):
     sizes = ["--vertices", "8,150,200", "--pairs", "4", "--rounds", "1"]
     assert main(["bench", "pairs", *sizes, "--output", str(tmp_path)]) == 0
-    rows = read(tmp_path / "pairs.csv")
-    assert {(row["vertices"], row["gap"]) for row in rows} == {
-        (n, g) for n in ("8", "150", "200") for g in ("0.5", "0.0001", "-0.3")
-    }
-    assert all(row["wrong"] == "0" for row in rows if row["method"].startswith("plannercheck"))
-    assert {path.name for path in tmp_path.iterdir()} == {"pairs.csv", "pairs.json", "pairs.png", "pairs.svg"}
+    rows = read(tmp_path / "pairs.json")
+    assert {(row["vertices"], row["gap"]) for row in rows} == {(n, g) for n in (8, 150, 200) for g in (0.5, 1e-4, -0.3)}
+    assert all(row["wrong"] == 0 for row in rows if row["method"].startswith("plannercheck"))
+    assert {path.name for path in tmp_path.iterdir()} == {"pairs.json", "pairs.png", "pairs.svg"}
     assert "from 150 to 200 vertices" in capsys.readouterr().out
 
 
 def test_switches_command(tmp_path, capsys):
     assert main(["bench", "switches", "--states", "130", "--rounds", "1", "--output", str(tmp_path)]) == 0
-    rows = read(tmp_path / "switches.csv")
-    assert all(row["wrong"] == "0" for row in rows)
+    rows = read(tmp_path / "switches.json")
+    assert all(row["wrong"] == 0 for row in rows)
     assert {row["states"] for row in rows} == {"random", "along motions"}
-    assert {"all on", "bounds", "boxes", "cached_plane"} <= {row["off"] for row in rows}
-    assert "all on" in capsys.readouterr().out
+    assert {"all on", "all on, again", "bounds", "boxes", "cached_plane"} <= {row["off"] for row in rows}
+    assert all(row["noise"] >= 1 for row in rows)
+    assert "null control: the same code twice" in capsys.readouterr().out
 
 
 def test_scale_command(tmp_path, capsys):
@@ -203,9 +231,9 @@ def test_scale_command(tmp_path, capsys):
         main(["bench", "scale", "--boxes", "100,150", "--states", "50", "--rounds", "1", "--output", str(tmp_path)])
         == 0
     )
-    rows = read(tmp_path / "scale.csv")
-    assert [row["boxes"] for row in rows] == ["100", "150"]
-    assert all(float(row["bytes_a_vertex"]) > 0 for row in rows)
+    rows = read(tmp_path / "scale.json")
+    assert [row["boxes"] for row in rows] == [100, 150]
+    assert all(row["bytes_a_vertex"] > 0 for row in rows)
     assert "bytes a vertex" in capsys.readouterr().out
 
 
@@ -218,17 +246,15 @@ def test_baselines_that_are_counted_are_right(name):
 
 def test_complexity_command(tmp_path, capsys):
     assert main(["bench", "complexity", "--most", "300", "--queries", "4", "--output", str(tmp_path)]) == 0
-    rows = read(tmp_path / "complexity.csv")
+    rows = read(tmp_path / "complexity.json")
     assert {row["where"] for row in rows} == {"space", "plane", "trees, d = 2", "trees, d = 3"}
-    assert {row["shared"] for row in rows} == {"2"}
-    grown = {(row["family"], row["method"]): float(row["exponent"]) for row in read(tmp_path / "complexity_growth.csv")}
+    assert {row["shared"] for row in rows} == {2}
+    grown = {(row["family"], row["method"]): row["exponent"] for row in read(tmp_path / "complexity_growth.json")}
     assert grown["ellipse", "brute force"] == pytest.approx(1)
     assert {path.name for path in tmp_path.iterdir()} == {
-        "complexity.csv",
         "complexity.json",
         "complexity.png",
         "complexity.svg",
-        "complexity_growth.csv",
         "complexity_growth.json",
     }
     assert "a doubling" in capsys.readouterr().out

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import csv
+import json
 
 import numpy as np
 import pytest
@@ -132,18 +132,17 @@ def test_stand_ins_for_hulls_are_refused_with_solids(checker):
 
 
 def read(path):
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
+    return json.loads(path.read_text(encoding="utf-8"))["rows"]
 
 
 def test_states_command_with_solids(tmp_path, capsys):
     arguments = ["--robot", "ur5", "--scene", "none", "--geometry", "solid", "--states", "40", "--rounds", "1"]
     assert main(["bench", "states", *arguments, "--output", str(tmp_path)]) == 0
-    rows = read(tmp_path / "states.csv")
+    rows = read(tmp_path / "states.json")
     assert {row["kind"] for row in rows} - {"coal loop"} == {"exact", "hulls", "coal"}
     for row in rows:
-        assert float(row["false_free"]) == float(row["false_free_inside"]), row["method"]
-        assert row["kind"] == "hulls" or float(row["false_collision"]) == 0, row["method"]
+        assert row["false_free"] == row["false_free_inside"], row["method"]
+        assert row["kind"] == "hulls" or row["false_collision"] == 0, row["method"]
     printed = capsys.readouterr().out
     assert "the faster way of Pinocchio + coal / batch" in printed
     assert "coal's meshes are surfaces" in printed
@@ -152,14 +151,14 @@ def test_states_command_with_solids(tmp_path, capsys):
 def test_link_pairs_command(compiled, tmp_path, capsys):
     arguments = ["--robot", "ur5", "--states", "60", "--most", "5", "--rounds", "1"]
     assert main(["bench", "link-pairs", *arguments, "--output", str(tmp_path)]) == 0
-    rows = read(tmp_path / "solid_link_pairs.csv")
-    assert {row["meet"] for row in rows} == {"True", "False"}
-    assert all(row["false_free"] == row["inside"] and row["false_collision"] == "0" for row in rows)
+    rows = read(tmp_path / "solid_link_pairs.json")
+    assert {row["meet"] for row in rows} == {True, False}
+    assert all(row["false_free"] == row["inside"] and row["false_collision"] == 0 for row in rows)
     assert "coal's time over ours, by pair" in capsys.readouterr().out
 
 
 def test_the_mean_over_queries_needs_every_row():
-    row = link_pairs.LinkPairRow("r", "a", "b", (4, 4), True, 3, 2.0, 5.0, 0, 0, 0, "")
+    row = link_pairs.LinkPairRow("r", "a", "b", (4, 4), True, 3, 2.0, 5.0, 1.0, 0, 0, 0, "")
     other = link_pairs.LinkPairRow("r", "a", "c", (4, 4), True, 1, 6.0, None, 0, 0, 0, "")
     assert link_pairs.mean([row, other], lambda each: each.microseconds) == 3.0
     assert link_pairs.mean([row, other], lambda each: each.coal) is None
@@ -169,34 +168,34 @@ def test_the_mean_over_queries_needs_every_row():
 def test_triangles_command(compiled, tmp_path, capsys):
     arguments = ["--triangles", "200,400", "--pairs", "6", "--rounds", "1"]
     assert main(["bench", "triangles", *arguments, "--output", str(tmp_path)]) == 0
-    rows = read(tmp_path / "solid_triangles.csv")
+    rows = read(tmp_path / "solid_triangles.json")
     assert {row["shape"] for row in rows} == set(solid_sizes.SHAPES)
-    assert all(row["wrong"] == "0" for row in rows)
-    assert any(float(row["meet"]) < 1 for row in rows if float(row["gap"]) > 0)
-    assert all(float(row["meet"]) > 0 for row in rows if float(row["gap"]) < 0)
+    assert all(row["wrong"] == 0 for row in rows)
+    assert any(row["meet"] < 1 for row in rows if row["gap"] > 0)
+    assert all(row["meet"] > 0 for row in rows if row["gap"] < 0)
     assert "time grows" in capsys.readouterr().out
 
 
 def test_fidelity_command(compiled, tmp_path, capsys):
     assert main(["bench", "fidelity", "--robot", "ur5", "baxter", "--states", "60", "--output", str(tmp_path)]) == 0
-    rows = read(tmp_path / "solid_fidelity.csv")
+    rows = read(tmp_path / "solid_fidelity.json")
     assert [row["robot"] for row in rows] == ["ur5", "baxter", "baxter", "baxter"]  # whose torso is open
     for row in rows:
-        assert float(row["valid"]) == pytest.approx(float(row["valid_hulls"]) + float(row["filling"]))
-        assert [row["refused_apart"], row["missed"]] == ["0", "0"]
+        assert row["valid"] == pytest.approx(row["valid_hulls"] + row["filling"])
+        assert [row["refused_apart"], row["missed"]] == [0, 0]
     assert "only hulls refuse" in capsys.readouterr().out
 
 
 def test_solid_costs_command(tmp_path, capsys):
     arguments = ["--robot", "panda", "ur5", "--states", "60", "--rounds", "1"]
     assert main(["bench", "solid-costs", *arguments, "--output", str(tmp_path)]) == 0
-    rows = read(tmp_path / "solid_costs.csv")
+    rows = read(tmp_path / "solid_costs.json")
     assert [row["robot"] for row in rows] == ["panda"] * 4 + ["ur5"] * 4
     assert len({row["work"] for row in rows}) == 4
     for row in rows:
-        assert float(row["ratio"]) == pytest.approx(float(row["of_solids"]) / float(row["of_hulls"]))
-        assert (int(row["concave"]) > 0) == (row["robot"] == "ur5")
-    assert all(int(row["dented"]) > 4 and 1e-3 < float(row["deepest"]) < 0.02 for row in rows[:4])
+        assert row["ratio"] == pytest.approx(row["of_solids"] / row["of_hulls"])
+        assert (row["concave"] > 0) == (row["robot"] == "ur5")
+    assert all(row["dented"] > 4 and 1e-3 < row["deepest"] < 0.02 for row in rows[:4])
     assert "by hulls" in capsys.readouterr().out
 
 

@@ -10,33 +10,37 @@ import pytest
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.tuning import METHODS
-from plannercheck.evaluation.stress.failing_cases import Case
+from plannercheck.evaluation.campaign.cases import load, save
+from plannercheck.evaluation.campaign.pairs import PairCase
+from plannercheck.evaluation.stress.campaign import campaign
+from plannercheck.evaluation.stress.sample_bodies import Specimen
 
 HARD = Path(__file__).parent / "hard_cases"
 CASES = sorted(HARD.glob("*.json"))
+SUITES = {"pairs": lambda: campaign(0)}
 
 
 @pytest.mark.parametrize("path", CASES, ids=[path.stem for path in CASES])
 def test_kept_case(path: Path) -> None:
-    case = Case.load(path)
-    p, r, pose_p, pose_r = case.bodies
-    truth = exact.intersects(*case.bodies, *case.inflation_radii)
-    first, second = (
-        pc.Polytope(p, inflation_radius=case.inflation_radii[0]),
-        pc.Polytope(r, inflation_radius=case.inflation_radii[1]),
-    )
+    suite, case = load(path, SUITES)
+    p, r, pose_p, pose_r = case.p, case.r, case.pose_p, case.pose_r
+    truth = exact.intersects(p.points, r.points, pose_p, pose_r, p.inflation_radius, r.inflation_radius)
+    first, second = (pc.Polytope(body.points, inflation_radius=body.inflation_radius) for body in (p, r))
     assert (first.fault(), second.fault()) == ("", "")
     for method in METHODS:
         assert pc.intersects(first, second, pose_p, pose_r, method=method) == truth
         assert pc.intersects(second, first, pose_r, pose_p, method=method) == truth
+    assert suite.faults(case) == {}
 
 
 def test_a_case_keeps_every_bit(tmp_path: Path) -> None:
     rng = np.random.default_rng(8)
-    shapes = ((4, 3), (5, 3), (4, 4), (4, 4))
-    case = Case("a name", tuple(rng.normal(size=shape) for shape in shapes))  # type: ignore[arg-type]
-    case.save(tmp_path / "case.json")
-    loaded = Case.load(tmp_path / "case.json")
+    p, r = (Specimen("a body", rng.normal(size=(k, 3)), k / 3) for k in (4, 5))
+    case = PairCase("a name", p, r, *rng.normal(size=(2, 4, 4)))
+    save(tmp_path / "case.json", "pairs", case.document())
+    _, loaded = load(tmp_path / "case.json", SUITES)
     assert loaded.name == case.name
-    for array, same in zip(case.bodies, loaded.bodies, strict=True):
-        np.testing.assert_array_equal(array, same)
+    for body, same in ((p, loaded.p), (r, loaded.r)):
+        assert body.inflation_radius == same.inflation_radius
+        np.testing.assert_array_equal(body.points, same.points)
+    np.testing.assert_array_equal([case.pose_p, case.pose_r], [loaded.pose_p, loaded.pose_r])

@@ -15,42 +15,46 @@ from hypothesis import strategies as st
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.cli.main import main
-from plannercheck.evaluation.stress import run as stress
-from plannercheck.evaluation.stress.failing_cases import Case, shrunk
-from plannercheck.evaluation.stress.failure_tables import EXCEPTION, TIMEOUT, WRONG
+from plannercheck.evaluation.campaign import pairs, tallies
+from plannercheck.evaluation.campaign.campaign import run
+from plannercheck.evaluation.campaign.pair_tables import TRUTH
+from plannercheck.evaluation.campaign.pairs import PairCase, smaller
+from plannercheck.evaluation.campaign.posed_pairs import UNFIT
+from plannercheck.evaluation.campaign.supervised_process import Supervised
+from plannercheck.evaluation.campaign.tallies import EXCEPTION, TIMEOUT, WRONG, Tally, total
+from plannercheck.evaluation.stress import campaign as stress
 from plannercheck.evaluation.stress.other_libraries import Coal, Fcl
 from plannercheck.evaluation.stress.random_cases import FAMILY_NAMES, GAPS, Draw, draw, draws
-from plannercheck.evaluation.stress.supervised_process import Supervised
-from plannercheck.evaluation.stress.tables import lines
+from plannercheck.evaluation.stress.sample_bodies import Specimen
 
 SAMPLE = 6000  # pairs: fewer leave families out
 
 
+SUITE = stress.campaign(2026, (Coal,))
+
+
 @pytest.fixture(scope="module")
-def tally() -> stress.StressTally:
-    return stress.run(SAMPLE, seed=2026, peers=[Coal()])
+def tally() -> Tally[PairCase[Specimen]]:
+    return run(SUITE, SAMPLE)
 
 
-def test_nothing_fails_on_a_sample(tally: stress.StressTally) -> None:
-    assert tally.passed, "\n".join(lines(tally, []))
+def test_nothing_fails_on_a_sample(tally: Tally[PairCase[Specimen]]) -> None:
+    assert tally.failures == 0, "\n".join(SUITE.lines(tally))
     assert not tally.cases
 
 
-def test_the_sample_has_all_families_and_both_answers(tally: stress.StressTally) -> None:
-    assert {family for family, _, _ in tally.pairs} == set(FAMILY_NAMES)
-    assert {gap for _, gap, _ in tally.pairs} == set(GAPS)
-    sharing = sum(count for (_, _, shared), count in tally.pairs.items() if shared)
-    assert 0.3 < sharing / tally.pairs.total() < 0.7
+def test_the_sample_has_all_families_and_both_answers(tally: Tally[PairCase[Specimen]]) -> None:
+    assert {entry.family for entry in tally.counts} == set(FAMILY_NAMES)
+    assert {entry.offset for entry in tally.counts} == set(GAPS)
+    assert 0.3 < total(tally.counts, who=TRUTH, shared=True) / tally.judged < 0.7
 
 
-def test_the_tables_count_every_pair_and_the_errors_of_peers(tally: stress.StressTally) -> None:
-    text = lines(tally, ["coal"])
-    totals = [line.split() for line in text if line.startswith("all")]
-    assert len(totals) == 2
-    for total in totals:
-        assert total[1:6] == [str(tally.pairs.total()), totals[0][2], "0", "0", "0"]
-    wrong = sum(n for (who, kind, _), n in tally.failures.items() if (who, kind) == ("coal", WRONG))
-    assert wrong == int(totals[0][6]) + int(totals[0][7]) > 0
+def test_the_tables_count_every_pair_and_the_errors_of_peers(tally: Tally[PairCase[Specimen]]) -> None:
+    sums = [line.split() for line in SUITE.lines(tally) if line.startswith("all")]
+    assert len(sums) == 2
+    for each in sums:
+        assert each[1:6] == [str(tally.judged), sums[0][2], "0", "0", "0"]
+    assert total(tally.counts, who="coal", outcome=WRONG) == int(sums[0][6]) + int(sums[0][7]) > 0
 
 
 @settings(max_examples=40, derandomize=True, deadline=None)
@@ -71,12 +75,25 @@ def test_draws_can_be_made_again() -> None:
 
 
 def test_wrong_verdicts_exceptions_and_timeouts_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stress, "_outcomes", _badly)
-    monkeypatch.setattr(stress, "KEPT", 0)
-    tally = stress.run(1, seed=1)
-    assert not tally.passed
-    kinds = {kind for who, kind, _ in tally.failures if who == "walk"}
-    assert {EXCEPTION, TIMEOUT, WRONG} <= kinds
+    monkeypatch.setattr(stress, "outcomes_of", _badly)
+    tally = run(stress.campaign(1), 1)
+    assert tally.failures > tallies.KEPT == len(tally.cases)
+    assert {entry.outcome for entry in tally.faults if entry.who == "walk"} == {EXCEPTION, TIMEOUT, WRONG}
+    assert tally.first == dict.fromkeys((EXCEPTION, TIMEOUT, WRONG), tally.judged)
+    many = Tally[PairCase[Specimen]]()
+    for _ in range(2):
+        many.merge(tally)
+    assert len(many.cases) == tallies.KEPT
+
+
+def test_a_draw_that_can_not_be_made_is_broken_and_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(self: Specimen) -> None:
+        raise pc.PlannercheckError("no body")
+
+    monkeypatch.setattr(Specimen, "polytope", property(refused))
+    tally = run(stress.campaign(1), 3)
+    assert (tally.failures, tally.draws, tally.judged) == (3, 3, 3)
+    assert any("broken: draw 2: PlannercheckError('no body')" in line for line in stress.campaign(1).lines(tally))
 
 
 def _badly(drawn: object, method: str) -> list[bool | str]:
@@ -86,20 +103,28 @@ def _badly(drawn: object, method: str) -> list[bool | str]:
 def test_a_failure_is_shrunk_to_what_it_takes() -> None:
     rng = np.random.default_rng(1)
     p, r = rng.normal(size=(40, 3)), rng.normal(size=(30, 3))
-    case = Case("two clouds", (p, r, np.eye(4), np.eye(4)), (0.5, 0.0))
+    case = PairCase("two clouds", Specimen("p", p, 0.5), Specimen("r", r), np.eye(4), np.eye(4))
 
-    def shares(smaller: Case) -> bool:
-        return exact.intersects(*smaller.bodies, *smaller.inflation_radii)
+    def shares(tried: PairCase[Specimen]) -> bool:
+        radii = tried.p.inflation_radius, tried.r.inflation_radius
+        return exact.intersects(tried.p.points, tried.r.points, tried.pose_p, tried.pose_r, *radii)
 
-    small = shrunk(case, shares)
+    small = smaller(case, shares)
     assert shares(small)
-    assert small.inflation_radii == case.inflation_radii
-    assert len(small.bodies[0]) + len(small.bodies[1]) <= 5
+    assert small.p.inflation_radius == 0.5
+    assert len(small.p.points) + len(small.r.points) <= 5
+    assert stress.campaign(0).shrunk(case) is case  # it does not fail
 
 
-def test_a_inflated_case_keeps_its_inflation_radii(tmp_path: Path) -> None:
-    Case("a name", (np.zeros((1, 3)), np.ones((1, 3)), np.eye(4), np.eye(4)), (0.1, 0.0)).save(tmp_path / "case.json")
-    assert Case.load(tmp_path / "case.json").inflation_radii == (0.1, 0.0)
+def test_a_failure_is_kept_and_asked_again(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    told = stress.batch
+    monkeypatch.setattr(stress, "batch", lambda *a: [not shared for shared in told(*a)])
+    monkeypatch.setattr(pairs, "KEPT", 1)
+    assert main(["stress", "--pairs", "20", "--seed", "4", "--cases", str(tmp_path)]) == 1
+    (file,) = tmp_path.iterdir()
+    assert main(["stress", "--case", str(file)]) == 1
+    monkeypatch.undo()
+    assert main(["stress", "--case", str(file)]) == 0
 
 
 @pytest.mark.parametrize("peer", [Coal, Fcl])
@@ -119,8 +144,8 @@ def test_peers_agree_at_wide_gaps_of_bodies_about_a_metre(peer: type[Coal] | typ
                 drawn.p.inflation_radius,
                 drawn.r.inflation_radius,
             )
-            asked += outcomes[k] != stress.UNFIT
-            wrong += outcomes[k] not in (stress.UNFIT, truth)
+            asked += outcomes[k] != UNFIT
+            wrong += outcomes[k] not in (UNFIT, truth)
     assert wrong <= asked / 10
     assert asked > 3
 

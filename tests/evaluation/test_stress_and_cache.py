@@ -5,14 +5,15 @@ import os
 import pytest
 
 from plannercheck.common.cache import cache_folder
-from plannercheck.evaluation.stress_motions import run as motions
-from plannercheck.evaluation.stress_parts import run as parts
-from plannercheck.evaluation.stress_solids import run as solids
+from plannercheck.evaluation.campaign.campaign import run
+from plannercheck.evaluation.stress_motions import campaign as motions
+from plannercheck.evaluation.stress_parts import campaign as parts
+from plannercheck.evaluation.stress_solids import campaign as solids
 
 RUNS = {
-    "motions": lambda: motions.run(10, seed=4, families=("shipped",)),  # others have too few points to be kept
-    "parts": lambda: parts.run(100, seed=9),
-    "solids": lambda: solids.run(100, seed=9),
+    "motions": lambda: run(motions.campaign(4, ("shipped",)), 10),  # others have too few points to be kept
+    "parts": lambda: run(parts.campaign(9), 100),
+    "solids": lambda: run(solids.campaign(9), 100),
 }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,32 +17,48 @@ from scipy.spatial.transform import Rotation
 import plannercheck as pc
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.cli.main import main
-from plannercheck.evaluation.stress_motions import run as motion_run
+from plannercheck.evaluation.campaign.campaign import run
+from plannercheck.evaluation.campaign.cases import load, save
+from plannercheck.evaluation.campaign.tallies import Tally, total
+from plannercheck.evaluation.stress_motions import campaign as motion_campaign
+from plannercheck.evaluation.stress_motions.campaign import FAMILY_NAMES, campaign
 from plannercheck.evaluation.stress_motions.cases import MotionCase, shrunk
 from plannercheck.evaluation.stress_motions.contacts import Closeness, extent_of, random_contact
 from plannercheck.evaluation.stress_motions.draws import tree_draw
-from plannercheck.evaluation.stress_motions.outcomes import ASTRAY, COLLISION, EXCEPTION, HISTORY, PROOF, UNREASONED
+from plannercheck.evaluation.stress_motions.ompl_paths import OMPL_FAMILY
+from plannercheck.evaluation.stress_motions.outcomes import (
+    ASTRAY,
+    COLLISION,
+    EXCEPTION,
+    HISTORY,
+    PROOF,
+    UNREASONED,
+    Fault,
+    Judged,
+)
 from plannercheck.evaluation.stress_motions.planar_draws import planar_draw
 from plannercheck.evaluation.stress_motions.recipes import robot_of, shape_of, space_checker
-from plannercheck.evaluation.stress_motions.run import FAMILY_NAMES, MotionTally, run, tasks
 from plannercheck.evaluation.stress_motions.subjects import PlaneSubject, SpaceSubject, subject_of
-from plannercheck.evaluation.stress_motions.tables import lines
 from plannercheck.evaluation.stress_motions.tangents import tangents_of
 from plannercheck.evaluation.stress_motions.trees import Wishes, random_states, random_tree
 
 SAMPLE = 1000  # motions
 
 
+SUITE = campaign(2026, verified=0.03)
+SUITES = {"motions": lambda: SUITE}
+
+
 @pytest.fixture(scope="module")
-def tally() -> MotionTally:
-    return run(SAMPLE, seed=2026, verified=60)
+def tally() -> Tally[MotionCase]:
+    return run(SUITE, SAMPLE)
 
 
-def test_nothing_fails_on_a_sample(tally: MotionTally) -> None:
-    assert tally.failures == 0, "\n".join(lines(tally))
+def test_nothing_fails_on_a_sample(tally: Tally[MotionCase]) -> None:
+    assert tally.failures == 0, "\n".join(SUITE.lines(tally))
     assert not tally.cases
-    assert tally.motions >= SAMPLE
-    counted = {name: sum(count[name] for count in tally.counts.values()) for name in ("free", "sharp", "verified")}
+    assert tally.judged >= SAMPLE
+    counted = {name: total(tally.counts, outcome=name) for name in ("free", "sharp", "verified")}
     assert counted["free"] > SAMPLE / 5
     assert counted["sharp"] > SAMPLE / 20
     assert counted["verified"] > 20
@@ -49,15 +66,16 @@ def test_nothing_fails_on_a_sample(tally: MotionTally) -> None:
 
 @pytest.mark.parametrize("family", FAMILY_NAMES)
 def test_every_family_is_judged(family: str) -> None:
-    found = run(10, seed=3, families=(family,))
-    assert found.failures == 0, "\n".join(lines(found))
-    assert found.counts[family]["motions"] >= 10
+    suite = campaign(3, (family,))
+    found = run(suite, 10)
+    assert found.failures == 0, "\n".join(suite.lines(found))
+    assert total(found.counts, family=family, outcome="motions") == found.judged >= 10
 
 
 def test_what_is_found_does_not_depend_on_processes() -> None:
-    alone, shared = (run(600, seed=9, processes=k, families=("tree", "plane chain")) for k in (1, 2))
+    alone, shared = (run(campaign(9, ("tree", "plane chain")), 600, processes=k) for k in (1, 2))
     assert alone.counts == shared.counts
-    assert alone.draws == shared.draws == len(list(tasks(600, 9, 0, ("tree", "plane chain"))))
+    assert (alone.draws, alone.judged) == (shared.draws, shared.judged)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -115,30 +133,38 @@ def test_wrong_answers_are_found(
     asked: str, answer: Callable[..., Any], kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(SpaceSubject, asked, answer)
-    found = run(200, seed=4, verified=20, families=("tree",))
-    assert found.faults["tree"][kind] > 0, "\n".join(lines(found))
-    assert any(line.startswith("first " + kind) for line in lines(found))
+    suite = campaign(4, ("tree",), verified=0.1)
+    found = run(suite, 200)
+    assert total(found.faults, family="tree", outcome=kind) > 0, "\n".join(suite.lines(found))
+    assert any(line.startswith("first " + kind) for line in suite.lines(found))
 
 
 def test_a_failure_is_kept_shrunk_and_asked_again(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(SpaceSubject, "check", _all_free)
-    found = run(100, seed=4, families=("tree",))
+    found = run(campaign(4, ("tree",)), 100)
     case = next(case for case in found.cases if case.kind == COLLISION)
-    shrunk(case).save(tmp_path / "case.json")
-    kept = MotionCase.load(tmp_path / "case.json")
-    assert kept.motions is not None
+    save(tmp_path / "case.json", "motions", shrunk(case).document())
+    _, kept = load(tmp_path / "case.json", SUITES)
     assert len(kept.motions.at) == 1
-    assert kept.recipe is not None
     assert len(kept.recipe["obstacles"]) <= 1
     assert main(["stress", "--case", str(tmp_path / "case.json")]) == 1
     monkeypatch.undo()
     assert main(["stress", "--case", str(tmp_path / "case.json")]) == 0
 
 
-def test_an_exception_of_a_draw_is_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(motion_run, "tree_draw", _thrown)
-    found = run(100, seed=4, families=("tree",))
-    assert found.faults["tree"][EXCEPTION] == 1
+def test_an_exception_of_a_draw_breaks_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(motion_campaign, "tree_draw", _thrown)
+    found = run(campaign(4, ("tree",)), 1)
+    assert found.failures == len(found.broken) == 1
+
+
+def test_a_fault_without_a_draw_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    faulty = Judged(Counter(motions=1), [Fault(PROOF, -1, "what is wrong")])
+    monkeypatch.setitem(motion_campaign._SPECIAL, OMPL_FAMILY, lambda rng: faulty)
+    suite = campaign(4, (OMPL_FAMILY,))
+    text = "\n".join(suite.lines(run(suite, 1)))
+    assert "first proof refused" in text
+    assert "what is wrong" in text
 
 
 def test_the_command(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -157,14 +183,14 @@ def test_the_command(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Mon
     "path", sorted((Path(__file__).parent / "hard_cases" / "motions").glob("*.json")), ids=lambda path: path.stem
 )
 def test_motions_that_once_failed(path: Path) -> None:
-    assert MotionCase.load(path).faults() == {}
+    _, case = load(path, SUITES)
+    assert SUITE.faults(case) == {}
 
 
 def test_a_proof_up_to_the_limit_of_the_tolerance_ends():
     """With the finest tolerance, one end of an interval between neighbouring doubles is clear and the other is not."""
-    case = MotionCase.load(Path(__file__).parent / "hard_cases" / "motions" / "ends-at-the-limit-of-the-tolerance.json")
-    assert case.recipe is not None
-    assert case.motions is not None
+    path = Path(__file__).parent / "hard_cases" / "motions" / "ends-at-the-limit-of-the-tolerance.json"
+    _, case = load(path, SUITES)
     subject = subject_of(case.recipe)
     found = subject.motion_result(case.motions.q0[0], case.motions.q1[0], case.tolerance, True)
     assert not found.free

@@ -15,53 +15,61 @@ import plannercheck as pc
 from plannercheck.bodies import exact_reference
 from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
 from plannercheck.cli.main import main
-from plannercheck.evaluation.stress.failure_tables import EXCEPTION, TIMEOUT, WRONG
-from plannercheck.evaluation.stress.posed_pairs import Outcome
+from plannercheck.evaluation.campaign import pairs
+from plannercheck.evaluation.campaign.campaign import judged, run
+from plannercheck.evaluation.campaign.cases import load, save
+from plannercheck.evaluation.campaign.pairs import PairCase, smaller
+from plannercheck.evaluation.campaign.posed_pairs import UNFIT, Outcome
+from plannercheck.evaluation.campaign.tallies import EXCEPTION, TIMEOUT, WRONG, Tally, total
 from plannercheck.evaluation.stress.random_cases import GAPS
+from plannercheck.evaluation.stress_parts import campaign as stress
 from plannercheck.evaluation.stress_parts import judges
-from plannercheck.evaluation.stress_parts import run as stress
 from plannercheck.evaluation.stress_parts.bodies import Body
-from plannercheck.evaluation.stress_parts.cases import PartCase, shrunk
+from plannercheck.evaluation.stress_parts.campaign import MOTION_DRAWS, MOTIONS, campaign
 from plannercheck.evaluation.stress_parts.draws import OTHERS, WITH_HALF_SPACE, Draw, least_excess, numbered_draw
 from plannercheck.evaluation.stress_parts.ellipsoid_truth import decide_ellipsoids
 from plannercheck.evaluation.stress_parts.given import Balls, Cells, Columns, Given, Hull, Mesh, Oval, Under
 from plannercheck.evaluation.stress_parts.half_space_placing import lowered
 from plannercheck.evaluation.stress_parts.motions import FREE, MISSED, REFUSED, judge_motions, shape_of
 from plannercheck.evaluation.stress_parts.set_families import SETS, random_set
-from plannercheck.evaluation.stress_parts.tables import lines
 from plannercheck.evaluation.stress_parts.truth import decide
 
 SAMPLE = 2000  # pairs
 
 
+SUITE = campaign(2028)
+SUITES = {"parts": lambda: SUITE}
+
+
 @pytest.fixture(scope="module")
-def tally() -> stress.PartTally:
-    return stress.run(SAMPLE, seed=2028)
+def tally() -> Tally[PairCase[Body]]:
+    return run(SUITE, SAMPLE)
 
 
-def test_nothing_fails_on_a_sample(tally: stress.PartTally) -> None:
-    assert tally.passed, "\n".join(lines(tally))
+def test_nothing_fails_on_a_sample(tally: Tally[PairCase[Body]]) -> None:
+    assert tally.failures == 0, "\n".join(SUITE.lines(tally))
     assert not tally.cases
-    assert tally.pairs.total() >= SAMPLE
+    assert tally.judged >= SAMPLE
 
 
-def test_every_way_of_asking_was_asked(tally: stress.PartTally) -> None:
-    asked = {who: tally.times_asked(who, lambda key: True) for who in judges.OURS}
-    assert asked["batch"] == asked["swapped"] == asked["shuffled"] == tally.pairs.total()
+def test_every_way_of_asking_was_asked(tally: Tally[PairCase[Body]]) -> None:
+    unasked = UNFIT
+    asked = {who: total(tally.counts, who=who) - total(tally.counts, who=who, outcome=unasked) for who in judges.OURS}
+    assert asked["batch"] == asked["swapped"] == asked["shuffled"] == tally.judged
     assert min(asked.values()) > 10
 
 
-def test_the_tables_count_every_pair(tally: stress.PartTally) -> None:
-    totals = [line.split() for line in lines(tally) if line.startswith("all")]
-    assert len(totals) == 3
-    assert sum(map(int, totals[2][1:])) == tally.motions.total() > 0
-    for total in totals[:2]:
-        assert total[1:] == [str(tally.pairs.total()), totals[0][2], "0", "0", "0"]
+def test_the_tables_count_every_pair(tally: Tally[PairCase[Body]]) -> None:
+    sums = [line.split() for line in SUITE.lines(tally) if line.startswith("all")]
+    assert len(sums) == 3
+    assert sum(map(int, sums[2][1:])) == total(tally.counts, who=MOTIONS) > 0
+    for each in sums[:2]:
+        assert each[1:] == [str(tally.judged), sums[0][2], "0", "0", "0"]
 
 
 def test_runs_do_not_depend_on_the_number_of_processes() -> None:
-    alone, together = stress.run(400, seed=9), stress.run(400, seed=9, processes=2)
-    for of in ("pairs", "failures", "asked", "broken", "motions"):
+    alone, together = run(campaign(9), 400), run(campaign(9), 400, processes=2)
+    for of in ("counts", "faults", "draws", "judged", "broken"):
         assert getattr(alone, of) == getattr(together, of)
 
 
@@ -206,17 +214,16 @@ def ellipsoid_on_a_plane() -> Draw:
 def test_failures_are_counted_and_kept(outcome: str, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of one contestant, at one pair of each draw."""
 
-    def answers(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outcome]]:
+    def answers(drawn: Draw, truth: list[bool], number: int) -> pairs.Asked:
         told: list[Outcome] = [*truth]
         told[0] = not truth[0] if outcome == "wrong" else outcome
-        return {judges.BATCH: told}
+        return {judges.BATCH: lambda: told}
 
-    monkeypatch.setattr(stress, "verdicts", answers)
-    monkeypatch.setattr(stress, "shrunk", lambda case, fails: case)
-    tally = stress.judge_draws(stress.Task(1, 0, 3))
-    assert not tally.passed
-    assert [what for (_, what, _) in tally.failures] == [kind] * len(tally.failures)
-    assert sum(tally.failures.values()) == len(tally.cases) == 3
+    suite = replace(campaign(1), questions=answers)
+    tally = Tally[PairCase[Body]]()
+    for number in range(3):
+        tally.merge(judged((suite, number)))
+    assert total(tally.faults, outcome=kind) == tally.failures == len(tally.cases) == 3
 
 
 def test_motions_that_meet_a_set_and_are_passed_are_missed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -226,8 +233,9 @@ def test_motions_that_meet_a_set_and_are_passed_are_missed(monkeypatch: pytest.M
     missed = judge_motions(4, 1)
     assert missed.total() == refused.total()
     assert sum(missed[key] for key in missed if key[1] == MISSED) > 0
-    tally = stress.PartTally(motions=missed)
-    assert not tally.passed
+    tally = Tally[PairCase[Body]]()
+    stress._motions(4, MOTION_DRAWS, tally)
+    assert tally.failures == total(tally.counts, outcome=MISSED) > 0
 
 
 def test_sets_that_are_too_far_away_for_motions_are_left_out() -> None:
@@ -330,25 +338,24 @@ def of_all_kinds() -> list[Given]:
 def test_a_case_keeps_every_bit(given: Given, tmp_path: Path) -> None:
     pose = np.eye(4)
     pose[0, 3] = 1e-17 / 3
-    case = PartCase("a name", of_all_kinds()[0], given, pose, np.eye(4))
-    case.save(tmp_path / "case.json")
-    again = PartCase.load(tmp_path / "case.json")
-    assert PartCase.is_in(tmp_path / "case.json")
-    assert (again.name, type(again.r)) == ("a name", type(given))
-    assert again.r.document() == given.document()
-    for ours, theirs in zip(given.pieces(), again.r.pieces(), strict=True):
+    case = PairCase("a name", Body("", of_all_kinds()[0]), Body("", given), pose, np.eye(4))
+    save(tmp_path / "case.json", "parts", case.document())
+    _, again = load(tmp_path / "case.json", SUITES)
+    assert (again.name, type(again.r.given)) == ("a name", type(given))
+    for name, value in vars(given).items():
+        np.testing.assert_array_equal(value, getattr(again.r.given, name))
+    for ours, theirs in zip(given.pieces(), again.r.pieces, strict=True):
         np.testing.assert_array_equal(ours.corners, theirs.corners)
     np.testing.assert_array_equal(case.pose_p, again.pose_p)
-    assert stress.faults_of(again) == {}
+    assert SUITE.faults(again) == {}
 
 
 def test_files_that_hold_no_case_are_refused(tmp_path: Path) -> None:
-    for text in ('{"kind": "parts"}', '{"kind": "parts", "p": {"kind": "none"}}', "[]", '{"kind": "parts", "p": 3}'):
+    of_parts = '{"campaign": "parts"'
+    for text in (of_parts + "}", of_parts + ', "p": {"kind": "none"}}', "[]", of_parts + ', "p": 3}'):
         (tmp_path / "none.json").write_text(text)
-        with pytest.raises(pc.PlannercheckError, match="no case of sets of parts"):
-            PartCase.load(tmp_path / "none.json")
-    (tmp_path / "other.json").write_text("[]")
-    assert not PartCase.is_in(tmp_path / "other.json")
+        with pytest.raises(pc.PlannercheckError, match="no case of a stress"):
+            load(tmp_path / "none.json", SUITES)
 
 
 @pytest.mark.parametrize("given", of_all_kinds()[:3], ids=lambda given: given.kind)
@@ -356,13 +363,13 @@ def test_a_failure_is_shrunk_to_the_parts_that_it_takes(given: Given) -> None:
     """Taken for failing while a part comes close to its middle: that part is left."""
     middle = given.pieces()[1].centre
 
-    def fails(smaller: PartCase) -> bool:
-        return any(np.linalg.norm(piece.centre - middle) < 1e-9 for piece in smaller.p.pieces())
+    def fails(tried: PairCase[Body]) -> bool:
+        return any(np.linalg.norm(piece.centre - middle) < 1e-9 for piece in tried.p.pieces)
 
-    case = PartCase("", given, Hull(0.0, np.zeros((1, 3))), np.eye(4), np.eye(4))
-    left = shrunk(case, fails)
+    case = PairCase("", Body("", given), Body("", Hull(0.0, np.zeros((1, 3)))), np.eye(4), np.eye(4))
+    left = smaller(case, fails)
     assert fails(left)
-    assert len(left.p.pieces()) == 1
+    assert len(left.p.pieces) == 1
 
 
 def test_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -377,7 +384,7 @@ def test_a_wrong_verdict_fails_the_command(
 ) -> None:
     told = judges.batch
     monkeypatch.setattr(judges, "batch", lambda *a: [not shared for shared in told(*a)])
-    monkeypatch.setattr(stress, "KEPT", 1)
+    monkeypatch.setattr(pairs, "KEPT", 1)
     assert main(["stress", "--parts", "20", "--seed", "4", "--cases", str(tmp_path)]) == 1
     assert "failed: draw 0" in capsys.readouterr().out
     (file,) = tmp_path.iterdir()

@@ -12,15 +12,17 @@ import pytest
 from plannercheck.bodies.solids import Solid
 from plannercheck.cli.main import main
 from plannercheck.common.array_types import Floats
+from plannercheck.evaluation.campaign.campaign import run
+from plannercheck.evaluation.campaign.cases import save
+from plannercheck.evaluation.campaign.tallies import total
 from plannercheck.evaluation.stress_motions.aims import Motions
+from plannercheck.evaluation.stress_motions.campaign import campaign
 from plannercheck.evaluation.stress_motions.draws import Draw
 from plannercheck.evaluation.stress_motions.mesh_states import MeshStates
 from plannercheck.evaluation.stress_motions.outcomes import COLLISION, FREE, UNREASONED, Judged
 from plannercheck.evaluation.stress_motions.planned_draws import PLANNED, planned_draw, refused_by_others
-from plannercheck.evaluation.stress_motions.run import run
 from plannercheck.evaluation.stress_motions.solid_draws import SETTINGS, solid_draw, stage_of
 from plannercheck.evaluation.stress_motions.subjects import SpaceSubject, subject_of
-from plannercheck.evaluation.stress_motions.tables import lines
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*open meshes")
 
@@ -29,9 +31,10 @@ FREE_BODIES = "key in lock", "hook in ring"
 
 @pytest.mark.parametrize("family", SETTINGS)
 def test_every_setting_is_judged(family: str) -> None:
-    found = run(1, seed=3, families=(family,))
-    assert found.failures == 0, "\n".join(lines(found))
-    count = found.counts[family]
+    suite = campaign(3, (family,))
+    found = run(suite, 1)
+    assert found.failures == 0, "\n".join(suite.lines(found))
+    count = {entry.outcome: n for entry, n in found.counts.items()}
     assert count["sharp"] > 5
     assert count["free"] > 50
     assert count["mesh states"] > 40 * count["free"]
@@ -40,12 +43,14 @@ def test_every_setting_is_judged(family: str) -> None:
 
 @pytest.mark.parametrize("family", ["planned ur10", "planned hook in ring"])
 def test_hulls_refuse_a_part_of_a_planners_motions(family: str) -> None:
-    found = run(1, seed=2, families=(family,))
-    assert found.failures == 0, "\n".join(lines(found))
-    count = found.counts[family]
+    suite = campaign(2, (family,))
+    found = run(suite, 1)
+    assert found.failures == 0, "\n".join(suite.lines(found))
+    count = {entry.outcome: n for entry, n in found.counts.items()}
     assert count["planned"] == count["free"] == count["motions"]  # all that the planner was told are free
     assert 0 < count["refused by hull"] < count["planned"]
-    assert any(f"{family}: {count['planned']} motions of RRT-Connect: hulls refuse" in line for line in lines(found))
+    told = f"{family}: {count['planned']} motions of RRT-Connect: hulls refuse"
+    assert any(told in line for line in suite.lines(found))
 
 
 def test_refused_by_hulls_is_counted() -> None:
@@ -129,8 +134,9 @@ def test_what_meshes_contradict_is_found(
     owner: type, asked: str, answer: Callable[..., Any], kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(owner, asked, answer)
-    found = run(1, seed=4, families=("hook in ring",))
-    assert found.faults["hook in ring"][kind] > 0, "\n".join(lines(found))
+    suite = campaign(4, ("hook in ring",))
+    found = run(suite, 1)
+    assert total(found.faults, outcome=kind) > 0, "\n".join(suite.lines(found))
 
 
 def test_meshes_alone_find_motions_that_pass_through(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -139,8 +145,9 @@ def test_meshes_alone_find_motions_that_pass_through(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("plannercheck.evaluation.stress_motions.judges.sampled", lambda *_: None)
     monkeypatch.setattr("plannercheck.evaluation.stress_motions.judges.ends_and_contacts", lambda *_: None)
     monkeypatch.setattr("plannercheck.evaluation.stress_motions.judges.least_clearances", lambda *_: None)
-    found = run(1, seed=4, families=("key in lock",))
-    assert found.faults["key in lock"][COLLISION] > 50
+    suite = campaign(4, ("key in lock",))
+    found = run(suite, 1)
+    assert total(found.faults, outcome=COLLISION) > 50
 
 
 def test_the_command(capsys: pytest.CaptureFixture[str]) -> None:
@@ -156,8 +163,9 @@ def test_the_command(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_a_failure_is_kept_and_asked_again(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(SpaceSubject, "check", _all_free)
-    found = run(1, seed=4, families=("hook in ring",))
-    found.cases[0].save(tmp_path / "case.json")
+    suite = campaign(4, ("hook in ring",))
+    found = run(suite, 1)
+    save(tmp_path / "case.json", "motions", found.cases[0].document())
     assert main(["stress", "--case", str(tmp_path / "case.json")]) == 1
     monkeypatch.undo()
     assert main(["stress", "--case", str(tmp_path / "case.json")]) == 0

@@ -10,52 +10,60 @@ import pytest
 
 import plannercheck as pc
 from plannercheck.cli.main import main
-from plannercheck.evaluation.stress import posed_pairs
-from plannercheck.evaluation.stress.failure_tables import EXCEPTION, TIMEOUT, WRONG
-from plannercheck.evaluation.stress.supervised_process import Supervised
+from plannercheck.evaluation.campaign import pairs, posed_pairs
+from plannercheck.evaluation.campaign.campaign import judged, run
+from plannercheck.evaluation.campaign.cases import load, save
+from plannercheck.evaluation.campaign.pair_tables import INSIDE, TRUTH
+from plannercheck.evaluation.campaign.pairs import PairCase, smaller
+from plannercheck.evaluation.campaign.supervised_process import Supervised
+from plannercheck.evaluation.campaign.tallies import EXCEPTION, TIMEOUT, WRONG, Tally, total
 from plannercheck.evaluation.stress_solids import judges, robot_links
-from plannercheck.evaluation.stress_solids import run as stress
 from plannercheck.evaluation.stress_solids.bodies import Body, decided
-from plannercheck.evaluation.stress_solids.cases import SolidCase, shrunk
+from plannercheck.evaluation.stress_solids.campaign import campaign
 from plannercheck.evaluation.stress_solids.draws import Draw, numbered_draw
 from plannercheck.evaluation.stress_solids.other_libraries import CoalMeshes, FclMeshes
 from plannercheck.evaluation.stress_solids.robot_links import link_draw
 from plannercheck.evaluation.stress_solids.solid_families import SOLID_FAMILIES
 from plannercheck.evaluation.stress_solids.surfaces import ball
-from plannercheck.evaluation.stress_solids.tables import lines
 
 SAMPLE = 1500  # pairs
+SUITES = {"solids": lambda: campaign(0)}
 CASES = sorted((Path(__file__).parent / "solid_cases").glob("*.json"))
 
 
+SUITE = campaign(2027)
+
+
 @pytest.fixture(scope="module")
-def tally() -> stress.SolidTally:
-    return stress.run(SAMPLE, seed=2027)
+def tally() -> Tally[PairCase[Body]]:
+    return run(SUITE, SAMPLE)
 
 
-def test_nothing_fails_on_a_sample(tally: stress.SolidTally) -> None:
-    assert tally.passed, "\n".join(lines(tally, []))
+def test_nothing_fails_on_a_sample(tally: Tally[PairCase[Body]]) -> None:
+    assert tally.failures == 0, "\n".join(SUITE.lines(tally))
     assert not tally.cases
-    assert tally.pairs.total() >= SAMPLE
-    assert tally.inside.total() > 0
+    assert tally.judged >= SAMPLE
+    assert total(tally.counts, outcome=INSIDE) > 0
 
 
-def test_every_way_of_asking_was_asked(tally: stress.SolidTally) -> None:
-    asked = {who: sum(n for (name, _), n in tally.asked.items() if name == who) for who in judges.OURS}
-    assert asked["batch"] == asked["swapped"] == asked["public"] == tally.pairs.total()
+def test_every_way_of_asking_was_asked(tally: Tally[PairCase[Body]]) -> None:
+    unasked = posed_pairs.UNFIT
+    asked = {who: total(tally.counts, who=who) - total(tally.counts, who=who, outcome=unasked) for who in judges.OURS}
+    assert asked["batch"] == asked["swapped"] == asked["public"] == tally.judged
     assert min(asked.values()) > tally.draws
 
 
-def test_the_tables_count_every_pair(tally: stress.SolidTally) -> None:
-    totals = [line.split() for line in lines(tally, []) if line.startswith("all")]
-    assert len(totals) == 2
-    for total in totals:
-        assert total[1:] == [str(tally.pairs.total()), totals[0][2], str(tally.inside.total()), "0", "0", "0"]
+def test_the_tables_count_every_pair(tally: Tally[PairCase[Body]]) -> None:
+    sums = [line.split() for line in SUITE.lines(tally) if line.startswith("all")]
+    assert len(sums) == 2
+    inside = total(tally.counts, outcome=INSIDE)
+    for each in sums:
+        assert each[1:] == [str(tally.judged), sums[0][2], str(inside), "0", "0", "0"]
 
 
 def test_runs_do_not_depend_on_the_number_of_processes() -> None:
-    alone, together = stress.run(400, seed=9), stress.run(400, seed=9, processes=2)
-    for of in ("pairs", "inside", "failures", "asked", "broken"):
+    alone, together = run(campaign(9), 400), run(campaign(9), 400, processes=2)
+    for of in ("counts", "faults", "draws", "judged", "broken"):
         assert getattr(alone, of) == getattr(together, of)
 
 
@@ -66,18 +74,16 @@ def test_runs_do_not_depend_on_the_number_of_processes() -> None:
 def test_failures_are_counted_and_kept(outcome: str, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of one contestant, at one pair of each draw."""
 
-    def answers(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[posed_pairs.Outcome]]:
+    def answers(drawn: Draw, truth: list[bool], number: int) -> pairs.Asked:
         told: list[posed_pairs.Outcome] = [*truth]
         told[0] = not truth[0] if outcome == "wrong" else outcome
-        return {judges.BATCH: told}
+        return {judges.BATCH: lambda: told}
 
-    monkeypatch.setattr(stress, "verdicts", answers)
-    monkeypatch.setattr(stress, "shrunk", lambda case, fails: case)
-    tally = stress.judge_draws(stress.Task(1, 0, 3, ()))
-    assert not tally.passed
-    assert sum(n for (who, what, _), n in tally.failures.items() if (who, what) == (judges.BATCH, kind)) == 3
-    assert sum(tally.failures.values()) == 3
-    assert len(tally.cases) == 3
+    suite = replace(campaign(1), questions=answers)
+    tally = Tally[PairCase[Body]]()
+    for number in range(3):
+        tally.merge(judged((suite, number)))
+    assert total(tally.faults, who=judges.BATCH, outcome=kind) == tally.failures == len(tally.cases) == 3
 
 
 def test_a_question_that_takes_too_long_is_left_behind() -> None:
@@ -113,19 +119,18 @@ def test_distances_that_are_wrong_are_found(monkeypatch: pytest.MonkeyPatch) -> 
         assert judges._distances(drawn, truth, [0])[0] != truth[0]
 
 
-def box_case(shift: float) -> SolidCase:
+def box_case(shift: float) -> PairCase[Body]:
     """Two balls that touch in a corner, one of them moved."""
     pose = np.eye(4)
     pose[0, 3] = 1 + shift
-    return SolidCase("a name", Body("ball", ball(20)), Body("ball", ball(20), 0.25), pose, np.eye(4))
+    return PairCase("a name", Body("ball", ball(20)), Body("ball", ball(20), 0.25), pose, np.eye(4))
 
 
 def test_a_case_keeps_every_bit(tmp_path: Path) -> None:
     case = box_case(1e-17 / 3)
     case = replace(case, p=replace(case.p, surface=case.p.surface.scaled(1 / 3), is_convex=True))
-    case.save(tmp_path / "case.json")
-    again = SolidCase.load(tmp_path / "case.json")
-    assert SolidCase.is_in(tmp_path / "case.json")
+    save(tmp_path / "case.json", "solids", case.document())
+    _, again = load(tmp_path / "case.json", SUITES)
     for body, same in ((case.p, again.p), (case.r, again.r)):
         np.testing.assert_array_equal(body.surface.points, same.surface.points)
         np.testing.assert_array_equal(body.surface.triangles, same.surface.triangles)
@@ -135,25 +140,23 @@ def test_a_case_keeps_every_bit(tmp_path: Path) -> None:
             same.is_convex,
         )
     np.testing.assert_array_equal(case.pose_p, again.pose_p)
-    (tmp_path / "none.json").write_text('{"kind": "solids"}')
-    with pytest.raises(pc.PlannercheckError, match="no case of a pair of solids"):
-        SolidCase.load(tmp_path / "none.json")
-    (tmp_path / "other.json").write_text("[]")
-    assert not SolidCase.is_in(tmp_path / "other.json")
+    (tmp_path / "none.json").write_text('{"campaign": "solids"}')
+    with pytest.raises(pc.PlannercheckError, match="no case of a stress"):
+        load(tmp_path / "none.json", SUITES)
 
 
 def test_a_failure_is_shrunk_to_the_triangles_that_it_takes() -> None:
     """Taken for failing while the bodies meet: one triangle of each is left."""
     case = replace(box_case(0.0), r=Body("ball", ball(20)))
 
-    def meets(smaller: SolidCase) -> bool:
-        return bool(decided(smaller.p, smaller.pose_p[None], smaller.r, smaller.pose_r[None])[0])
+    def meets(tried: PairCase[Body]) -> bool:
+        return bool(decided(tried.p, tried.pose_p[None], tried.r, tried.pose_r[None])[0])
 
     assert meets(case)
-    left = shrunk(case, meets)
+    left = smaller(case, meets)
     assert [len(body.surface.triangles) for body in (left.p, left.r)] == [1, 1]
     assert [len(body.surface.points) for body in (left.p, left.r)] == [3, 3]
-    assert stress.faults_of(case) == {}
+    assert SUITE.faults(case) == {}
 
 
 def test_peers_find_surfaces_that_cross_and_miss_what_is_inside() -> None:
@@ -176,8 +179,8 @@ def test_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None
     assert not list(tmp_path.iterdir())
     assert main(["stress", "--solids", "0"]) == 2
     assert main(["stress", "--links"]) == main(["stress", "--parts", "5", "--links"]) == 2
-    case = SolidCase("touching", *(Body("ball", ball(20)),) * 2, box_case(0.0).pose_p, np.eye(4))
-    case.save(tmp_path / "case.json")
+    case = PairCase("touching", *(Body("ball", ball(20)),) * 2, box_case(0.0).pose_p, np.eye(4))
+    save(tmp_path / "case.json", "solids", case.document())
     assert main(["stress", "--case", str(tmp_path / "case.json")]) == 0
     assert "nothing is wrong now" in capsys.readouterr().out
 
@@ -187,7 +190,7 @@ def test_a_wrong_verdict_fails_the_command(
 ) -> None:
     told = judges.batch
     monkeypatch.setattr(judges, "batch", lambda *a: [not shared for shared in told(*a)])
-    monkeypatch.setattr(stress, "KEPT", 1)
+    monkeypatch.setattr(pairs, "KEPT", 1)
     assert main(["stress", "--solids", "20", "--seed", "4", "--cases", str(tmp_path)]) == 1
     assert "failed: draw 0" in capsys.readouterr().out
     (file,) = tmp_path.iterdir()
@@ -208,15 +211,16 @@ def test_links_of_robots_are_drawn_about_contacts(monkeypatch: pytest.MonkeyPatc
         shared = decided(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r) != 0
         assert shared[[k for k, name in enumerate(drawn.offsets) if name == "-1e-3"]].all()
         assert not shared[[k for k, name in enumerate(drawn.offsets) if name == "next"]].any()
-    tally = stress.run(100, seed=7, of_links=True)
-    assert tally.passed, "\n".join(lines(tally, []))
-    assert {family for family, _, _ in tally.pairs} == {"ur5", "baxter"}
+    suite = campaign(7, of_links=True)
+    tally = run(suite, 100)
+    assert tally.failures == 0, "\n".join(suite.lines(tally))
+    assert {entry.family for entry in tally.counts if entry.who == TRUTH} == {"ur5", "baxter"}
 
 
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
 def test_kept_case(path: Path) -> None:
     """Bodies that touch by construction, and the next doubles at which they do not, in every way of asking."""
-    case = SolidCase.load(path)
+    _, case = load(path, SUITES)
     shared = bool(decided(case.p, case.pose_p[None], case.r, case.pose_r[None], every=True)[0])
     assert shared == path.stem.endswith("touching")
-    assert stress.faults_of(case) == {}
+    assert SUITE.faults(case) == {}

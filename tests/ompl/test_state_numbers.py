@@ -113,7 +113,7 @@ def test_a_robot_reads_what_it_has_written(name):
     if name in ("panda", "kinova"):
         checker = pc.Checker(pc.Robot.load(name))
     else:
-        checker = pc.planar.Checker(pc.planar.Robot.load(name).within([-9, -9], [9, 9]))
+        checker = pc.planar.Checker(pc.planar.Robot.load(name).with_bounds([-9, -9], [9, 9]))
     space, information = space_of(checker), setup(checker).getSpaceInformation()
     rows = checker.robot.random_configurations(COUNT, 3)
     states = [space.state(information, row) for row in rows]

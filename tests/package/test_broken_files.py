@@ -15,9 +15,8 @@ import plannercheck as pc
 from plannercheck.bodies.mesh_files import read_mesh
 from plannercheck.cli import main as cli
 from plannercheck.common.checked_yaml import parse_yaml
-from plannercheck.evaluation.stress.failing_cases import Case
-from plannercheck.evaluation.stress_motions.cases import MotionCase
-from plannercheck.evaluation.stress_solids.cases import SolidCase
+from plannercheck.evaluation.campaign.cases import load
+from plannercheck.evaluation.stress.campaign import campaign
 from plannercheck.ompl.plans import Plan
 from plannercheck.proofs import load_proofs
 from plannercheck.proofs.urdf_joints import read_tree
@@ -52,12 +51,11 @@ def test_a_plan_that_is_nested_deep(tmp_path: Path) -> None:
         Plan.load(tmp_path / "p.json")
 
 
-@pytest.mark.parametrize("read", [Case.load, MotionCase.load, SolidCase.load])
-@pytest.mark.parametrize("content", ["{", "[]", "{}", DEEP, '{"name": 1, "motions": [1], "kind": 2}'])
-def test_kept_cases(tmp_path: Path, read, content: str) -> None:
+@pytest.mark.parametrize("content", ["{", "[]", "{}", DEEP, '{"campaign": "pairs", "p": [1]}', '{"campaign": [1]}'])
+def test_kept_cases(tmp_path: Path, content: str) -> None:
     (tmp_path / "c.json").write_text(content)
-    with pytest.raises(pc.PlannercheckError, match="no case of a"):
-        read(tmp_path / "c.json")
+    with pytest.raises(pc.PlannercheckError, match="no case of a stress"):
+        load(tmp_path / "c.json", {"pairs": lambda: campaign(0)})
 
 
 @pytest.mark.parametrize("method", [99, zipfile.ZIP_DEFLATED])

@@ -207,7 +207,7 @@ def test_a_scene_in_millimetres_gets_a_hint(tmp_path):
         pc.Scene.load(tmp_path / "s.yaml")
 
 
-# ---- what collections of the registries hold (tests/benchmarks/urdf_folders.py)
+# ---- what collections of the registries hold
 
 
 def test_limits_beyond_all_configurations_are_none(tmp_path):

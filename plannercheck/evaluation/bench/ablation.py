@@ -1,7 +1,7 @@
 """The effect of each stage of a check: the checker with one switch off, compared with the checker with all on.
 
 In: a robot and a scene. Out: a row for each switch and kind of states. Verdicts do not depend on switches; they are
-compared nevertheless.
+compared nevertheless. A second checker with all on shows what a difference between equal checkers is.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from functools import partial
 from plannercheck.bodies.tuning import Tuning, tuning_table
 from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.bench.motion_sets import along_motions
-from plannercheck.evaluation.bench.timing import least_seconds
+from plannercheck.evaluation.bench.timing import Contender, measured
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
 
-ALL_ON = "all on"
+ALL_ON, ALL_ON_AGAIN = "all on", "all on, again"
 WALK = "walk for oracle"
 
 
@@ -31,6 +31,7 @@ class SwitchRow:
         off: The switch that is off.
         microseconds: The least time for each state.
         ratio: The time over that with all switches on.
+        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
         wrong: Verdicts that differ from those with all on.
     """
 
@@ -38,6 +39,7 @@ class SwitchRow:
     off: str
     microseconds: float
     ratio: float
+    noise: float
     wrong: int
 
 
@@ -64,20 +66,21 @@ def measure(robot: Robot, scene: Scene, states: int, rounds: int, seed: int) -> 
 
 def _variants() -> dict[str, Tuning]:
     switches = [row.name for row in tuning_table() if row.type == "bool"]
-    variants = {ALL_ON: Tuning(), **{switch: Tuning().without(switch) for switch in switches}}
+    variants = {ALL_ON: Tuning(), ALL_ON_AGAIN: Tuning(), **{switch: Tuning().without(switch) for switch in switches}}
     return variants | {WALK: Tuning(method="walk")}
 
 
 def _rows(states: str, checkers: Mapping[str, Checker], q: Floats, rounds: int) -> list[SwitchRow]:
-    works = {off: partial(checker.check_states, q) for off, checker in checkers.items()}
-    seconds = least_seconds(works, rounds)
+    works = {off: Contender([partial(checker.check_states, q)], len(q)) for off, checker in checkers.items()}
+    seconds, noise = measured(works, rounds, null=ALL_ON_AGAIN)
     truth = checkers[ALL_ON].check_states(q)
     return [
         SwitchRow(
             states,
             off,
-            1e6 * seconds[off] / len(q),
+            1e6 * seconds[off],
             seconds[off] / seconds[ALL_ON],
+            noise,
             int((checker.check_states(q) != truth).sum()),
         )
         for off, checker in checkers.items()

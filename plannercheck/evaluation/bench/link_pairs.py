@@ -19,7 +19,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.pair_peers import Judge, coal_at_best
 from plannercheck.evaluation.bench.pairs import OURS, in_batch
 from plannercheck.evaluation.bench.solid_checkers import is_nested, posed_pair, with_hulls
-from plannercheck.evaluation.bench.timing import Work, least_seconds
+from plannercheck.evaluation.bench.timing import Contender, measured
 from plannercheck.motions.checker import Checker
 
 # How many times coal's time over ours is asked for.
@@ -39,6 +39,7 @@ class LinkPairRow:
         queries: Their number.
         microseconds: Our least time a query.
         coal: coal's, at its best; None without it.
+        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
         inside: Queries in which one body is inside the other, so that no surfaces meet.
         false_free: Queries that coal calls free though the bodies share points; those inside are among them.
         false_collision: Queries that coal calls colliding though the bodies share none.
@@ -53,6 +54,7 @@ class LinkPairRow:
     queries: int
     microseconds: float
     coal: float | None
+    noise: float
     inside: int
     false_free: int
     false_collision: int
@@ -92,22 +94,20 @@ def measure(
     found = [
         each for k in range(len(checker.pairs)) for each in _queries(checker, k, colliding[:, k], poses, most, skipped)
     ]
-    works: dict[str, Work] = {}
-    for each in found[:1]:
-        works["call"] = each.ours_without.work
-        if each.coal_without is not None:
-            works["call of coal"] = each.coal_without.work
-    for number, each in enumerate(found):
-        works[f"{number}"] = each.ours.work
-        if each.coal is not None:
-            works[f"{number} by coal"] = each.coal.work
-    seconds = least_seconds(works, rounds)
+    if not found:
+        return []
+    contenders = {f"{k}": Contender([each.ours.work]) for k, each in enumerate(found)}
+    contenders |= {f"{k} by coal": Contender([each.coal.work]) for k, each in enumerate(found) if each.coal is not None}
+    contenders["call"] = Contender([found[0].ours_without.work])
+    if found[0].coal_without is not None:
+        contenders["call of coal"] = Contender([found[0].coal_without.work])
+    seconds, noise = measured(contenders, rounds)
 
     def of_coal(k: int) -> float | None:
         spent = seconds.get(f"{k} by coal")
         return None if spent is None else spent - seconds.get("call of coal", 0.0)
 
-    return [_row(checker, each, seconds[f"{k}"] - seconds["call"], of_coal(k)) for k, each in enumerate(found)]
+    return [_row(checker, each, seconds[f"{k}"] - seconds["call"], of_coal(k), noise) for k, each in enumerate(found)]
 
 
 def _queries(
@@ -140,7 +140,7 @@ def _queries(
     return out
 
 
-def _row(checker: Checker, found: _Queries, ours: float, coal: float | None) -> LinkPairRow:
+def _row(checker: Checker, found: _Queries, ours: float, coal: float | None, noise: float) -> LinkPairRow:
     a, b = checker.pairs[found.pair].tolist()
     p, r, *_ = posed_pair(checker, found.pair, np.zeros((len(checker.bodies), 4, 4)))
     triangles = [len(each.faces) if each.solid is None else len(each.solid.triangles()) for each in (p, r)]
@@ -155,6 +155,7 @@ def _row(checker: Checker, found: _Queries, ours: float, coal: float | None) -> 
         found.count,
         1e6 * ours / found.count,
         None if coal is None else 1e6 * coal / found.count,
+        noise,
         found.inside,
         wrong if found.meet else 0,
         0 if found.meet else wrong,

@@ -16,7 +16,7 @@ from plannercheck.common.array_types import Bools
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.motion_methods import METHODS, MotionMethod, Ready
 from plannercheck.evaluation.bench.motion_sets import MotionSet
-from plannercheck.evaluation.bench.timing import Work, least_seconds
+from plannercheck.evaluation.bench.timing import Contender, Times, measured
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,7 @@ class MotionRow:
         free: Part of them that is proved free.
         microseconds: The least time a motion.
         ratio: That time over that of `check_motions`.
+        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
         false_free: Part of the motions that it calls free though they are refused.
         false_collision: Part of the motions that it calls colliding though they are proved free.
         note: What was timed.
@@ -45,6 +46,7 @@ class MotionRow:
     free: float
     microseconds: float
     ratio: float
+    noise: float
     false_free: float
     false_collision: float
     note: str
@@ -77,20 +79,14 @@ def measure(
             skipped(f"{method.name} is left out: {error}")
         else:
             counts[method.name] = [len(case.starts) for case in cases]
-    contenders: dict[str, Work | Sequence[Work]] = {name: found.works for name, found in ready.items()}
-    contenders |= {_less(name): found.overheads for name, found in ready.items() if found.overheads}
-    seconds = least_seconds(contenders, rounds)
-    each = {name: (seconds[name] - seconds.get(_less(name), 0.0)) / sum(counts[name]) for name in ready}
+    contenders = {name: Contender(found.works, sum(counts[name]), found.overheads) for name, found in ready.items()}
+    times = measured(contenders, rounds)
     truth = [case.checker.check_motions(case.starts, case.ends) for case in motions.cases]
-    return [_row(motions, name, found, truth, counts[name], each) for name, found in ready.items()]
-
-
-def _less(name: str) -> str:
-    return f"{name}, taken off"
+    return [_row(motions, name, found, truth, counts[name], times) for name, found in ready.items()]
 
 
 def _row(
-    motions: MotionSet, name: str, found: Ready, truth: Sequence[Bools], counts: Sequence[int], each: dict[str, float]
+    motions: MotionSet, name: str, found: Ready, truth: Sequence[Bools], counts: Sequence[int], times: Times
 ) -> MotionRow:
     right = np.concatenate([verdicts[:n] for verdicts, n in zip(truth, counts, strict=True)])
     said = np.concatenate([work() for work in found.works])
@@ -101,8 +97,9 @@ def _row(
         name,
         len(right),
         float(right.mean()),
-        1e6 * each[name],
-        each[name] / next(iter(each.values())),
+        1e6 * times.seconds[name],
+        times.seconds[name] / next(iter(times.seconds.values())),
+        times.noise,
         float((said & ~right).mean()),
         float((~said & right).mean()),
         found.note,

@@ -20,7 +20,7 @@ from plannercheck.bodies.tuning import Method, pair_options
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.pair_peers import COAL, PEERS, Bodies, Judge, JudgeMaker, Posed
-from plannercheck.evaluation.bench.timing import least_seconds
+from plannercheck.evaluation.bench.timing import Contender, measured
 from plannercheck.evaluation.stress.body_families import family
 from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses
 
@@ -44,6 +44,7 @@ class PairRow:
         method: Its name.
         microseconds: The least time a pair.
         coal_ratio: coal's time over that; None without coal.
+        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
         asked: The ratio that is asked for; None where none is.
         wrong: Verdicts that differ from the exact ones.
         pairs: Pairs in a round.
@@ -55,6 +56,7 @@ class PairRow:
     method: str
     microseconds: float
     coal_ratio: float | None
+    noise: float
     asked: int | None
     wrong: int
     pairs: int
@@ -117,15 +119,17 @@ def _measured(bodies: Bodies, shapes: _Shapes, posed: Posed, gap: float, rounds:
     judges |= {name: make(posed) for name, make in shapes.judges.items()}
     truth = in_batch(bodies, posed, "exact")()
     wrong = {name: int((judge() != truth).sum()) for name, judge in judges.items()}
-    seconds = least_seconds({name: judge.work for name, judge in judges.items()}, rounds)
-    vertices, pairs, coal = len(bodies[0].vertices), len(truth), seconds.get(COAL)
+    pairs, vertices = len(truth), len(bodies[0].vertices)
+    seconds, noise = measured({name: Contender([judge.work], pairs) for name, judge in judges.items()}, rounds)
+    coal = seconds.get(COAL)
     return [
         PairRow(
             vertices,
             gap,
             name,
-            1e6 * spent / pairs,
+            1e6 * spent,
             None if coal is None else coal / spent,
+            noise,
             ASKED[vertices][GAPS.index(gap)] if name in _BEST and vertices in ASKED and gap > 0 else None,
             wrong[name],
             pairs,

@@ -16,7 +16,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.transforms import pose_of
 from plannercheck.evaluation.bench.build_cost import Built, built, resident_bytes
 from plannercheck.evaluation.bench.motion_sets import random_motions
-from plannercheck.evaluation.bench.timing import Work, least_seconds
+from plannercheck.evaluation.bench.timing import Contender, Work, measured
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
@@ -42,6 +42,7 @@ class ScaleRow:
         pairs: Number of pairs of a state.
         microseconds: The least time a state.
         ratio: The time over that of the first scene.
+        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
         motion_microseconds: The least time a motion of `LENGTH`, proved or refused.
         motion_ratio: The time over that of the first scene.
         preparation: Seconds to build the checker, without the disk cache.
@@ -55,6 +56,7 @@ class ScaleRow:
     pairs: int
     microseconds: float
     ratio: float
+    noise: float
     motion_microseconds: float
     motion_ratio: float
     preparation: float
@@ -84,21 +86,25 @@ def measure(robot: Robot, boxes: Sequence[int], states: int, rounds: int, seed: 
         made[str(count)] = built(partial(Checker, robot, boxes_around(count, seed)))
         processes.append(resident_bytes())
     checkers = {name: item.value for name, item in made.items()}
-    of_states = _seconds({name: partial(checker.check_states, q) for name, checker in checkers.items()}, len(q), rounds)
+    of_states, noise = _timed(
+        {name: partial(checker.check_states, q) for name, checker in checkers.items()}, len(q), rounds
+    )
     nearest = next(iter(checkers.values()))  # what is near is alike in all
     starts, ends = random_motions(nearest, LENGTH, -(-states // _STATES_A_MOTION), np.random.default_rng(seed))
     proofs = {name: partial(checker.check_motions, starts, ends) for name, checker in checkers.items()}
-    of_motions = _seconds(proofs, len(starts), rounds)
+    of_motions, noise_of_motions = _timed(proofs, len(starts), rounds)
+    noise = max(noise, noise_of_motions)
     rows = zip(boxes, made.values(), of_states, of_motions, processes, strict=True)
     return [
-        _row(count, item, (state, state / of_states[0], motion, motion / of_motions[0]), process)
+        _row(count, item, (state, state / of_states[0], motion, motion / of_motions[0]), noise, process)
         for count, item, state, motion, process in rows
     ]
 
 
-def _seconds(works: Mapping[str, Work], count: int, rounds: int) -> list[float]:
-    """The least seconds of each, a piece; there may be none."""
-    return [seconds / max(count, 1) for seconds in least_seconds(works, rounds).values()]
+def _timed(works: Mapping[str, Work], count: int, rounds: int) -> tuple[list[float], float]:
+    """The least seconds of each, a piece, and the noise."""
+    times = measured({name: Contender([work], count) for name, work in works.items()}, rounds)
+    return list(times.seconds.values()), times.noise
 
 
 def boxes_around(count: int, seed: int) -> Scene:
@@ -120,7 +126,9 @@ def _rotation(rng: np.random.Generator) -> Floats:
     return np.asarray(q * np.sign(np.linalg.det(q)))
 
 
-def _row(count: int, item: Built[Checker], spent: tuple[float, float, float, float], process: int | None) -> ScaleRow:
+def _row(
+    count: int, item: Built[Checker], spent: tuple[float, float, float, float], noise: float, process: int | None
+) -> ScaleRow:
     checker = item.value
     own = {id(p): p for p in checker.prepared[: len(checker.robot.bodies)] if p is not None}.values()
     every = {id(p): p for p in checker.prepared if p is not None}.values()
@@ -129,6 +137,7 @@ def _row(count: int, item: Built[Checker], spent: tuple[float, float, float, flo
         len(checker.pairs),
         1e6 * spent[0],
         spent[1],
+        noise,
         1e6 * spent[2],
         spent[3],
         item.seconds,

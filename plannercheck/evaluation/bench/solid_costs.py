@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from plannercheck.common.array_types import Bools, Floats
-from plannercheck.evaluation.bench.timing import least_seconds
+from plannercheck.evaluation.bench.timing import Contender, measured
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
 
@@ -36,6 +36,7 @@ class SolidCostRow:
         of_hulls: µs each by the robot's hulls.
         of_solids: µs each by its solids.
         ratio: The second over the first.
+        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
         differ: Verdicts that differ: what only the filling of hulls refuses.
         dented: Solids that are their hulls but for shallow dents.
         concave: Other solids that are not their hulls.
@@ -48,6 +49,7 @@ class SolidCostRow:
     of_hulls: float
     of_solids: float
     ratio: float
+    noise: float
     differ: int
     dented: int
     concave: int
@@ -82,14 +84,12 @@ def measure(name: str, states: int, seed: int, rounds: int) -> list[SolidCostRow
     rows = []
     for work, (contenders, count, judge) in works.items():
         verdicts = {geometry: judge(checker) for geometry, checker in contenders.items()}
-        timed = {geometry: partial(judge, checker) for geometry, checker in contenders.items()}
-        seconds = least_seconds(timed, rounds)
-        of_hulls, of_solids = (1e6 * seconds[geometry] / count for geometry in (_HULLS, _SOLIDS))
+        timed = {geometry: Contender([partial(judge, checker)], count) for geometry, checker in contenders.items()}
+        seconds, noise = measured(timed, rounds)
+        spent = 1e6 * seconds[_HULLS], 1e6 * seconds[_SOLIDS], seconds[_SOLIDS] / seconds[_HULLS], noise
         differ = int((verdicts[_HULLS] != verdicts[_SOLIDS]).sum())
         found = (len(known), len(dents) - len(known), max(known, default=0.0))
-        rows.append(
-            SolidCostRow(robots[_HULLS].name, work, count, of_hulls, of_solids, of_solids / of_hulls, differ, *found)
-        )
+        rows.append(SolidCostRow(robots[_HULLS].name, work, count, *spent, differ, *found))
     return rows
 
 

@@ -23,7 +23,7 @@ from plannercheck.evaluation.bench.build_cost import Built, built
 from plannercheck.evaluation.bench.compiled_coal_loop import library
 from plannercheck.evaluation.bench.pair_peers import COAL_AT_BEST, Bodies, Judge, Posed, coal_at_best
 from plannercheck.evaluation.bench.pairs import OURS, in_batch
-from plannercheck.evaluation.bench.timing import least_seconds
+from plannercheck.evaluation.bench.timing import Contender, measured
 from plannercheck.evaluation.stress.contact_poses import identities, random_directions, turns_onto
 from plannercheck.evaluation.stress_solids.solid_families import Family, screw, torus
 
@@ -53,6 +53,7 @@ class SolidSizeRow:
         method: Its name.
         microseconds: The least time a pair.
         ratio: That over ours.
+        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
         meet: Part of the pairs that share points.
         wrong: Verdicts that differ from ours.
         pairs: Pairs in a round.
@@ -68,6 +69,7 @@ class SolidSizeRow:
     method: str
     microseconds: float
     ratio: float
+    noise: float
     meet: float
     wrong: int
     pairs: int
@@ -139,8 +141,9 @@ _Cost = tuple[float, float | None, int | None]
 def _timed(
     shape: str, triangles: int, gap: float, judges: dict[str, Judge], costs: dict[str, _Cost], rounds: int
 ) -> list[SolidSizeRow]:
-    seconds = least_seconds({name: judge.work for name, judge in judges.items()}, rounds)
     truth = judges[OURS_NAME]()
+    contenders = {name: Contender([judge.work], len(truth)) for name, judge in judges.items()}
+    seconds, noise = measured(contenders, rounds)
     rows = []
     for name, judge in judges.items():
         busy, of_hull, memory = costs[name]
@@ -150,8 +153,9 @@ def _timed(
                 triangles,
                 gap,
                 name,
-                1e6 * seconds[name] / len(truth),
+                1e6 * seconds[name],
                 seconds[name] / seconds[OURS_NAME],
+                noise,
                 float(truth.mean()),
                 int((judge() != truth).sum()),
                 len(truth),

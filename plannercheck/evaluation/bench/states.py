@@ -18,7 +18,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.build_cost import built
 from plannercheck.evaluation.bench.methods import Method
 from plannercheck.evaluation.bench.solid_checkers import has_solids, nested_pairs
-from plannercheck.evaluation.bench.timing import Work, least_seconds, seconds_of
+from plannercheck.evaluation.bench.timing import Contender, Times, measured, seconds_of
 from plannercheck.motions.checker import Checker
 
 Report = Callable[[str], None]
@@ -43,6 +43,7 @@ class StateRow:
         valid: Part of them that is valid, exactly.
         microseconds: The least time a state.
         ratio: The time over that of `check_states`.
+        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
         false_free: Part of the states that it calls free though they collide.
         false_collision: Part of the states that it calls colliding though they are free.
         false_free_inside: Those of the false free ones in which bodies collide only by one being inside the other, so
@@ -63,6 +64,7 @@ class StateRow:
     valid: float
     microseconds: float
     ratio: float
+    noise: float
     false_free: float
     false_collision: float
     false_free_inside: float | None
@@ -121,19 +123,10 @@ def measure(
         A row for each method that could be built.
     """
     ready = [found for method in methods if (found := _ready(method, q, skipped)) is not None]
-    contenders: dict[str, Work | Sequence[Work]] = {item.method.name: item.works for item in ready}
-    contenders |= {_less(item.method.name): item.overheads for item in ready if item.overheads}
-    seconds = least_seconds(contenders, rounds)
+    times = measured({item.method.name: Contender(item.works, item.states, item.overheads) for item in ready}, rounds)
     truth = checker.check_states(q)
     inside = _OnlyInside(checker, q) if has_solids(checker) else None
-    each = [(seconds[item.method.name] - seconds.get(_less(item.method.name), 0.0)) / item.states for item in ready]
-    return [
-        _row(checker, which, item, truth, inside, (spent, each[0])) for item, spent in zip(ready, each, strict=True)
-    ]
-
-
-def _less(name: str) -> str:
-    return f"{name}, taken off"
+    return [_row(checker, which, item, truth, inside, times) for item in ready]
 
 
 def _ready(method: Method, q: Floats, skipped: Report) -> _Ready | None:
@@ -183,9 +176,9 @@ def _row(
     item: _Ready,
     truth: Bools,
     inside: _OnlyInside | None,
-    spent: tuple[float, float],
+    times: Times,
 ) -> StateRow:
-    right, (seconds, first) = truth[: item.states], spent
+    right, seconds = truth[: item.states], times.seconds[item.method.name]
     missed = item.verdicts & ~right
     return StateRow(
         checker.robot.name,
@@ -197,7 +190,8 @@ def _row(
         item.states,
         float(right.mean()),
         1e6 * seconds,
-        seconds / first,
+        seconds / next(iter(times.seconds.values())),
+        times.noise,
         float(missed.mean()),
         float((~item.verdicts & right).mean()),
         None if inside is None else inside.share(missed),

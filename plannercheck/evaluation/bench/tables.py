@@ -1,35 +1,15 @@
-"""Rows of measurements as a table on the terminal and as CSV; the folder of results.
-
-In: frozen dataclasses, all of one kind. Out: text, files.
-"""
+"""Numbers of measurements as text, and the folder of results."""
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
-from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
-from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
 
-
-def write_csv(path: Path, rows: Sequence[Any]) -> None:
-    """Writes rows, one column a field; None is an empty cell.
-
-    Args:
-        path: Path of the file that is written.
-        rows: Dataclasses of one kind, at least one.
-    """
-
-    def write(aside: Path) -> None:
-        with aside.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, [field.name for field in fields(rows[0])])
-            writer.writeheader()
-            writer.writerows(asdict(row) for row in rows)
-
-    write_atomically(path, write)
+# Times of which digits after the point say nothing.
+_MANY = 100
 
 
 def output_folder(path: Path | None) -> Path | None:
@@ -40,6 +20,18 @@ def output_folder(path: Path | None) -> Path | None:
         except OSError as error:
             raise PlannercheckError(f"folder {str(path)!r} can't be made: {error.strerror or error}") from None
     return path
+
+
+def ratio(value: float | None, noise: float) -> str:
+    """A ratio of times, of which nothing is told that the same code run twice would differ by."""
+    if value is None:
+        return "-"
+    return "1" if 1 / noise <= value <= noise else f"{value:.2f}" if value < _MANY else f"{value:.0f}"
+
+
+def null_control(rows: Sequence[Any]) -> str:
+    """What the same code differed by in these rows."""
+    return f"null control: the same code twice differs by {100 * (max(row.noise for row in rows) - 1):.1f} %"
 
 
 def size_of(count: int | None) -> str:

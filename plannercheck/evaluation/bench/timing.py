@@ -1,16 +1,17 @@
 """Interleaved timing: contenders take turns, A B C C B A ..., and the least time of each counts.
 
-In: functions by name, or several that share a contender's work. Out: seconds by name. Absolute times drift by tens of
-per cent on a shared machine; ratios of minima, taken alternately in one process, do not. Short work sometimes runs
-wholly while the machine is fast, long work never does; so parts of similar length are compared. The clock measures the
-processor time of the calling thread, the only one that contenders use, so time of other processes does not count.
+In: contenders by name. Out: seconds by name, and how much the same code differs that runs twice: smaller ratios say
+nothing. Absolute times drift by tens of per cent on a shared machine; ratios of minima, taken alternately in one
+process, do not. Short work sometimes runs wholly while the machine is fast, long work never does; so parts of similar
+length are compared. The clock measures the processor time of the calling thread, the only one that contenders use, so
+time of other processes does not count.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +25,58 @@ _SHORTEST = 1e-3
 # Seconds that a round takes at least, on average: a shared machine's clock changes every few tenths of a second, and
 # every contender should have met its fast state.
 _LEAST_ROUND = 0.1
+
+
+# The name under which the first contender runs again.
+_AGAIN = "null control: the first contender again"
+
+
+class Contender(NamedTuple):
+    """Code to be timed.
+
+    Attributes:
+        works: Its work, or several parts of it.
+        pieces: How many states, motions or pairs all parts have together.
+        overheads: What is taken off, part by part.
+    """
+
+    works: Sequence[Work]
+    pieces: int = 1
+    overheads: Sequence[Work] = ()
+
+
+class Times(NamedTuple):
+    """What was measured.
+
+    Attributes:
+        seconds: A piece of each contender, overheads taken off.
+        noise: How many times longer the same code took when it ran twice, by turns; at least 1.
+    """
+
+    seconds: dict[str, float]
+    noise: float
+
+
+def measured(contenders: Mapping[str, Contender], rounds: int, null: str = _AGAIN) -> Times:
+    """Times contenders by turns, the first of them twice.
+
+    Args:
+        contenders: What to time, by name; at least one.
+        rounds: See `least_seconds`.
+        null: Name of the contender that has the same code as the first; by default the first runs again.
+
+    Returns:
+        The times.
+    """
+    first = next(iter(contenders))
+    every = {_AGAIN: contenders[first], **contenders} if null == _AGAIN else contenders
+    off = {f"{name}, taken off": each.overheads for name, each in every.items() if each.overheads}
+    spent = least_seconds({**{name: each.works for name, each in every.items()}, **off}, rounds)
+    seconds = {
+        name: (spent[name] - spent.get(f"{name}, taken off", 0.0)) / max(each.pieces, 1) for name, each in every.items()
+    }
+    twice = sorted((seconds[first], seconds[null]))
+    return Times({name: seconds[name] for name in contenders}, twice[1] / twice[0] if twice[0] > 0 else float("inf"))
 
 
 def in_turns(names: Iterable[str], rounds: int) -> Iterator[str]:

@@ -19,9 +19,11 @@ from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.tuning import METHODS, pair_options
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.campaign.pairs import Truth
 from plannercheck.evaluation.stress.contact_poses import Points
 from plannercheck.evaluation.stress.random_cases import Draw
 
+BY_INTEGERS = "by integers"
 # The answer of `_oracle.decide` where it found no proof.
 _UNPROVED = 2
 # Of the core's numbers that are doubles: digits of whole numbers take the mantissa's bits.
@@ -37,7 +39,7 @@ class Oracle:
         self._compiled = compiled_oracle()
         self._p, self._r = (self._compiled.Points(body.vertices, body.inflation_radius) for body in (drawn.p, drawn.r))
 
-    def truth(self, thorough: bool) -> tuple[list[bool], int]:
+    def truth(self, thorough: bool) -> Truth:
         """Whether each pair shares a point, proved.
 
         Args:
@@ -45,17 +47,17 @@ class Oracle:
                 doubles, with a proved bound, leave in doubt; and Python's integers have to agree on the first pair.
 
         Returns:
-            Verdicts, and how many of them Python's integers had to find.
+            Verdicts, and BY_INTEGERS of those that Python's integers had to find.
         """
         drawn = self._drawn
         found = self._compiled.decide(self._p, drawn.poses_p, self._r, drawn.poses_r, thorough)
         verdicts = (found == 1).tolist()
-        unproved = np.flatnonzero(found == _UNPROVED).tolist()
-        for k in unproved:
-            verdicts[k] = _by_integers(drawn, k)
+        notes = [""] * len(verdicts)
+        for k in np.flatnonzero(found == _UNPROVED).tolist():
+            verdicts[k], notes[k] = _by_integers(drawn, k), BY_INTEGERS
         if thorough and _by_integers(drawn, 0) != verdicts[0]:
             raise AssertionError(f"two exact oracles disagree: {drawn.label}")
-        return verdicts, len(unproved)
+        return Truth(verdicts, notes)
 
     def certified(self, k: int) -> bool | None:
         """What the core's certificate of the k-th pair proves: True a shared point, False a separation, else None."""

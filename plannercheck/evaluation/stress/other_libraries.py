@@ -6,40 +6,15 @@ In: a draw. Out: the verdicts of each on every pair for which it has both shapes
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
 from plannercheck.bodies.coal_bodies import coal_hull
 from plannercheck.bodies.fcl_bodies import fcl_hull, load_fcl
-from plannercheck.evaluation.stress.contact_poses import Points
+from plannercheck.evaluation.campaign.posed_pairs import UNFIT, Outcome
+from plannercheck.evaluation.campaign.supervised_process import Posed
+from plannercheck.evaluation.campaign.tallies import EXCEPTION
 from plannercheck.evaluation.stress.random_cases import Draw
 from plannercheck.evaluation.stress.sample_bodies import Specimen
-
-
-class Posed(Protocol):
-    """Two bodies at poses of each (k, 4, 4), m."""
-
-    @property
-    def poses_p(self) -> Points:
-        """Of the first."""
-        ...
-
-    @property
-    def poses_r(self) -> Points:
-        """Of the second."""
-        ...
-
-
-Drawn = TypeVar("Drawn", bound=Posed, contravariant=True)
-
-
-class Peer(Protocol[Drawn]):
-    """Another library."""
-
-    name: str
-
-    def outcomes(self, drawn: Drawn, first: int = 0) -> Iterator[bool | str]:
-        """Its verdicts from a pair on, "exception" where it throws, "unfit" where it has no shape for a body."""
-        ...
 
 
 class Fcl:
@@ -52,7 +27,7 @@ class Fcl:
         self._fcl = load_fcl()
         self._request = self._fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
 
-    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[bool | str]:
+    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[Outcome]:
         """See `Peer`."""
         return _outcomes(drawn, first, self._shape, self._collide)
 
@@ -82,7 +57,7 @@ class Coal:
         self._coal = coal
         self._request = coal.CollisionRequest()
 
-    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[bool | str]:
+    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[Outcome]:
         """See `Peer`."""
         return _outcomes(drawn, first, self._shape, self._collide)
 
@@ -115,16 +90,16 @@ def _inflated_shape(body: Specimen, sphere: Callable[[float], Any], capsule: Cal
 
 def _outcomes(
     drawn: Draw, first: int, shape_of: Callable[[Specimen], Any], collide: Callable[[Any, Any, Any, Any], bool]
-) -> Iterator[bool | str]:
+) -> Iterator[Outcome]:
     return outcomes_of_shapes(_shape(shape_of, drawn.p), _shape(shape_of, drawn.r), drawn, first, collide)
 
 
 def outcomes_of_shapes(
     p: Any, r: Any, drawn: Posed, first: int, collide: Callable[[Any, Any, Any, Any], bool]
-) -> Iterator[bool | str]:
-    """What a library says of its shapes at all poses from a pair on; a shape may be "unfit" or "exception"."""
+) -> Iterator[Outcome]:
+    """What a library says of its shapes at all poses from a pair on; a shape may be UNFIT or EXCEPTION."""
     failed = next(
-        (reason for reason in ("unfit", "exception") if any(isinstance(s, str) and s == reason for s in (p, r))), None
+        (reason for reason in (UNFIT, EXCEPTION) if any(isinstance(s, str) and s == reason for s in (p, r))), None
     )
     for a, b in zip(drawn.poses_p[first:], drawn.poses_r[first:], strict=True):
         yield failed or _outcome(collide, p, a, r, b)
@@ -133,13 +108,13 @@ def outcomes_of_shapes(
 def _shape(shape_of: Callable[[Specimen], Any], body: Specimen) -> Any:
     """The peer's shape, or why there is none."""
     try:
-        return shape_of(body) or "unfit"
+        return shape_of(body) or UNFIT
     except Exception:
-        return "exception"
+        return EXCEPTION
 
 
-def _outcome(collide: Callable[[Any, Any, Any, Any], bool], p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool | str:
+def _outcome(collide: Callable[[Any, Any, Any, Any], bool], p: Any, pose_p: Any, r: Any, pose_r: Any) -> Outcome:
     try:
         return collide(p, pose_p, r, pose_r)
     except Exception:
-        return "exception"
+        return EXCEPTION

@@ -9,14 +9,17 @@ in which the bodies face each other. They are rounded, so exact arithmetic decid
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
 from plannercheck.bodies.shapes import RIGID_TOLERANCE
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.campaign.posed_pairs import PosedPairs
 from plannercheck.evaluation.stress.contact_poses import (
     Points,
     identities,
@@ -58,25 +61,7 @@ _GAPS = np.array(list(GAPS.values()))
 _STEPS = np.array([{"+1 ulp": 1, "-1 ulp": -1}.get(name, 0) for name in GAPS])
 
 
-@dataclass(frozen=True, eq=False)
-class Draw:
-    """Two bodies at poses for all gaps.
-
-    Attributes:
-        family: The row of the table.
-        label: Everything that was drawn.
-        p: The first body.
-        r: The second body.
-        poses_p: (gaps, 4, 4), m.
-        poses_r: (gaps, 4, 4), m.
-    """
-
-    family: str
-    label: str
-    p: Specimen
-    r: Specimen
-    poses_p: Points
-    poses_r: Points
+Draw: TypeAlias = PosedPairs[Specimen]  # at a pose for each of GAPS
 
 
 @dataclass(frozen=True)
@@ -87,26 +72,15 @@ class Placement:
     distance: float
 
 
-def draws(seed: int, refused: Callable[[PlannercheckError], object] | None = None) -> Iterator[Draw]:
-    """Random draws without end; each has random numbers of its own, so that it can be made again alone.
-
-    Args:
-        seed: Seed of the random numbers.
-        refused: Called when a body can't be prepared; that draw is left out.
-
-    Yields:
-        Draws.
-    """
+def draws(seed: int) -> Iterator[Draw]:
+    """Random draws without end, without those whose bodies can't be prepared."""
     for number in itertools.count():
-        try:
+        with contextlib.suppress(PlannercheckError):
             yield numbered_draw(seed, number)
-        except PlannercheckError as error:
-            if refused is not None:
-                refused(error)
 
 
 def numbered_draw(seed: int, number: int) -> Draw:
-    """The `number`-th draw of a seed."""
+    """The `number`-th draw of a seed, which can be made again alone."""
     return draw(np.random.default_rng([seed, number]))
 
 
@@ -144,7 +118,7 @@ def coinciding_centres(relation: str, placement: Placement, rng: np.random.Gener
     moved = poses.copy()
     moved[:, :3, 3] = (min(p.size, r.size) * _GAPS)[:, None] * axes
     moved[:, :3, 3] = _stepped(moved[:, :3, 3], axes)
-    return Draw(relation, _label(relation, placement, p, r), p, r, moved, poses)
+    return Draw(relation, _label(relation, placement, p, r), p, r, moved, poses, tuple(GAPS))
 
 
 def _about(middle: Indices, normal: Indices, rng: np.random.Generator) -> Points:
@@ -170,7 +144,7 @@ def in_contact(relation: str, placement: Placement, p: Specimen, r: Specimen, rn
     touch = poses_r[:, :3, 3] + turned(poses_r, point_r) - turned(poses_p, point_p)
     poses_p[:, :3, 3] = touch + (p.inflation_radius + r.inflation_radius + gap)[:, None] * directions
     poses_p[:, :3, 3] = _stepped(poses_p[:, :3, 3], directions)
-    return Draw(p.family, _label(relation, placement, p, r), p, r, poses_p, poses_r)
+    return Draw(p.family, _label(relation, placement, p, r), p, r, poses_p, poses_r, tuple(GAPS))
 
 
 def same_frame(relation: str, placement: Placement, rng: np.random.Generator) -> Draw:
@@ -183,7 +157,7 @@ def same_frame(relation: str, placement: Placement, rng: np.random.Generator) ->
     directions = _facing(poses_p[:, :3, :3], outward, placement)
     poses_p[:, :3, 3] += (min(p.size, r.size) * _GAPS)[:, None] * directions
     poses_p[:, :3, 3] = _stepped(poses_p[:, :3, 3], directions)
-    return Draw(relation, _label(relation, placement, p, r), p, r, poses_p, poses_r)
+    return Draw(relation, _label(relation, placement, p, r), p, r, poses_p, poses_r, tuple(GAPS))
 
 
 def _identical(size: float, rng: np.random.Generator) -> tuple[Specimen, Specimen, Points]:

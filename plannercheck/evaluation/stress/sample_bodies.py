@@ -5,8 +5,9 @@ In: a family, a number of vertices, a size, an inflation radius. Out: a `Specime
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,27 +34,46 @@ _KINDS = 4
 
 @dataclass(frozen=True, eq=False)
 class Specimen:
-    """A prepared body.
+    """A body.
 
     Attributes:
         family: One of HULLS or INFLATED, or what else it is.
-        polytope: The body.
-        size: Its greatest extent along an axis, inflation radius included, m; of a point 1.
+        points: Points of which it is the hull, (n, 3), m.
+        inflation_radius: All points within this distance of the hull belong to the body, m.
     """
 
     family: str
-    polytope: Polytope
-    size: float
+    points: Points
+    inflation_radius: float = 0.0
+
+    @cached_property
+    def polytope(self) -> Polytope:
+        """The body prepared for queries."""
+        return Polytope(self.points, inflation_radius=self.inflation_radius, name=self.family)
+
+    @cached_property
+    def size(self) -> float:
+        """Its greatest extent along an axis, inflation radius included, m; of a point 1."""
+        extent = float(np.ptp(self.vertices, axis=0).max()) + 2 * self.inflation_radius
+        return extent if extent > 0 else 1.0
+
+    @property
+    def parts(self) -> int:
+        """Points, of which a smaller body has some."""
+        return len(self.points)
+
+    def some(self, rows: list[int]) -> Specimen:
+        """The hull of some of the points."""
+        return replace(self, points=self.points[rows])
+
+    def document(self) -> dict[str, Any]:
+        """Its numbers."""
+        return {"family": self.family, "points": self.points, "inflation_radius": self.inflation_radius}
 
     @property
     def vertices(self) -> Points:
         """Of the hull, (n, 3), m."""
         return self.polytope.vertices
-
-    @property
-    def inflation_radius(self) -> float:
-        """All points within this distance of the hull belong to the body, m."""
-        return self.polytope.inflation_radius
 
     def support(self, directions: Points) -> Points:
         """The hull's vertex that is about furthest along each direction (k, 3); (k, 3), m."""
@@ -139,10 +159,16 @@ def base_points(family: str, n: int, rng: np.random.Generator) -> Points:
 
 
 def prepared(family: str, points: Points, inflation_radius: float = 0.0) -> Specimen:
-    """The specimen of points (n, 3), m."""
-    polytope = Polytope(points, inflation_radius=inflation_radius, name=family)
-    extent = float(np.ptp(polytope.vertices, axis=0).max()) + 2 * inflation_radius
-    return Specimen(family, polytope, extent if extent > 0 else 1.0)
+    """The specimen of points (n, 3), m; PlannercheckError if they are no body."""
+    found = Specimen(family, points, inflation_radius)
+    _ = found.polytope
+    return found
+
+
+def specimen_of(document: dict[str, Any]) -> Specimen:
+    """The body of a document."""
+    points = np.array(document["points"], dtype=np.float64).reshape(-1, 3)
+    return Specimen(str(document["family"]), points, float(document["inflation_radius"]))
 
 
 @lru_cache

@@ -38,8 +38,6 @@ PREFIX = "planned "
 PLANNED = tuple(PREFIX + setting for setting in SETTINGS)
 # Rounds of a search, and problems of a draw; a tree in a narrow place grows for all of the rounds.
 _ROUNDS, _PROBLEMS = 300, 12
-# A draw has at least about so many motions.
-PLANNED_MOTIONS = 40
 # The planner's longest motion in a puzzle: longer ones seldom get through.
 _NARROW_RANGE = 0.3
 _SEEDS = 2**31

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.stress.sample_bodies import Specimen, prepared
-from plannercheck.evaluation.stress_parts.given import Given, Hull, Mesh, Oval, Under
+from plannercheck.evaluation.stress_parts.given import Given, Hull, Mesh, Oval, Under, given_of
 from plannercheck.evaluation.stress_parts.pieces import Group, Piece
 from plannercheck.evaluation.stress_solids.bodies import Body as SolidBody
 
@@ -60,6 +61,19 @@ class Body:
         """The body prepared for queries."""
         return self.given.prepare()
 
+    @property
+    def parts(self) -> int:
+        """How many parts it has that a smaller body may do without."""
+        return self.given.parts
+
+    def some(self, rows: list[int]) -> Body:
+        """Of some of the parts."""
+        return Body(self.family, self.given.some(rows))
+
+    def document(self) -> dict[str, Any]:
+        """Its numbers."""
+        return {"family": self.family, "kind": self.given.kind, **vars(self.given)}
+
     @cached_property
     def corners(self) -> Floats:
         """Of all pieces, or a solid's, (n, 3), m; of a half-space a point of its plane."""
@@ -80,6 +94,11 @@ class Body:
     def whole(self) -> Specimen:
         """The hull of all corners, with the largest of their radii."""
         return prepared("whole set", self.corners, float(self.radii.max()))
+
+
+def body_of(document: dict[str, Any]) -> Body:
+    """The body of a document."""
+    return Body(str(document["family"]), given_of(document))
 
 
 def of_hull(found: Specimen) -> Body:

@@ -16,8 +16,8 @@ import numpy as np
 
 from plannercheck.bodies.circumscribed import ball_around
 from plannercheck.common.array_types import Floats
+from plannercheck.evaluation.campaign.posed_pairs import ANY_OFFSET, PosedPairs
 from plannercheck.evaluation.stress.contact_poses import random_directions
-from plannercheck.evaluation.stress.posed_pairs import ANY_OFFSET, PosedPairs
 from plannercheck.evaluation.stress.random_cases import (
     DISTANCES,
     GAPS,

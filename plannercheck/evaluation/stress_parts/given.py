@@ -1,7 +1,7 @@
 """The bodies of the stress of sets of parts as numbers: what the core is given, and where the parts are.
 
 In: arrays. Out: a `Given`: the pieces whose union the body is, computed here by the documented arithmetic, and the body
-as the core prepares it; smaller ones of the same kind; a document for files.
+as the core prepares it; smaller ones of the same kind.
 
 A further kind of body is a class here and in KINDS, a function in `set_families.SETS` or `draws.OTHERS`, and, if it is
 no union of hulls with radii, a branch in `truth.decide`.
@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import itertools
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar
 
@@ -28,8 +27,6 @@ from plannercheck.evaluation.stress_solids.bodies import Body as SolidBody
 from plannercheck.evaluation.stress_solids.surfaces import surface
 
 CORNERS = np.array(list(itertools.product((0, 1), repeat=3)))
-# Up to so many rows, smaller sets are those without one of them; beyond, halves.
-_MOST_ONE_BY_ONE = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,14 +48,14 @@ class Given(ABC):
     def prepare(self) -> Polytope:
         """The core's body."""
 
-    def smaller(self) -> Iterator[Given]:
-        """Bodies of the same kind that are parts of it."""
-        return iter(())
+    @property
+    def parts(self) -> int:
+        """How many parts it has that a smaller body may do without."""
+        return 0
 
-    def document(self) -> dict[str, Any]:
-        """What JSON can hold, without the loss of a bit."""
-        numbers = {each.name: _numbers(getattr(self, each.name)) for each in fields(self)}
-        return {"kind": self.kind, **numbers}
+    def some(self, rows: list[int]) -> Given:
+        """A body of the same kind that has some of the parts."""
+        return self
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,11 +76,15 @@ class Balls(Given):
         """The core's body."""
         return _prepared(core.PartSet.balls(self.points, self.radii), self.padding)
 
-    def smaller(self) -> Iterator[Given]:
+    @property
+    def parts(self) -> int:
+        """Balls."""
+        return len(self.points)
+
+    def some(self, rows: list[int]) -> Given:
         """Fewer balls."""
-        for rows in _fewer(len(self.points)):
-            radii = self.radii if len(self.radii) == 1 else self.radii[rows]
-            yield replace(self, points=self.points[rows], radii=radii)
+        radii = self.radii if len(self.radii) == 1 else self.radii[rows]
+        return replace(self, points=self.points[rows], radii=radii)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,10 +109,14 @@ class Cells(Given):
         keys, sizes = (np.ascontiguousarray(each, dtype=np.int32) for each in (self.keys, self.sizes))
         return _prepared(core.PartSet.cells(keys, sizes, self.step, self.origin), self.padding)
 
-    def smaller(self) -> Iterator[Given]:
+    @property
+    def parts(self) -> int:
+        """Cells."""
+        return len(self.keys)
+
+    def some(self, rows: list[int]) -> Given:
         """Fewer cells."""
-        for rows in _fewer(len(self.keys)):
-            yield replace(self, keys=self.keys[rows], sizes=self.sizes[rows])
+        return replace(self, keys=self.keys[rows], sizes=self.sizes[rows])
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,13 +147,17 @@ class Columns(Given):
         """The core's body."""
         return _prepared(core.PartSet.columns(self.heights, self.steps, self.origin, self.base), self.padding)
 
-    def smaller(self) -> Iterator[Given]:
+    @property
+    def parts(self) -> int:
+        """Heights."""
+        return int((~np.isnan(self.heights)).sum())
+
+    def some(self, rows: list[int]) -> Given:
         """With holes: a lattice that is cut would begin elsewhere, and be rounded otherwise."""
-        there = np.argwhere(~np.isnan(self.heights))
-        for rows in _fewer(len(there)):
-            fewer = np.full_like(self.heights, np.nan)
-            fewer[tuple(there[rows].T)] = self.heights[tuple(there[rows].T)]
-            yield replace(self, heights=fewer)
+        there = np.flatnonzero(~np.isnan(self.heights))[rows]
+        fewer = np.full_like(self.heights, np.nan)
+        fewer.flat[there] = self.heights.flat[there]
+        return replace(self, heights=fewer)
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,10 +175,14 @@ class Hull(Given):
         """The core's body."""
         return Polytope(self.points, inflation_radius=self.padding)
 
-    def smaller(self) -> Iterator[Given]:
+    @property
+    def parts(self) -> int:
+        """Corners."""
+        return len(self.points)
+
+    def some(self, rows: list[int]) -> Given:
         """Fewer corners."""
-        for rows in _fewer(len(self.points)):
-            yield replace(self, points=self.points[rows])
+        return replace(self, points=self.points[rows])
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,30 +263,11 @@ KINDS: dict[str, type[Given]] = {made.kind: made for made in (Balls, Cells, Colu
 def given_of(document: dict[str, Any]) -> Given:
     """The body of a document; KeyError, TypeError or ValueError if it is none."""
     made = KINDS[document["kind"]]
-    return made(**{each.name: _read(document[each.name]) for each in fields(made)})
+    numbers: Any = {each.name: document[each.name] for each in fields(made)}
+    for name, given in numbers.items():
+        numbers[name] = np.array(given) if isinstance(given, list) else given
+    return made(**numbers)
 
 
 def _prepared(parts: Any, padding: float) -> Polytope:
     return Polytope._from_core(parts.body(padding))
-
-
-def _fewer(count: int) -> Iterator[NDArray[Any]]:
-    """Indices of halves of some rows, or of all but one of them."""
-    rows = np.arange(count)
-    if count > 1:
-        yield from (rows[: count // 2], rows[count // 2 :])
-    if 2 < count <= _MOST_ONE_BY_ONE:
-        yield from (np.delete(rows, k) for k in range(count))
-
-
-def _numbers(value: float | NDArray[Any]) -> Any:
-    """Hexadecimal digits of a number, or those of an array with its shape."""
-    if isinstance(value, np.ndarray):
-        return {"shape": list(value.shape), "numbers": [float(x).hex() for x in value.ravel().tolist()]}
-    return float(value).hex()
-
-
-def _read(value: Any) -> Any:
-    if isinstance(value, dict):
-        return np.array([float.fromhex(x) for x in value["numbers"]]).reshape(value["shape"])
-    return float.fromhex(value)

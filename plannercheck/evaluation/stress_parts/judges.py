@@ -14,7 +14,8 @@ from plannercheck.bodies.certificates import Separation, SharedPoint
 from plannercheck.bodies.distance import distance
 from plannercheck.bodies.intersection import certify
 from plannercheck.bodies.part_certificates import PartSeparation
-from plannercheck.evaluation.stress.posed_pairs import UNFIT, Outcome, batch, limited, method_of, one_by_one, some_of
+from plannercheck.evaluation.campaign.pairs import Asked
+from plannercheck.evaluation.campaign.posed_pairs import UNFIT, Outcome, batch, method_of, one_by_one, some_of
 from plannercheck.evaluation.stress_parts.bodies import Body
 from plannercheck.evaluation.stress_parts.draws import Draw
 from plannercheck.evaluation.stress_parts.ellipsoid_truth import decide_ellipsoids
@@ -34,8 +35,8 @@ _MOST_PROVED, _MOST_CORNERS, _MOST_MEASURED = 70, 300, 1000
 _DISTANCE_ERROR, _LEAST_OF_SIZE = 1e-9, 1e-12
 
 
-def verdicts(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outcome]]:
-    """What each way of asking says of a draw's pairs; UNFIT where a pair was not asked.
+def questions(drawn: Draw, truth: list[bool], number: int) -> Asked:
+    """Each way of asking about a draw's pairs; UNFIT where a pair is not asked.
 
     Args:
         drawn: The draw.
@@ -45,16 +46,15 @@ def verdicts(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outc
     Returns:
         Outcomes (k,) by contestant; of CERTIFICATE, DISTANCE and BETWEEN the truth if what they say is right, else not.
     """
-    count = len(drawn.poses_p)
-    method, some = method_of(number), some_of(count, number)
+    method, some = method_of(number), some_of(len(drawn.poses_p), number)
     return {
-        BATCH: limited(lambda: batch(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r, method), count),
-        SWAPPED: limited(lambda: batch(drawn.r, drawn.poses_r, drawn.p, drawn.poses_p, method), count),
-        SHUFFLED: limited(lambda: _shuffled(drawn, method, number), count),
-        SINGLE: limited(lambda: one_by_one(drawn, some), count),
-        CERTIFICATE: limited(lambda: _certificates(drawn, truth, some, number), count),
-        DISTANCE: limited(lambda: _distances(drawn, truth, some, number), count),
-        BETWEEN: limited(lambda: _between(drawn, truth, method), count),
+        BATCH: lambda: batch(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r, method),
+        SWAPPED: lambda: batch(drawn.r, drawn.poses_r, drawn.p, drawn.poses_p, method),
+        SHUFFLED: lambda: _shuffled(drawn, method, number),
+        SINGLE: lambda: one_by_one(drawn, some),
+        CERTIFICATE: lambda: _certificates(drawn, truth, some, number),
+        DISTANCE: lambda: _distances(drawn, truth, some, number),
+        BETWEEN: lambda: _between(drawn, truth, method),
     }
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct_values
 from plannercheck.evaluation.stress import body_families
 from plannercheck.evaluation.stress.oracle import compiled_oracle
 from plannercheck.evaluation.stress_solids import solid_families
@@ -62,6 +63,21 @@ class Body:
         return surface(*given.used) if self.is_capped and isinstance(given, Solid) else self.surface
 
     @property
+    def parts(self) -> int:
+        """Triangles, of which a smaller body has some; a convex body keeps all."""
+        return 0 if self.is_convex else len(self.surface.triangles)
+
+    def some(self, rows: list[int]) -> Body:
+        """Some of the triangles, with the points that they use."""
+        used, corners = distinct_values(self.surface.triangles[rows])
+        return replace(self, surface=surface(self.surface.points[used], corners)) if rows else self
+
+    def document(self) -> dict[str, Any]:
+        """Its numbers."""
+        kept = ("family", "inflation_radius", "is_convex", "is_capped")
+        return {**vars(self.surface), **{name: getattr(self, name) for name in kept}}
+
+    @property
     def triangles_alone(self) -> Body:
         """The same without caps."""
         return replace(self, is_capped=False)
@@ -86,6 +102,13 @@ class Body:
         if isinstance(given, Polytope):
             return given
         return Polytope(given.used[0], inflation_radius=self.inflation_radius).of_solid(given)
+
+
+def body_of(document: dict[str, Any]) -> Body:
+    """The body of a document."""
+    found = surface(document["points"], document["triangles"])
+    kinds = bool(document["is_convex"]), bool(document["is_capped"])
+    return Body(str(document["family"]), found, float(document["inflation_radius"]), *kinds)
 
 
 def tetrahedron(n: int, rng: np.random.Generator) -> Surface:

@@ -14,8 +14,8 @@ from typing import TypeAlias
 import numpy as np
 
 from plannercheck.common.array_types import Floats
+from plannercheck.evaluation.campaign.posed_pairs import ANY_OFFSET, PosedPairs
 from plannercheck.evaluation.stress.contact_poses import identities, random_directions
-from plannercheck.evaluation.stress.posed_pairs import ANY_OFFSET, PosedPairs
 from plannercheck.evaluation.stress.random_cases import EXTREME_SIZES
 from plannercheck.evaluation.stress_solids.bodies import (
     CONVEX_FAMILIES,

@@ -15,7 +15,8 @@ from plannercheck.bodies.intersection import intersects
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
-from plannercheck.evaluation.stress.posed_pairs import UNFIT, Outcome, batch, limited, method_of, one_by_one, some_of
+from plannercheck.evaluation.campaign.pairs import Asked
+from plannercheck.evaluation.campaign.posed_pairs import UNFIT, Outcome, batch, method_of, one_by_one, some_of
 from plannercheck.evaluation.stress_solids.bodies import Body, decided
 from plannercheck.evaluation.stress_solids.draws import Draw
 from plannercheck.evaluation.stress_solids.surfaces import surface
@@ -30,8 +31,8 @@ _DISTANCE_ERROR, _LEAST_OF_RADIUS, _SMALLEST_ERROR = 1e-9, 1e-3, 1e-319
 _POINTS = 4
 
 
-def verdicts(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outcome]]:
-    """What each way of asking says of a draw's pairs; UNFIT where a pair was not asked.
+def questions(drawn: Draw, truth: list[bool], number: int) -> Asked:
+    """Each way of asking about a draw's pairs; UNFIT where a pair is not asked.
 
     Args:
         drawn: The draw.
@@ -42,16 +43,15 @@ def verdicts(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outc
         Outcomes (k,) by contestant; of DISTANCE, POINTS and CAPS, which are asked for more than verdicts, the truth if
         all that they say is right, else not.
     """
-    count = len(drawn.poses_p)
-    method, single = method_of(number), some_of(count, number)
+    method, single = method_of(number), some_of(len(drawn.poses_p), number)
     return {
-        BATCH: limited(lambda: batch(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r, method), count),
-        SWAPPED: limited(lambda: _with_inner_shapes(drawn, method), count),
-        PUBLIC: limited(lambda: _public(drawn), count),
-        SINGLE: limited(lambda: one_by_one(drawn, single), count),
-        DISTANCE: limited(lambda: _distances(drawn, truth, single), count),
-        POINTS: limited(lambda: _of_single_solids(drawn, truth, number), count),
-        CAPS: limited(lambda: _between(drawn, truth), count),
+        BATCH: lambda: batch(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r, method),
+        SWAPPED: lambda: _with_inner_shapes(drawn, method),
+        PUBLIC: lambda: _public(drawn),
+        SINGLE: lambda: one_by_one(drawn, single),
+        DISTANCE: lambda: _distances(drawn, truth, single),
+        POINTS: lambda: _of_single_solids(drawn, truth, number),
+        CAPS: lambda: _between(drawn, truth),
     }
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from plannercheck.bodies.coal_bodies import coal_mesh
 from plannercheck.bodies.fcl_bodies import load_fcl
+from plannercheck.evaluation.campaign.posed_pairs import UNFIT, Outcome
 from plannercheck.evaluation.stress.other_libraries import outcomes_of_shapes
 from plannercheck.evaluation.stress_solids.bodies import Body
 from plannercheck.evaluation.stress_solids.draws import Draw
@@ -25,13 +26,13 @@ class FclMeshes:
         self._fcl = load_fcl()
         self._request = self._fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
 
-    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[bool | str]:
-        """See `plannercheck.evaluation.stress.other_libraries.Peer`."""
+    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[Outcome]:
+        """See `plannercheck.evaluation.campaign.supervised_process.Peer`."""
         return outcomes_of_shapes(self._model(drawn.p), self._model(drawn.r), drawn, first, self._collide)
 
     def _model(self, body: Body) -> Any:
         if body.inflation_radius:
-            return "unfit"
+            return UNFIT
         points, triangles = body.whole.points, body.whole.triangles
         model = self._fcl.BVHModel()
         model.beginModel(len(points), len(triangles))
@@ -58,13 +59,13 @@ class CoalMeshes:
         self._coal = coal
         self._request = coal.CollisionRequest()
 
-    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[bool | str]:
-        """See `plannercheck.evaluation.stress.other_libraries.Peer`."""
+    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[Outcome]:
+        """See `plannercheck.evaluation.campaign.supervised_process.Peer`."""
         return outcomes_of_shapes(self._model(drawn.p), self._model(drawn.r), drawn, first, self._collide)
 
     def _model(self, body: Body) -> Any:
         if body.inflation_radius:
-            return "unfit"
+            return UNFIT
         return coal_mesh(body.whole.points, body.whole.triangles)
 
     def _collide(self, p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool:

@@ -23,8 +23,9 @@ import plannercheck as pc
 from long_runs import forked, seed_files
 from long_runs.mutations import damaged, mutated_text
 from plannercheck.bodies.mesh_files import read_mesh
-from plannercheck.evaluation.stress.failing_cases import Case
-from plannercheck.evaluation.stress_motions.cases import MotionCase
+from plannercheck.evaluation.campaign.cases import load as load_case
+from plannercheck.evaluation.stress import campaign as stress
+from plannercheck.evaluation.stress_motions import campaign as stress_motions
 from plannercheck.ompl.plans import Plan
 from plannercheck.proofs import load_proofs
 from plannercheck.proofs.urdf_joints import read_tree
@@ -227,8 +228,8 @@ FILES: dict[str, Loader] = {
     "cloud": Loader(_cloud, (), _BOTH),
     "voxels": Loader(lambda path: _used(pc.VoxelGrid.load(path, 0.1)), (), _BOTH),
     "heights": Loader(lambda path: _used(pc.HeightField.load(path, 0.1, -1.0)), (), _BOTH),
-    "stress_case": Loader(Case.load),
-    "stress_motion": Loader(MotionCase.load),
+    "stress_case": Loader(lambda path: load_case(path, {"pairs": lambda: stress.campaign(0)})),
+    "stress_motion": Loader(lambda path: load_case(path, {"motions": lambda: stress_motions.campaign(0)})),
 }
 
 

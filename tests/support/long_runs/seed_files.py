@@ -19,7 +19,9 @@ from sensed_files import FOLDER as SENSED_FILES
 
 import plannercheck as pc
 from plannercheck.common.package_data import shipped_folder
-from plannercheck.evaluation.stress.failing_cases import Case
+from plannercheck.evaluation.campaign.cases import save
+from plannercheck.evaluation.campaign.pairs import PairCase
+from plannercheck.evaluation.stress.sample_bodies import Specimen
 from plannercheck.ompl.plans import Plan
 from plannercheck.proofs.files import save_proofs
 from plannercheck.scenes.scene import shipped_scenes
@@ -315,8 +317,8 @@ def _bodies(files: _Files, rng: np.random.Generator) -> None:
         pc.Polytope(rng.normal(size=(12, 3)), inflation_radius=inflation_radius).save(files.of("body", f"{k}.body"))
         data = pc.Polytope(rng.normal(size=(12, 3)), inflation_radius=inflation_radius).core.serialise()
         files.of("pickled_body", f"{k}.bin", data)
-    case = Case("c", (CORNERS, CORNERS, np.eye(4), np.eye(4)), (0.0, 0.1))
-    case.save(files.of("stress_case", "pair.json"))
+    case = PairCase("c", Specimen("p", CORNERS), Specimen("r", CORNERS, 0.1), np.eye(4), np.eye(4))
+    save(files.of("stress_case", "pair.json"), "pairs", case.document())
     motion = next(
         iter(sorted((Path(__file__).parents[2] / "evaluation" / "hard_cases" / "motions").glob("*.json"))), None
     )

@@ -1,4 +1,4 @@
-"""Pairs of bodies of the stresses of solids and of sets of parts, and what they are asked alike.
+"""Pairs of bodies at poses, and what they are asked in all campaigns.
 
 In: two bodies at poses. Out: outcomes (k,): a verdict, or how it failed. `limited` asks with patience that ends.
 """
@@ -15,7 +15,7 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.tuning import METHODS, pair_options
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
-from plannercheck.evaluation.stress.failure_tables import EXCEPTION, TIMEOUT
+from plannercheck.evaluation.campaign.tallies import EXCEPTION, TIMEOUT
 
 Outcome = bool | str  # a verdict, or the kind of failure
 
