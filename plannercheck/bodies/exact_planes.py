@@ -44,11 +44,6 @@ class PosedBody(OwnsArrays):
     pose: Floats
     inflation_radius: float = 0.0
 
-    @property
-    def swell(self) -> float:
-        """`inflation_radius` by its former name, for one release."""
-        return self.inflation_radius
-
 
 CertifiedBody: TypeAlias = PosedBody | PosedHalfSpace
 Bodies: TypeAlias = tuple[CertifiedBody, CertifiedBody]

@@ -55,8 +55,6 @@ class Polytope:
         faces: GivenFaces | None = None,
         inflation_radius: float = 0.0,
         name: str = "polytope",
-        *,
-        swell: float | None = None,
     ) -> None:
         """Computes the exact hull, or verifies given faces exactly; then builds both hierarchies.
 
@@ -68,7 +66,6 @@ class Polytope:
                 from outside; corners of a face must be exactly coplanar or convex in the order of a fan.
             inflation_radius: The inflation radius, measured in the world, m.
             name: Its name in errors.
-            swell: The former name of `inflation_radius`, for one release.
 
         Raises:
             PlannercheckError: If there are no points, they are not finite, the faces do not bound their hull, or the
@@ -77,7 +74,7 @@ class Polytope:
         # Here, since points alone need no readers of meshes and YAML.
         from plannercheck.bodies.given_shapes import is_geometry, points_of_geometry
 
-        inflation_radius, given = inflation_radius if swell is None else swell, vertices
+        given = vertices
         if not isinstance(vertices, np.ndarray | list | tuple) and is_geometry(vertices):
             if faces is not None or inflation_radius:
                 kind = with_article(type(vertices).__name__)
@@ -176,11 +173,6 @@ class Polytope:
         """Distance in m around the hull that belongs to the body."""
         return float(self._core.inflation_radius)
 
-    @property
-    def swell(self) -> float:
-        """`inflation_radius` by its former name, for one release."""
-        return self.inflation_radius
-
     def without_cells(self) -> Polytope:
         """The same body; extreme vertices are then searched in the hierarchies only, as in the paper: O(log n).
 
@@ -244,7 +236,7 @@ class Polytope:
         return cls._from_bytes(body_files.read(Path(path)))
 
     @classmethod
-    def _from_bytes(cls, data: bytes, *solid: NDArray[Any]) -> Polytope:
+    def _from_bytes(cls, data: bytes, *solid: Any) -> Polytope:
         body = parsed_polytope(data)
         return cls._from_core(body.with_solid(core.Solid(*solid)) if solid else body)
 

@@ -268,9 +268,6 @@ class GeometryObject:
         return self.carried or self.link or self.name
 
 
-Body = GeometryObject  # its former name, for one release
-
-
 def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOLERANCE) -> Points:
     """Validates a rigid transform; its doubles do not change.
 

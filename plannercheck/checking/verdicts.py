@@ -125,11 +125,6 @@ class MotionProof(OwnsArrays):
     gap: float
     chord_deviation: float
 
-    @property
-    def bulge(self) -> float:
-        """`chord_deviation` by its former name, for one release."""
-        return self.chord_deviation
-
 
 def _named(pair: PairVerdict) -> str:
     return " – ".join(pair.names)

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import Configuration, contiguous, read_only, shown_array
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.core import core
@@ -130,10 +130,6 @@ class Robot:
     def column(self, link: int) -> int:
         """The column of the first number of a configuration that moves a link."""
         return int(self._columns[link])
-
-    def within(self, lower: ArrayLike, upper: ArrayLike) -> Robot:
-        """`with_bounds` by its former name, for one release."""
-        return self.with_bounds(lower, upper)
 
     def with_bounds(self, lower: ArrayLike, upper: ArrayLike) -> Robot:
         """The same robot with limits of x and y, m; a fixed root stays as it is."""
@@ -303,7 +299,7 @@ def _column_names(link: Link) -> tuple[str, ...]:
     return {"free": ("x", "y", "theta"), "revolute": (f"{link.name}_joint",), "fixed": ()}[link.joint]
 
 
-def _no_bodies() -> tuple[object, ...]:
+def _no_bodies() -> tuple[list[Any], Ints, Floats, Floats, Floats, Ints]:
     """The arguments of a core checker without bodies, which only poses links."""
     return (
         [],

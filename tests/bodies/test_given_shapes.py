@@ -310,6 +310,6 @@ def test_polytopes_of_other_libraries_bodies():
     posed = coal.CollisionObject(coal.Box(1, 1, 1), np.eye(3), np.array([1.0, 0, 0]))
     with pytest.raises(pc.PlannercheckError, match="can has a pose of its own, and a Polytope has none"):
         pc.Polytope(posed, name="can")
-    for options in ({"faces": [[0, 1, 2]]}, {"inflation_radius": 0.1}, {"swell": 0.1}):
+    for options in ({"faces": [[0, 1, 2]]}, {"inflation_radius": 0.1}):
         with pytest.raises(pc.PlannercheckError, match="can is a Sphere, which has its own faces and radius"):
             pc.Polytope(coal.Sphere(0.5), name="can", **options)

@@ -221,7 +221,7 @@ def test_links_are_posed_by_names_of_joints(checker, samples, tmp_path):
         assert np.array_equal(poses, checker.robot.link_poses(q))
     with pytest.raises(pc.PlannercheckError, match=r"missing: panda_joint1$"):
         checker.robot.link_poses(dict(list(by_name(checker, samples[0]).items())[:-1]))
-    plane = pc.planar.Robot.load("truck_trailer").within([-5, -5], [5, 5])
+    plane = pc.planar.Robot.load("truck_trailer").with_bounds([-5, -5], [5, 5])
     q = plane.random_configurations(1, 2)[0]
     assert np.array_equal(plane.link_poses(dict(zip(plane.joint_names, q, strict=True))), plane.link_poses(q))
     with pytest.raises(pc.PlannercheckError, match="unknown joint 'z'"):

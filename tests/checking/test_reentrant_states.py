@@ -168,7 +168,7 @@ def test_states_of_more_numbers_than_the_stack_holds(tmp_path):
 
 @pytest.fixture
 def curved():
-    space = PlanarSpace(planar.Robot.load("forklift").within([-5, -5], [5, 5]), "reeds_shepp", 1.5)
+    space = PlanarSpace(planar.Robot.load("forklift").with_bounds([-5, -5], [5, 5]), "reeds_shepp", 1.5)
     ompls = space.ompl_space()
     rng = np.random.default_rng(3)
     q = rng.uniform([-3, -3, -3], [3, 3, 3], (40, 3))
