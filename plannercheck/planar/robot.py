@@ -84,7 +84,7 @@ class Robot:
         self.bodies = tuple(body for k, link in enumerate(self.links) for body in _bodies(link, k))
         self.lower, self.upper = (read_only(np.array(side)) for side in self._limits(_bounds))
         self._kinematics = core.PlanarChecker(
-            core.PlanarModel(*self.core_links(), *_no_bodies()), True, core.Precision.filtered
+            core.PlanarModel(*(*self.core_links(), *_no_bodies())), True, core.Precision.filtered
         )
 
     @classmethod
