@@ -41,11 +41,6 @@ def paragraph(text: str, first: str = "", rest: str = "") -> str:
     return "".join(f"{line}\n" for line in lines).replace(_BLANK, " ")
 
 
-def items(texts: Iterable[str]) -> str:
-    """A list."""
-    return "".join(paragraph(text, "- ", "  ") for text in texts)
-
-
 def source(found: Record) -> str:
     """The command, the date, the commit and the machine."""
     machine = found["machine"]
@@ -74,12 +69,6 @@ def number(value: float | None) -> str:
 def times(value: float, ours: float) -> str:
     """A time, and how many times ours it is."""
     return f"{number(value)} ({number(value / ours)} ×)"
-
-
-def ratio(row: Record, digits: int = 2) -> str:
-    """A row's ratio; 1 where the same code that ran twice differed by as much."""
-    noise = row.get("noise", 1.0)
-    return "1" if 1 / noise < row["ratio"] < noise else f"{row['ratio']:.{digits}f}"
 
 
 def beside(value: float, ours: float) -> str:

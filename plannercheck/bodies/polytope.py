@@ -236,7 +236,7 @@ class Polytope:
         return cls._from_bytes(body_files.read(Path(path)))
 
     @classmethod
-    def _from_bytes(cls, data: bytes, *solid: NDArray[Any]) -> Polytope:
+    def _from_bytes(cls, data: bytes, *solid: Any) -> Polytope:
         body = parsed_polytope(data)
         return cls._from_core(body.with_solid(core.Solid(*solid)) if solid else body)
 

@@ -86,7 +86,7 @@ class CompiledPairs:
         used = self._used.tolist()
         source.preparation.prepare(used)
         self.polytopes = {k: source.preparation.polytope(k) for k in used}
-        links, placements = (array[self._used] for array in source.mounts)
+        links, placements = source.mounts[0][self._used], source.mounts[1][self._used]
         places = (np.cumsum(is_used, dtype=np.int32) - 1)[table]
         self.is_still = (links < 0)[places].all(axis=1)
         least, most = limits or (np.full(robot.nq, -LARGEST_VALUE), np.full(robot.nq, LARGEST_VALUE))

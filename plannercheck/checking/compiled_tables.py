@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,7 +106,8 @@ class CompiledTables:
             return _never_known, _never_known
         pairs, lengths = self.within_limits.core, self._source.robot.configuration_map.lengths
         units = np.array(lengths.columns, dtype=np.int32).reshape(-1, 2), min(UNIT_TOLERANCE, lengths.harmless)
-        return core.row_validity(pairs, kernel, *units), core.set_validity(pairs, kernel, *units)
+        of_row, of_set = core.row_validity(pairs, kernel, *units), core.set_validity(pairs, kernel, *units)
+        return cast(JudgeOfRow, of_row), cast(JudgeOfSet, of_set)
 
     def check_states(self, kernel: Any, rows: Floats, threads: int) -> Bools:
         """(n,) whether each configuration (n, nq) is free of collision; `kernel` poses the links."""
@@ -126,10 +127,8 @@ class CompiledTables:
         def beyond_limits(row: list[float]) -> bool:
             return bool(self.check_states(kernel, robot.check_configurations(row), 1)[0])
 
-        judge: Callable[[Any], bool] = core.state_validity(
-            self.within_limits.core, kernel, beyond_limits, states, failure
-        )
-        return judge
+        judge = core.state_validity(self.within_limits.core, kernel, beyond_limits, states, failure)
+        return cast(Callable[[Any], bool], judge)
 
     def statistics(self) -> dict[str, Any]:
         """Counters of all calls so far; every pair of every state counts once, pairs that were left out included."""

@@ -22,8 +22,7 @@ import yaml
 
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.file_kinds import file_kind
-from plannercheck.common.input_limits import INPUT_LIMITS, check_yaml
-from plannercheck.common.plain_yaml import DEEPEST_LINES, LOADER, load_yaml, value_of_lines
+from plannercheck.common.input_limits import YAML_LOADER, check_yaml
 
 Node: TypeAlias = dict[str, Any]
 
@@ -89,15 +88,12 @@ def parse_yaml(text: bytes | str) -> Node:
     Dashes at the end belong to the one document before them: `ros2 topic echo` ends each message so.
     """
     text = _without_last_dashes(text)
-    value = value_of_lines(text) if INPUT_LIMITS.depth >= DEEPEST_LINES else None
-    if value is not None:
-        return mapping(value, "the document")
     check_yaml(text)
     kind = file_kind(text if isinstance(text, bytes) else text.encode(errors="replace"))
     if kind and text.strip():
         raise PlannercheckError(f"no valid YAML: {kind}")
     try:
-        document = load_yaml(text)
+        document = yaml.load(text, Loader=YAML_LOADER)  # a safe one
     except (yaml.YAMLError, UnicodeDecodeError, ValueError) as error:  # the last of numbers and dates that are none
         if getattr(error, "context", None) == _SEVERAL:
             raise PlannercheckError(_of_several(text)) from None
@@ -117,7 +113,7 @@ def _without_last_dashes(text: bytes | str) -> bytes | str:
 def _of_several(text: bytes | str) -> str:
     """What is wrong with a text of several documents."""
     try:
-        count = sum(isinstance(event, yaml.DocumentStartEvent) for event in yaml.parse(text, Loader=LOADER))
+        count = sum(isinstance(event, yaml.DocumentStartEvent) for event in yaml.parse(text, Loader=YAML_LOADER))
     except yaml.YAMLError:  # a later one is broken
         return "holds several YAML documents, parted by lines of dashes (---): give a file with one of them"
     return f"holds {count} YAML documents, parted by lines of dashes (---): give a file with one of them"

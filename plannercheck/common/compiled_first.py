@@ -29,6 +29,7 @@ def compiled_first(slot: str, arguments: int, *values: object) -> Callable[[Meth
     """
 
     def decorated(method: Method) -> Method:
-        return cast(Method, core.CompiledFirst(method, slot, arguments, values))
+        descriptor = core.CompiledFirst  # type: ignore[attr-defined]  # no class of nanobind's: not in the stub
+        return cast(Method, descriptor(method, slot, arguments, values))
 
     return decorated

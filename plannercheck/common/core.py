@@ -12,6 +12,7 @@ import platform
 import sys
 from pathlib import Path
 from types import ModuleType
+from typing import TYPE_CHECKING
 
 from plannercheck.common.errors import PlannercheckError
 
@@ -72,4 +73,9 @@ def load() -> ModuleType:
     return importlib.import_module(f"plannercheck._core_{wanted or levels[0]}")
 
 
-core = load()
+if TYPE_CHECKING:
+    from plannercheck import _core as core  # one stub for all levels
+else:
+    core = load()
+
+__all__ = ["LEVELS", "available_levels", "core", "load"]

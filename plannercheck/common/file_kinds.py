@@ -17,7 +17,7 @@ _MAGIC = {
     b"version https://git-lfs": "it is a Git LFS pointer, not the file itself: `git lfs pull` fetches it",
     b"\x93NUMPY": "it is a numpy array, as .npy files are",
     b"\x89HDF": "it is an HDF5 file",
-    b"PAR1": "it is a parquet file",
+    b"PAR1\x15": "it is a parquet file",
     b"PK\x03\x04": "it is a zip archive, as .npz files are",
     b"\x89PNG": "it is a picture",
     b"\xff\xd8\xff": "it is a picture",

@@ -20,7 +20,8 @@ import yaml
 
 from plannercheck.common.errors import PlannercheckError
 
-_PARSER: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+# libyaml's loader is ten times faster; PyYAML comes without it on some platforms.
+YAML_LOADER: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 # Levels at which PyYAML's parser gives up (from 6.0.4 on), and what it says then. It reads ahead, so it may say so
 # before any event tells of a level.
@@ -96,7 +97,7 @@ def _check_events(text: bytes | str) -> None:
     """Follows the document's events: depth, and values with aliases counted as what they stand for."""
     sizes: dict[str, int] = {}
     open_nodes: list[list[Any]] = [[None, 0]]  # anchor and size so far
-    for event in yaml.parse(text, Loader=_PARSER):
+    for event in yaml.parse(text, Loader=YAML_LOADER):
         if isinstance(event, yaml.CollectionStartEvent):
             open_nodes.append([event.anchor, 1])
             if len(open_nodes) > INPUT_LIMITS.depth + 1:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,8 +89,8 @@ class MotionCertifier:
                 f"motions of {robot.name!r} can't be certified, since Pinocchio itself has to pose it: choose sampled "
                 "motions by resolution=, in m"
             )
-        self._robot, self._limits = robot, tables.limits
-        mounts = tables.mounts(robot.kinematics)
+        self._robot, self._kernel, self._limits = robot, robot.kinematics, tables.limits
+        mounts = tables.mounts(self._kernel)
         self._pairs_within_limits = ChainedPairs(
             robot, bodies, pairs, tables.within_limits, mounts, excess, tuning, path
         )
@@ -144,7 +144,7 @@ class MotionCertifier:
         if part.touching:  # they touch at every state, so no motion is free
             return np.zeros(len(rows), dtype=bool)
         starts, ends = (q0, q1) if len(rows) == len(q0) else (q0[rows], q1[rows])
-        answers = np.asarray(part.core.check(self._robot.kinematics, starts, ends, tolerance, error, threads))
+        answers = np.asarray(part.core.check(self._kernel, starts, ends, tolerance, error, threads))
         return verdicts(answers, tolerance, rows)
 
     def _within_limits(self, q0: Floats, q1: Floats) -> Bools:
@@ -172,7 +172,7 @@ class MotionCertifier:
         robot, part = self._robot, self._pairs_within_limits
         if part.touching or len(robot.joint_names) != robot.nq:
             return _never_known
-        return of_certifier(part.core, robot.kinematics, *self._range, self._errors.usual, list(self._errors.turning))
+        return of_certifier(part.core, self._kernel, *self._range, self._errors.usual, list(self._errors.turning))
 
     def is_free(self, q0: list[float], q1: list[float], tolerance: float) -> bool:
         """`check` of one motion between configurations given as lists: what planners call.
@@ -188,9 +188,8 @@ class MotionCertifier:
         check_tolerance(tolerance)
         if self._pairs_within_limits.touching:
             return False
-        kinematics = self._robot.kinematics
         answer: int = self._pairs_within_limits.core.check_one(
-            kinematics, q0, q1, *self._range, tolerance, self._errors.usual
+            self._kernel, q0, q1, *self._range, tolerance, self._errors.usual
         )
         return answer == FREE if answer <= REFUSED else self._is_free_anywhere(q0, q1, tolerance)
 
@@ -222,12 +221,10 @@ class MotionCertifier:
         counts = core.MotionCounts() if counts is None else counts
         if self._pairs_within_limits.touching:
             return partial(_refused, counts)
-        kinematics, low, high = self._robot.kinematics, *self._range
-        judge: Callable[[Any, Any], bool] = core.motion_validity(
+        judge = core.motion_validity(
             self._pairs_within_limits.core,
-            kinematics,
-            low,
-            high,
+            self._kernel,
+            *self._range,
             tolerance,
             self._errors.usual,
             partial(self._elsewhere, tolerance, tuple(angles)),
@@ -236,7 +233,7 @@ class MotionCertifier:
             list(angles),
             failure,
         )
-        return judge
+        return cast(Callable[[Any, Any], bool], judge)
 
     def _elsewhere(self, tolerance: float, angles: tuple[int, ...], q0: list[float], q1: list[float]) -> bool:
         for k in angles:
@@ -264,7 +261,7 @@ class MotionCertifier:
         if part.touching:
             return MotionResult(False, 0.0, 0.0, part.touching[0])
         error = self._errors.of_motion(q0, q1, q1 if given is None else given)
-        answer, until, near, row = part.core.explain(self._robot.kinematics, q0, q1, tolerance, error, False)[:4]
+        answer, until, near, row = part.core.explain(self._kernel, q0, q1, tolerance, error, False)[:4]
         found = passage_of(answer, until, near, int(part.rows[row]) if answer == REFUSED else -1, tolerance)
         if not proofs:
             return found
@@ -282,7 +279,7 @@ class MotionCertifier:
         reached, listed = 0.0, list[Proof]()
         for finer in _FINER:
             answer, end, _, _, *found = self._all_pairs.core.explain(
-                self._robot.kinematics, q0, q1, finer * tolerance, error, True
+                self._kernel, q0, q1, finer * tolerance, error, True
             )
             if answer == IMPRECISE:
                 break

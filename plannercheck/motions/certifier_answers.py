@@ -64,7 +64,7 @@ class MotionResult(NamedTuple):
     proved_until: float = 0.0
 
 
-def verdicts(answers: Ints, tolerance: float, rows: NDArray[np.int64] | None = None) -> Bools:
+def verdicts(answers: NDArray[np.uint8], tolerance: float, rows: NDArray[np.int64] | None = None) -> Bools:
     """Which answers (n,) mean free.
 
     Args:

@@ -79,20 +79,27 @@ class ChainedPairs:
         position[live] = np.arange(len(live))
         rows = chains.pairs.copy()
         rows[:, :2] = position[rows[:, :2]]
+        (joints, factors, parts), spread = of_robot.drives, of_robot.spread
         self.core = core.MotionCertifier(
             [polytopes[k].core for k in live],
             links[live],
             np.ascontiguousarray(placements[live]),
             rows,
-            *of_robot.drives[:2],
-            *chains[1:5],
-            of_robot.drives[2],
+            joints,
+            factors,
+            chains.first_entry,
+            chains.entries,
+            chains.arms,
+            chains.slides,
+            parts,
             robot.nq,
             len(robot.link_names),
             of_robot.defect,
             of_robot.leverage,
             of_robot.depth,
-            *of_robot.spread,
+            spread.extent,
+            spread.travel,
+            spread.joints,
             core_tuning(tuning),
             [part.core] if tuning.middle_states else [],
         )

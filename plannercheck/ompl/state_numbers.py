@@ -4,24 +4,17 @@ In: an OMPL space whose states are bounded joints, angles, poses in the plane, o
 numbers a state has. Out: `StateNumbers`, which reads states, also for compiled functions.
 
 OMPL's bindings show no pointer to a state's numbers, but every space copies them to a place in memory: one call of
-45 ns, where seven numbers one by one take 280 ns (measured from Python). Where the numbers of bounded joints lie is
-found out and proved (state_places.hpp); these are read there.
+45 ns, where seven numbers one by one take 280 ns (measured from Python).
 """
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
-
-from ompl import base, geometric
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 
 _BYTES = 8  # of a double
-
-# How many numbers the states have on which their place is proved; of more, OMPL would draw random projections.
-_PROBED = 2
 
 
 class StateNumbers:
@@ -35,12 +28,11 @@ class StateNumbers:
     states: Any
     failure: Any
 
-    def __init__(self, space: Any, width: int, in_place: bool = True) -> None:
-        """Takes an OMPL space whose states have so many numbers; `in_place` reads them where they lie, if known."""
+    def __init__(self, space: Any, width: int) -> None:
+        """Takes an OMPL space whose states have so many numbers."""
         assert space.getSerializationLength() == _BYTES * width  # or other memory would be overwritten
-        is_plain = in_place and isinstance(space, base.RealVectorStateSpace)
         self.failure = core.PlannerFailure()
-        self.states = core.PlannerStates(width, space.serialize, known_places() if is_plain else None)
+        self.states = core.PlannerStates(width, space.serialize)
 
     def read(self, state: Any) -> list[float]:
         """The numbers of a state."""
@@ -51,31 +43,6 @@ class StateNumbers:
         """(n, width), the numbers of n states."""
         rows: Floats = self.states.rows(states)
         return rows
-
-
-@cache
-def known_places() -> Any:
-    """The core's StatePlaces, proved for states that Python makes and for those that planners pass to validators."""
-    places, space = core.StatePlaces(), base.RealVectorStateSpace(_PROBED)
-    space.setBounds(0.0, 1.0)
-    information = base.SpaceInformation(space)
-    state = information.allocState()
-    if places.prove(state, _PROBED):
-        information.setStateValidityChecker(_Probe(information, places))
-        geometric.PathGeometric(information, state, state).check()  # passes a state of its own
-    return places
-
-
-class _Probe(base.StateValidityChecker):  # type: ignore[misc]  # OMPL's bindings are untyped
-    """Proves the places of the states that OMPL passes, and calls them invalid."""
-
-    def __init__(self, information: Any, places: Any) -> None:
-        super().__init__(information)
-        self._places = places
-
-    def isValid(self, state: Any) -> bool:  # noqa: N802  # OMPL's name
-        self._places.prove(state, _PROBED)
-        return False
 
 
 class NumberedSpace:

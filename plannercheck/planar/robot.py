@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import Configuration, contiguous, read_only, shown_array
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.core import core
@@ -84,7 +84,7 @@ class Robot:
         self.bodies = tuple(body for k, link in enumerate(self.links) for body in _bodies(link, k))
         self.lower, self.upper = (read_only(np.array(side)) for side in self._limits(_bounds))
         self._kinematics = core.PlanarChecker(
-            core.PlanarModel(*self.core_links(), *_no_bodies()), True, core.Precision.filtered
+            core.PlanarModel(*(*self.core_links(), *_no_bodies())), True, core.Precision.filtered
         )
 
     @classmethod
@@ -299,7 +299,7 @@ def _column_names(link: Link) -> tuple[str, ...]:
     return {"free": ("x", "y", "theta"), "revolute": (f"{link.name}_joint",), "fixed": ()}[link.joint]
 
 
-def _no_bodies() -> tuple[object, ...]:
+def _no_bodies() -> tuple[list[Any], Ints, Floats, Floats, Floats, Ints]:
     """The arguments of a core checker without bodies, which only poses links."""
     return (
         [],

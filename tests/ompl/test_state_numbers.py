@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
-import ctypes
 import gc
-import struct
 
 import numpy as np
 import pytest
-from ompl import base, geometric
+from ompl import base
 
 import plannercheck as pc
 from plannercheck.common.core import core
 from plannercheck.ompl import setup, space_of
-from plannercheck.ompl.state_numbers import StateNumbers, known_places
+from plannercheck.ompl.state_numbers import StateNumbers
 
 COUNT = 40
 
@@ -80,12 +77,11 @@ SPACES = {
 }
 
 
-@pytest.mark.parametrize("in_place", [True, False])
 @pytest.mark.parametrize("name", SPACES)
-def test_numbers_read_at_once_are_those_of_the_parts(name, in_place):
+def test_numbers_read_at_once_are_those_of_the_parts(name):
     make, width, parts = SPACES[name]
     space = make()
-    information, numbers = base.SpaceInformation(space), StateNumbers(space, width, in_place)
+    information, numbers = base.SpaceInformation(space), StateNumbers(space, width)
     sampler = information.allocStateSampler()
     states = [information.allocState() for _ in range(COUNT)]
     for state in states:
@@ -190,61 +186,6 @@ def test_an_exception_while_a_state_is_read():
         numbers.rows([state])
     failing.clear()
     assert numbers.numbers(state) == [state[k] for k in range(7)]
-
-
-def test_states_of_planners_and_of_programs_are_read_in_place():
-    """Bounded joints: `serialize` is not called, whoever has made the state; other states need it."""
-
-    def fail():
-        raise ZeroDivisionError("not in place")
-
-    space = bounded(7)
-    space.setup()
-    information, passed = base.SpaceInformation(space), []
-    if not core.StatePlaces().prove(information.allocState(), 7):
-        pytest.skip("these bindings keep their states in another way")
-    numbers = core.PlannerStates(7, Copying(space, fail), known_places())
-    first, second = information.allocState(), information.allocState()
-    first[0:7], second[0:7] = np.linspace(-1, 2, 7).tolist(), np.linspace(2, -1, 7).tolist()
-
-    class Judge(base.StateValidityChecker):
-        def isValid(self, state):  # noqa: N802  # OMPL's name
-            passed.append(([state[k] for k in range(7)], numbers.numbers(state)))
-            return True
-
-    information.setStateValidityChecker(Judge(information))
-    assert geometric.PathGeometric(information, first, second).check()
-    assert len(passed) > 2  # the path's own states, and states between them
-    assert len({tuple(expected) for expected, _ in passed}) == len(passed)
-    assert all(read == expected for expected, read in passed)
-    for state in (first, second):
-        assert numbers.numbers(state) == [state[k] for k in range(7)]
-        state[3] = 0.25
-        assert numbers.numbers(state)[3] == 0.25
-    other = base.SpaceInformation(plane()).allocState()
-    with pytest.raises(ZeroDivisionError, match="not in place"):
-        numbers.numbers(other)
-
-
-def test_places_are_proved_not_guessed():
-    """Nothing is read in place of what keeps its numbers elsewhere, or does not keep what it is given."""
-
-    class Forgetful(list):
-        def __setitem__(self, k, value):
-            pass
-
-    class Echo(Forgetful):
-        """Says what is in memory where a state's numbers would be, whatever it was given."""
-
-        def __getitem__(self, k):
-            return struct.unpack("d", ctypes.string_at(id(list.__getitem__(self, 1)) + 8 * k, 8))[0]
-
-    for odd in ([0.5, 0.5], [1e300, 3], Forgetful([0.0, 0.0]), Echo([0.0, 1.5]), np.zeros(4), bytearray(64)):
-        places = core.StatePlaces()
-        with contextlib.suppress(TypeError, ValueError, RuntimeError):
-            assert not places.prove(odd, 2)
-        with pytest.raises(TypeError):
-            core.PlannerStates(2, bounded(2).serialize, places).numbers(odd)
 
 
 def test_what_is_no_state_is_refused():

@@ -90,7 +90,7 @@ def test_limits_can_be_set(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("loader", [yaml.SafeLoader, getattr(yaml, "CSafeLoader", yaml.SafeLoader)])
 def test_text_about_nesting_is_not_nested(loader: type, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(input_limits, "_PARSER", loader)
+    monkeypatch.setattr(input_limits, "YAML_LOADER", loader)
     input_limits.check_yaml("a: &x 1\nb: *x\nc: [maximum nesting depth: }")
 
 

@@ -1,5 +1,5 @@
-// Methods whose compiled twin is asked first: where it answers, Python makes no frame, which costs a sixth of a single
-// state.
+// Methods whose compiled twin is asked first: where it answers, Python makes no frame. As a method of Python's that
+// asks the twin, `is_valid` takes 18 to 30 % longer and `check_motion` 11 to 13 % (Panda, UR5, Talos).
 //
 // In: a function of Python's; the slot (of `__slots__`) in which each object keeps its twin; how many arguments the
 // twin takes from the call, and values for those after them. Out: a descriptor, to be kept in the class in the

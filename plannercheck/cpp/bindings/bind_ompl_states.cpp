@@ -51,12 +51,8 @@ nb::object call_limit(std::int64_t calls) {
 }  // namespace
 
 void bind_ompl_states(nb::module_& m) {
-  nb::class_<StatePlaces>(m, "StatePlaces")
-      .def(nb::init<>(), plain_floats)
-      .def("prove", &StatePlaces::prove, plain_floats);
   nb::class_<PlannerStates>(m, "PlannerStates")
-      .def(nb::init<std::size_t, nb::object, std::shared_ptr<const StatePlaces>>(), nb::arg("width"),
-           nb::arg("serialize").none(), nb::arg("places").none() = nb::none(), plain_floats)
+      .def(nb::init<std::size_t, nb::object>(), nb::arg("width"), nb::arg("serialize").none(), plain_floats)
       .def("numbers", &numbers_of, plain_floats)
       .def("rows", &rows_of, plain_floats);
   nb::class_<PlannerFailure>(m, "PlannerFailure")

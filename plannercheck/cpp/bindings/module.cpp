@@ -23,6 +23,5 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   plannercheck::bind_points(m);
   plannercheck::bind_game(m);
   plannercheck::bind_reach(m);
-  plannercheck::bind_plain_yaml(m);
   plannercheck::bind_compiled_first(m);
 }

@@ -28,7 +28,6 @@ void bind_pair_queries(nanobind::module_& m);
 void bind_points(nanobind::module_& m);
 void bind_game(nanobind::module_& m);
 void bind_reach(nanobind::module_& m);
-void bind_plain_yaml(nanobind::module_& m);
 void bind_compiled_first(nanobind::module_& m);
 
 }  // namespace plannercheck

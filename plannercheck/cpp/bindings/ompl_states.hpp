@@ -3,8 +3,7 @@
 //
 // In: a state, and the space's `serialize`, which copies all numbers of a state at once: bounded joints, angles, and
 // compounds of them, part by part. Out: the numbers. Without `serialize`, `state[k]` is the k-th number, as in a
-// RealVectorStateSpace: so states of a program's own classes can be read. Where the numbers lie in memory is used if it
-// is known (state_places.hpp).
+// RealVectorStateSpace: so states of a program's own classes can be read.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -19,8 +18,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "bindings/state_places.hpp"
 
 namespace plannercheck {
 
@@ -51,9 +48,8 @@ class StateNumbers {
 
 class PlannerStates {
  public:
-  // `serialize(place, state)` of a space whose states are so many doubles, or None; `places` may be null.
-  PlannerStates(std::size_t width, nanobind::object serialize, std::shared_ptr<const StatePlaces> places)
-      : width_(width), serialize_(std::move(serialize)), places_(std::move(places)) {
+  // `serialize(place, state)` of a space whose states are so many doubles, or None.
+  PlannerStates(std::size_t width, nanobind::object serialize) : width_(width), serialize_(std::move(serialize)) {
     if (!serialize_.is_none()) return;
     for (std::size_t k = 0; k < width; ++k) columns_.push_back(nanobind::int_(k));
   }
@@ -62,10 +58,7 @@ class PlannerStates {
 
   // Writes a state's numbers to q, of this width; throws Python's error for what is no such state.
   void read(nanobind::handle state, StateNumbers& q) const {
-    const double* const numbers = places_ ? places_->numbers_of(state) : nullptr;
-    if (numbers != nullptr) {
-      std::copy_n(numbers, width_, q.data());
-    } else if (columns_.size() == width_) {
+    if (columns_.size() == width_) {
       read_items(state, q.data());
     } else {
       read_at_once(state, q.data());
@@ -78,7 +71,6 @@ class PlannerStates {
 
   std::size_t width_;
   nanobind::object serialize_;
-  std::shared_ptr<const StatePlaces> places_;
   std::vector<nanobind::object> columns_;
   mutable nanobind::object place_;  // of the last call; none while a call has it
 
@@ -111,7 +103,7 @@ class PlannerStates {
 
 // The given way to read states of so many numbers; as rows if there is none.
 inline std::shared_ptr<const PlannerStates> of_width(std::size_t width, std::shared_ptr<const PlannerStates> states) {
-  if (!states) return std::make_shared<const PlannerStates>(width, nanobind::none(), nullptr);
+  if (!states) return std::make_shared<const PlannerStates>(width, nanobind::none());
   if (states->width() == width) return states;
   throw std::invalid_argument("states of " + std::to_string(states->width()) + " numbers, not of " +
                               std::to_string(width));

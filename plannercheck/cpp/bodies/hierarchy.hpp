@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "bodies/direction_cells.hpp"
-#include "bodies/huge_page_allocator.hpp"
 #include "bodies/hull.hpp"
 #include "math/vec.hpp"
 
@@ -89,8 +88,7 @@ struct Levels {
   std::vector<VertexBlock> top_cursors;
   DirectionCells cells;  // of bodies that are scanned although they have levels
   std::vector<ChainRange> chains;
-  std::vector<VertexBlock, HugePageAllocator<VertexBlock>>
-      blocks;                        // chains of coarse vertices first, which keeps what most queries read together
+  std::vector<VertexBlock> blocks;   // chains of coarse vertices first, which keeps what most queries read together
   std::vector<std::int32_t> fan_of;  // per vertex: index into fans, or -1
   std::vector<WedgeFan> fans;
   std::vector<WedgeNode> wedges;

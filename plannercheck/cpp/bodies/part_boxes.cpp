@@ -155,7 +155,7 @@ void PartSet::frame_units(const Extent& all) {
 
 void PartSet::build_levels() {
   const auto parents = [](std::size_t n) { return std::max<std::size_t>(1, (n + kChildren - 1) / kChildren); };
-  Array<EightExtents> extents(parents(leaves_));
+  std::vector<EightExtents> extents(parents(leaves_));
   Extent all = Extent::nothing();
   for (std::size_t leaf = 0; leaf < leaves_; ++leaf) {
     const Extent around = part_extents(leaf).around();
@@ -164,11 +164,11 @@ void PartSet::build_levels() {
   }
   frame_units(parts_ == 0 ? Extent{} : all);
   for (;;) {
-    Array<PartNode> nodes(extents.size());
+    std::vector<PartNode> nodes(extents.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = boxes(extents[i]);
     levels_.push_back(std::move(nodes));
     if (extents.size() == 1) return;
-    Array<EightExtents> above(parents(extents.size()));
+    std::vector<EightExtents> above(parents(extents.size()));
     for (std::size_t i = 0; i < extents.size(); ++i) above[i / kChildren].put(i % kChildren, extents[i].around());
     extents = std::move(above);
   }

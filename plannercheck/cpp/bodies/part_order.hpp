@@ -9,8 +9,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "bodies/huge_page_allocator.hpp"
-
 namespace plannercheck {
 
 inline constexpr std::size_t kPartsInLeaf = 8, kChildren = 8;
@@ -24,8 +22,8 @@ struct PlacedPart {
   std::int32_t index;
 };
 
-using PlacedParts = std::vector<PlacedPart, HugePageAllocator<PlacedPart>>;
-using PartIndices = std::vector<std::int32_t, HugePageAllocator<std::int32_t>>;
+using PlacedParts = std::vector<PlacedPart>;
+using PartIndices = std::vector<std::int32_t>;
 
 // Indices of the parts in the order of a tree in which each child of a node, but the last, has as many parts below it.
 PartIndices tree_order(PlacedParts parts);

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "bodies/height_ceilings.hpp"
-#include "bodies/huge_page_allocator.hpp"
 #include "bodies/lazy_value.hpp"
 #include "bodies/part_order.hpp"
 #include "math/vec.hpp"
@@ -53,8 +52,6 @@ class PartSetError : public std::runtime_error {
 class PartSet {
  public:
   enum class Kind { kBalls, kCells, kColumns };
-  template <class T>
-  using Array = std::vector<T, HugePageAllocator<T>>;
 
   // Balls around n points, 3 coordinates each. `radii`: n of them, or one for all.
   static PartSet balls(const double* points, std::size_t n, const double* radii, bool one_radius);
@@ -86,7 +83,7 @@ class PartSet {
   Vec3 reach() const;  // largest |x|, |y|, |z| of parts, radii included
 
   // Levels of nodes; the children of the first level's are leaves, the last level has one node.
-  const std::vector<Array<PartNode>>& levels() const { return levels_; }
+  const std::vector<std::vector<PartNode>>& levels() const { return levels_; }
   // The points of a leaf of balls, and the radius of its ball k.
   const EightPoints& points(std::size_t leaf) const { return points_[leaf]; }
   double radius(std::size_t place) const { return radii_.size() == 1 ? radii_[0] : radii_[place]; }
@@ -148,14 +145,14 @@ class PartSet {
   std::size_t parts_ = 0, leaves_ = 0;
   Vec3 low_, high_, middle_;
   double units_ = 1, largest_radius_ = 0;
-  std::vector<Array<PartNode>> levels_;
-  Array<std::int32_t> source_;  // by place, of balls and cells; by leaf, of tiles of heights
-  Array<EightPoints> points_;
-  Array<double> radii_;  // one, or one by place
-  Array<EightCells> cells_;
+  std::vector<std::vector<PartNode>> levels_;
+  std::vector<std::int32_t> source_;  // by place, of balls and cells; by leaf, of tiles of heights
+  std::vector<EightPoints> points_;
+  std::vector<double> radii_;  // one, or one by place
+  std::vector<EightCells> cells_;
   double resolution_ = 1;
   Vec3 origin_;
-  Array<double> heights_;
+  std::vector<double> heights_;
   std::size_t rows_ = 0, columns_ = 0;
   std::array<double, 2> step_{1, 1};
   double base_ = 0;

@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "bodies/huge_page_allocator.hpp"
 #include "bodies/oriented_box.hpp"
 #include "math/vec.hpp"
 
@@ -70,8 +69,8 @@ struct TriangleTree {
   Vec3 middle;
   double units = 1;  // a length in m times this is one in the tree's; a power of two
   OrientedBox root{};
-  std::vector<TriangleNode, HugePageAllocator<TriangleNode>> nodes;       // the root's first
-  std::vector<EightTriangles, HugePageAllocator<EightTriangles>> leaves;  // all full but the last one
+  std::vector<TriangleNode> nodes;     // the root's first
+  std::vector<EightTriangles> leaves;  // all full but the last one
 
   // Of a triangle by its place.
   std::array<Vec3, 3> corners(std::int32_t triangle) const {

@@ -58,10 +58,6 @@ void settle(const PosedPolytope& guest, const PosedPolytope& host, const PairOpt
 // The stages that need no polar: nearest points in doubles, then in double-double, then exact arithmetic.
 PairVerdict without_polar(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, const PairOptions& options,
                           PairCounters& counters) {
-#ifdef PLANNERCHECK_NO_FALLBACK
-  static_cast<void>(guest), static_cast<void>(host), static_cast<void>(options), static_cast<void>(counters);
-  return near_verdict(along(hint), Stage::kSolver);
-#else
   if (options.dents && have_dents(guest, host)) return between_dents(guest, host, hint, counters);
   Proximity found = along(hint);
   if (options.nearest_points) {
@@ -74,7 +70,6 @@ PairVerdict without_polar(const PosedPolytope& guest, const PosedPolytope& host,
     if (found.answer != Answer::kUndecided) return near_verdict(found, Stage::kDoubleDouble);
   }
   return exact_verdict(guest, host, options.warm_start ? found : along(found.direction));
-#endif
 }
 
 // The stages that cost a game: the solver, then, where it does not apply or decide, the stages without a polar. The
