@@ -52,7 +52,7 @@ bool pays(const StateTally& tally, std::size_t worth) { return tally.collided * 
 
 }  // namespace
 
-void MotionCertifier::judge_states(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
+void MotionCertifier::judge_states(const Kinematics& kinematics, const Segments& motions, std::size_t count,
                                    Workspace& w) const {
   std::fill_n(w.is_free.begin(), count, std::uint8_t{1});
   const bool has_parts = !part_groups_.groups.empty();
@@ -60,24 +60,24 @@ void MotionCertifier::judge_states(const Kinematics& kinematics, const double* q
   std::size_t tried = 0;
   if (w.untried == 0) {
     w.untried = kBetweenTrials, tried = std::min(count, kTried);
-    try_all_looks(kinematics, q0, q1, tried, w);
+    try_all_looks(kinematics, motions, tried, w);
   }
   w.untried -= std::min(count, w.untried);
   const std::size_t first = likeliest(w.looks, kLooks);
   if (!has_parts && !pays(w.looks[first], kFirstWorth)) return;
-  judge_at(kinematics, q0, q1, {first, tried, count}, w.looks[first], w);
+  judge_at(kinematics, motions, {first, tried, count}, w.looks[first], w);
   const std::size_t second = likeliest(w.later_looks[first], first);
   StateTally& tally = w.later_looks[first][second];
-  if (pays(tally, kSecondWorth)) judge_at(kinematics, q0, q1, {second, tried, count}, tally, w);
+  if (pays(tally, kSecondWorth)) judge_at(kinematics, motions, {second, tried, count}, tally, w);
 }
 
 // Judges all looks at the first motions.
-void MotionCertifier::try_all_looks(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
+void MotionCertifier::try_all_looks(const Kinematics& kinematics, const Segments& motions, std::size_t count,
                                     Workspace& w) const {
   std::array<std::array<std::uint8_t, kTried>, kLooks> free;
   for (std::size_t look = 0; look < kLooks; ++look) {
     std::fill_n(w.is_free.begin(), count, std::uint8_t{1});
-    judge_at(kinematics, q0, q1, {look, 0, count}, w.looks[look], w);
+    judge_at(kinematics, motions, {look, 0, count}, w.looks[look], w);
     std::copy_n(w.is_free.begin(), count, free[look].begin());
   }
   for (std::size_t i = 0; i < count; ++i) {
@@ -91,14 +91,14 @@ void MotionCertifier::try_all_looks(const Kinematics& kinematics, const double* 
 }
 
 // Judges the states at one place on those of some motions that no look has refused yet.
-void MotionCertifier::judge_at(const Kinematics& kinematics, const double* q0, const double* q1, const Look& look,
+void MotionCertifier::judge_at(const Kinematics& kinematics, const Segments& motions, const Look& look,
                                StateTally& tally, Workspace& w) const {
   const std::size_t width = at(model_.width);
   w.rows.resize(kMotionsAtOnce * width);
   std::size_t rows = 0;
   for (std::size_t i = look.first; i < look.past; ++i) {
     if (w.is_free[i] == 0) continue;
-    w.path.set(q0 + i * width, q1 + i * width);
+    w.path.set(motions[i]);
     w.path.at(&kLookAt[look.place], 1, 1, &w.rows[rows * width]);
     w.motion_of_row[rows++] = i;
   }
