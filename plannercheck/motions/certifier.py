@@ -40,6 +40,7 @@ from plannercheck.motions.certifier_answers import (
     verdicts,
 )
 from plannercheck.motions.certifier_pairs import ChainedPairs
+from plannercheck.motions.motion_ends import Motions
 from plannercheck.motions.rounding_bounds import RoundingBounds
 from plannercheck.robots.robot import Robot
 
@@ -106,53 +107,39 @@ class MotionCertifier:
     def _all_pairs(self) -> ChainedPairs:
         return self._pairs_within_limits if self._limits is None else self._compile_all_pairs()
 
-    def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int, given: Floats | None = None) -> Bools:
-        """Whether each motion (n, nq) to (n, nq) is free.
+    def check(self, motions: Motions, tolerance: float, threads: int) -> Bools:
+        """Whether each of n motions is free.
 
         Args:
-            q0: Starts, validated.
-            q1: Ends; all numbers move linearly, except unit vectors such as quaternions.
+            motions: Validated.
             tolerance: m.
             threads: Number of threads to use.
-            given: (n, nq) the ends before whole turns were taken off, if any were: their poses are rounded more.
 
         Returns:
             (n,) True means proved free, False that a pair comes within the tolerance.
         """
         check_tolerance(tolerance)
-        within = self._within_limits(q0, q1)
-        by_error = self._errors.of_motions(q0, q1, q1 if given is None else given)
-        free = np.empty(len(q0), dtype=bool)
-        for rows, whole in ((np.flatnonzero(within), False), (np.flatnonzero(~within), True)):
-            if len(rows):
-                part = self._all_pairs if whole else self._pairs_within_limits
-                for error, chosen in by_error(rows):
-                    free[chosen] = self._judged(part, q0, q1, chosen, tolerance, error, threads)
+        free = np.empty(len(motions.starts), dtype=bool)
+        by_error = self._errors.of_motions(motions)
+        for part, some in self._parts_of(motions):
+            for error, rows in by_error(some):
+                if part.touching:  # these pairs touch at every state, so no motion is free
+                    free[rows] = False
+                    continue
+                ends = (q if len(rows) == len(free) else q[rows] for q in motions[:2])
+                answers = np.asarray(part.core.check(self._kernel, *ends, tolerance, error, threads))
+                free[rows] = verdicts(answers, tolerance, rows)
         return free
 
-    def _judged(
-        self,
-        part: ChainedPairs,
-        q0: Floats,
-        q1: Floats,
-        rows: NDArray[np.int64],
-        tolerance: float,
-        error: float,
-        threads: int,
-    ) -> Bools:
-        """Judges some rows by some pairs; `error` bounds the rounding of their kinematics."""
-        if part.touching:  # they touch at every state, so no motion is free
-            return np.zeros(len(rows), dtype=bool)
-        starts, ends = (q0, q1) if len(rows) == len(q0) else (q0[rows], q1[rows])
-        answers = np.asarray(part.core.check(self._kernel, starts, ends, tolerance, error, threads))
-        return verdicts(answers, tolerance, rows)
-
-    def _within_limits(self, q0: Floats, q1: Floats) -> Bools:
-        """(n,) whether both ends are within the limits; then so is every state between them, up to rounding."""
+    def _parts_of(self, motions: Motions) -> list[tuple[ChainedPairs, NDArray[np.int64]]]:
+        """The pairs by which motions are judged, and the rows of these motions: those within the limits, the others."""
         if self._limits is None:
-            return np.ones(len(q0), dtype=bool)
-        low, high = self._limits
-        return np.asarray(((q0 >= low) & (q0 <= high) & (q1 >= low) & (q1 <= high)).all(axis=1))
+            return [(self._pairs_within_limits, np.arange(len(motions.starts)))]
+        least, largest = motions.ranges()
+        within = ((least >= self._limits[0]) & (largest <= self._limits[1])).all(axis=1)
+        inside, beyond = np.flatnonzero(within), np.flatnonzero(~within)
+        parts = [(self._pairs_within_limits, inside)] if len(inside) else []
+        return [*parts, (self._all_pairs, beyond)] if len(beyond) else parts
 
     @cached_property
     def judge_rows(self) -> JudgeMotion:
@@ -174,29 +161,6 @@ class MotionCertifier:
             return _never_known
         return of_certifier(part.core, self._kernel, *self._range, self._errors.usual, list(self._errors.turning))
 
-    def is_free(self, q0: list[float], q1: list[float], tolerance: float) -> bool:
-        """`check` of one motion between configurations given as lists: what planners call.
-
-        Args:
-            q0: nq numbers; unit vectors such as quaternions must have length 1.
-            q1: nq numbers.
-            tolerance: m.
-
-        Returns:
-            True means proved free.
-        """
-        check_tolerance(tolerance)
-        if self._pairs_within_limits.touching:
-            return False
-        answer: int = self._pairs_within_limits.core.check_one(
-            self._kernel, q0, q1, *self._range, tolerance, self._errors.usual
-        )
-        return answer == FREE if answer <= REFUSED else self._is_free_anywhere(q0, q1, tolerance)
-
-    def _is_free_anywhere(self, q0: list[float], q1: list[float], tolerance: float) -> bool:
-        starts, ends = self._robot.check_configurations([q0]), self._robot.check_configurations([q1])
-        return bool(self.check(starts, ends, tolerance, 1)[0])
-
     def motion_validity(
         self,
         tolerance: float,
@@ -205,7 +169,7 @@ class MotionCertifier:
         angles: Sequence[int] = (),
         failure: Any = None,
     ) -> Callable[[Any, Any], bool]:
-        """`is_free` as a compiled function of two states of an OMPL space of nq numbers.
+        """`check` of one motion as a compiled function of two states of an OMPL space of nq numbers.
 
         Args:
             tolerance: m.
@@ -238,7 +202,12 @@ class MotionCertifier:
     def _elsewhere(self, tolerance: float, angles: tuple[int, ...], q0: list[float], q1: list[float]) -> bool:
         for k in angles:
             q1[k] = nearest_turn(q0[k], q1[k])
-        return self.is_free(q0, q1, tolerance)
+        starts, ends = np.array([q0]), np.array([q1])
+        known = self.judge_sets(starts, ends, tolerance, 1)
+        if known is not None:
+            return bool(known[0])
+        ends = self._robot.check_configurations(ends)
+        return bool(self.check(Motions(self._robot.check_configurations(starts), ends, ends), tolerance, 1)[0])
 
     def motion_result(
         self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False, given: Floats | None = None
@@ -256,13 +225,13 @@ class MotionCertifier:
             The result.
         """
         check_tolerance(tolerance)
-        within = self._within_limits(q0[None], q1[None])[0]
-        part = self._pairs_within_limits if within else self._all_pairs
+        motion = Motions(q0[None], q1[None], (q1 if given is None else given)[None])
+        ((part, row),) = self._parts_of(motion)
         if part.touching:
             return MotionResult(False, 0.0, 0.0, part.touching[0])
-        error = self._errors.of_motion(q0, q1, q1 if given is None else given)
-        answer, until, near, row = part.core.explain(self._kernel, q0, q1, tolerance, error, False)[:4]
-        found = passage_of(answer, until, near, int(part.rows[row]) if answer == REFUSED else -1, tolerance)
+        ((error, _),) = self._errors.of_motions(motion)(row)
+        answer, until, near, pair = part.core.explain(self._kernel, q0, q1, tolerance, error, False)[:4]
+        found = passage_of(answer, until, near, int(part.rows[pair]) if answer == REFUSED else -1, tolerance)
         if not proofs:
             return found
         reached, listed = self._listed(q0, q1, tolerance, error, found.free_until)

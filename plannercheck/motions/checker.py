@@ -8,10 +8,8 @@ from __future__ import annotations
 from functools import cached_property, partial
 from typing import ClassVar, TypeVar
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.checking.state_checker import StateChecker
 from plannercheck.checking.verdicts import MotionVerdict
 from plannercheck.common.array_types import Bools, Floats
@@ -24,9 +22,8 @@ from plannercheck.common.threads import MOST_THREADS, checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE, JudgeMotion, MotionCertifier
 from plannercheck.motions.explanation import explained_motion
 from plannercheck.motions.joint_drives import split_joints
-from plannercheck.motions.motion_ends import checked_ends, with_given_ends
+from plannercheck.motions.motion_ends import Motions, checked_ends, with_given_ends
 from plannercheck.motions.proof_builder import Builder
-from plannercheck.motions.rounding_bounds import NEAR_TURNS
 from plannercheck.motions.sampling import MotionSampler
 from plannercheck.proofs.proof import Proof
 
@@ -95,21 +92,13 @@ class Checker(StateChecker):
         Returns:
             True if the motion is free.
         """
-        if path != "screw":
-            check_path(path)
-        given = (q0, q1, tolerance)
-        if resolution is None and self._kernel is not None and not any(each is None for each in given):
+        if resolution is None and path == "screw" and self._kernel is not None:
             if self._judge_motion is None:
                 self._judge_motion = self.motion_certifier.judge_rows
-            known = self._judge_motion(*given)
+            known = self._judge_motion(q0, q1, tolerance)
             if known is not None:
                 return known
-        starts, ends = self._single(q0), self._single(q1)
-        if resolution is None and self.motion_sampler.is_vector_space and starts.shape == ends.shape:
-            near = self.motion_sampler.short_way(starts, ends)
-            if near is ends or (np.abs(ends) <= NEAR_TURNS).all():
-                return self.motion_certifier.is_free(starts[0].tolist(), near[0].tolist(), tolerance)
-        return bool(self.check_motions(starts, ends, resolution, tolerance, path=path)[0])
+        return bool(self.check_motions(self._single(q0), self._single(q1), resolution, tolerance, path=path)[0])
 
     def check_motions(
         self,
@@ -139,14 +128,19 @@ class Checker(StateChecker):
             known = self.motion_certifier.judge_sets(q0, q1, tolerance, min(threads, MOST_THREADS))
             if known is not None:
                 return known.view(bool)
-        starts, given = checked_ends(self.robot, q0, q1)
-        ends = self.motion_sampler.short_way(starts, given)
+        motions = self._motion_ends(q0, q1)
         if resolution is None:
-            threads = checked_threads(threads, len(starts))
-            return self.certifier_of(path).check(starts, ends, tolerance, threads, given)
-        return with_given_ends(self, self._sampled_free(starts, ends, resolution, path), ends, given)
+            threads = checked_threads(threads, len(motions.starts))
+            return self.certifier_of(path).check(motions, tolerance, threads)
+        return with_given_ends(self, self._sampled_free(motions, resolution, path), motions)
 
-    def _sampled_free(self, starts: Floats, ends: Floats, resolution: float, path: MotionPath) -> Bools:
+    def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> Motions:
+        """Motions between configurations (n, nq); continuous joints take the short way."""
+        starts, given = checked_ends(self.robot, q0, q1)
+        return Motions(starts, self.motion_sampler.short_way(starts, given), given)
+
+    def _sampled_free(self, motions: Motions, resolution: float, path: MotionPath) -> Bools:
+        starts, ends = motions.starts, motions.ends
         if self._kernel is None or not self.motion_sampler.is_vector_space:
             return self.motion_sampler.check(self, starts, ends, resolution, path)
         steps = self.motion_sampler.steps(starts, ends, resolution)
@@ -177,11 +171,10 @@ class Checker(StateChecker):
         Returns:
             The verdict.
         """
-        given = np.ascontiguousarray(self._single(q1))
-        (start,), (end,) = self._motion_ends(self._single(q0), given)
+        (start,), (end,), (given,) = self._motion_ends(self._single(q0), self._single(q1))
         certifier = self.certifier_of(path)
-        result = certifier.motion_result(start, end, tolerance, proofs, given[0])
-        prover = partial(self._proof, start, end, self.robot.check_configurations(given)[0], tolerance, path)
+        result = certifier.motion_result(start, end, tolerance, proofs, given)
+        prover = partial(self._proof, start, end, given, tolerance, path)
         return explained_motion(self, result, lambda t: certifier.states(start, end, t), tolerance, prover)
 
     def certify_motions(
@@ -212,9 +205,8 @@ class Checker(StateChecker):
                 free motion on which a solid or a set of parts comes near: the pair is named.
         """
         free = self.check_motions(q0, q1, tolerance=tolerance, threads=threads, path=path)
-        (starts, ends), asked = self._motion_ends(q0, q1), given_configurations(self.robot, q1)
-        rows = zip(starts, ends, asked, free.tolist(), strict=True)
-        return tuple(self._proof(q, end, to, tolerance, path) if passed else None for q, end, to, passed in rows)
+        motions = zip(free.tolist(), *self._motion_ends(q0, q1), strict=True)
+        return tuple(self._proof(q, end, to, tolerance, path) if passed else None for passed, q, end, to in motions)
 
     def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:
         return self._prover.proof(start, end, asked_end, tolerance, path)
@@ -253,8 +245,3 @@ class Checker(StateChecker):
             )
         tuning = self._settings.tuning
         return MotionCertifier(self.robot, self.bodies, self.pairs, self._tables, self.excess, tuning, path)
-
-    def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
-        """Starts and ends (n, nq); continuous joints take the short way."""
-        starts, ends = checked_ends(self.robot, q0, q1)
-        return starts, self.motion_sampler.short_way(starts, ends)

@@ -1,10 +1,12 @@
-"""The ends of motions, as given and less whole turns, so that angles take the short way.
+"""Motions as they are judged: their ends, as given and less whole turns, so that angles take the short way.
 
-In: configurations, in space or in the plane. Out: the ends with which motions are judged, and whether the given ends
-are free as well. An angle less whole turns is another double, so the given end is posed with other roundings.
+In: configurations, in space or in the plane. Out: `Motions`, and whether the given ends are free as well. An angle less
+whole turns is another double, so the given end is posed with other roundings.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +16,28 @@ from plannercheck.checking.protocols import AnyChecker, AnyRobot
 from plannercheck.common.angles import nearest_turns
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
+
+
+class Motions(NamedTuple):
+    """Motions between configurations, rad and m.
+
+    Attributes:
+        starts: (n, nq).
+        ends: (n, nq) the ends that the motions lead to; the same array as `given` if no whole turns were taken off.
+        given: (n, nq) the ends as asked for.
+    """
+
+    starts: Floats
+    ends: Floats
+    given: Floats
+
+    def ranges(self) -> tuple[Floats, Floats]:
+        """The least and the largest (n, nq) of each number on each motion, the end as asked for included.
+
+        Numbers change linearly, so the ends bound them. Numbers of unit vectors do not, but are at most 1.
+        """
+        ends = np.stack([*self[:2]] if self.given is self.ends else [*self])
+        return ends.min(axis=0), ends.max(axis=0)
 
 
 def checked_ends(robot: AnyRobot, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
@@ -37,16 +61,15 @@ def short_way(starts: Floats, ends: Floats, angles: NDArray[np.int64]) -> Floats
     return out
 
 
-def with_given_ends(checker: AnyChecker, free: Bools, ends: Floats, given: Floats) -> Bools:
+def with_given_ends(checker: AnyChecker, free: Bools, motions: Motions) -> Bools:
     """Which sampled motions (n,) are free, the ends as given included.
 
     Args:
         checker: Judges configurations.
         free: (n,) which motions are free at their samples.
-        ends: (n, nq) where the samples end.
-        given: (n, nq) ends before whole turns were taken off: posed with other roundings.
+        motions: The motions.
     """
-    turned = free & (given != ends).any(axis=1)
+    turned = free & (motions.given != motions.ends).any(axis=1)
     if turned.any():
-        free[turned] = checker.check_states(given[turned])
+        free[turned] = checker.check_states(motions.given[turned])
     return free

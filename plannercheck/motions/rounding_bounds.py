@@ -1,13 +1,12 @@
 """Bounds on how far computed poses are from exact kinematics on motions.
 
-In: a robot, ends of motions. Out: `RoundingBounds`, which groups motions by the bound that holds for them. The bound of
+In: a robot, motions. Out: `RoundingBounds`, which groups motions by the bound that holds for them. The bound of
 a range around the limits is computed once. Motions that leave this range get the bound of a range up to the next powers
 of 2, so that a verdict depends on its own motion only.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import TypeAlias
 
@@ -16,15 +15,13 @@ from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import distinct_rows
+from plannercheck.motions.motion_ends import Motions
 from plannercheck.robots.robot import Robot
 
 Rows: TypeAlias = NDArray[np.int64]
 
 # Beyond the limits by this much, rad and m, the bound of kinematic rounding is computed once for all.
 _MARGIN = 10.0
-
-# The range of continuous joints, rad.
-NEAR_TURNS = math.pi + _MARGIN
 
 
 class RoundingBounds:
@@ -46,25 +43,18 @@ class RoundingBounds:
         self._far: dict[bytes, float] = {}
         self.turning: tuple[int, ...] = tuple(np.flatnonzero(robot.configuration_map.turning_columns()).tolist())
 
-    def of_motion(self, q0: Floats, q1: Floats, given: Floats) -> float:
-        """The error of computed poses on one motion (nq,) to (nq,) whose end was given as `given`, m."""
-        ((error, _),) = self.of_motions(q0[None], q1[None], given[None])(np.zeros(1, np.int64))
-        return error
-
-    def of_motions(self, q0: Floats, q1: Floats, given: Floats) -> Callable[[Rows], list[tuple[float, Rows]]]:
+    def of_motions(self, motions: Motions) -> Callable[[Rows], list[tuple[float, Rows]]]:
         """A function that groups rows of motions by their bound, m, which holds for both ends, as judged and as given.
 
         A row's bound depends on the row only. Within the range around the limits it is the usual bound; else it is that
         of a range that reaches to the next powers of 2 in the columns that leave the usual range. It holds for the
         whole motion.
         """
-        low, high = self.low, self.high
-        near = (q0 >= low) & (q0 <= high) & (given >= low) & (given <= high)
-        if self.turning:  # else the given ends are these ends
-            near &= (q1 >= low) & (q1 <= high)
+        least, largest = motions.ranges()
+        near = (least >= self.low) & (largest <= self.high)
         if near.all():
             return lambda rows: [(self.usual, rows)]
-        furthest = np.max([np.abs(q0), np.abs(q1), np.abs(given)], axis=0)
+        furthest = np.maximum(-least, largest)
         powers = np.where(near, -1.0, np.ceil(np.log2(np.maximum(furthest, 1.0))))
         return lambda rows: self._by_powers(powers[rows], rows)
 

@@ -23,7 +23,7 @@ from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.explanation import explained_motion
-from plannercheck.motions.motion_ends import checked_ends, with_given_ends
+from plannercheck.motions.motion_ends import Motions, checked_ends, with_given_ends
 from plannercheck.motions.sampling import samples_are_free
 from plannercheck.planar.body_tables import core_model, pair_table
 from plannercheck.planar.certificates import Certificate, certify
@@ -193,16 +193,17 @@ class Checker(ExplainingChecker):
             (n,), True means free.
         """
         check_curve(self.robot, curve, turning_radius)
-        starts, ends, given = self._motion_ends(q0, q1, curve)
+        motions = self._motion_ends(q0, q1, curve)
+        starts, ends, given = motions
         if curve != "straight":
-            rows = zip(starts, ends, given, strict=True)
+            rows = zip(*motions, strict=True)
             judged = [self._curve_is_free(row, resolution, tolerance, curve, turning_radius) for row in rows]
             return np.array(judged, dtype=bool)
         if resolution is None:
             return self.motion_certifier.check(starts, ends, tolerance, checked_threads(threads, len(starts)), given)
         steps = self.motion_sampler.steps(starts, ends, resolution)
         free = np.asarray(self._core.motions_are_free(starts, ends, steps)).astype(bool)
-        return with_given_ends(self, free, ends, given)
+        return with_given_ends(self, free, motions)
 
     def explain_motion(
         self,
@@ -285,8 +286,8 @@ class Checker(ExplainingChecker):
         """Proves motions free; built when first needed."""
         return MotionCertifier(self._model)
 
-    def _motion_ends(self, q0: ArrayLike, q1: ArrayLike, curve: Curve = "straight") -> tuple[Floats, Floats, Floats]:
-        """Starts and ends (n, nq), and the ends as given: angles without limits take the short way.
+    def _motion_ends(self, q0: ArrayLike, q1: ArrayLike, curve: Curve = "straight") -> Motions:
+        """Motions between configurations (n, nq): angles without limits take the short way.
 
         On curves the heading also stays as given.
         """
@@ -294,7 +295,7 @@ class Checker(ExplainingChecker):
         near = self.motion_sampler.short_way(starts, ends)
         if curve != "straight":
             near[:, 2] = ends[:, 2]  # the very double: rounding may choose between two curves of equal length
-        return starts, near, ends
+        return Motions(starts, near, ends)
 
     def _curve_is_free(
         self,

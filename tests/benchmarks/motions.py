@@ -262,7 +262,7 @@ def extent(robot: pc.Robot) -> float:
 def judge(case: Case, counts: Counter[tuple[str, str]]) -> None:
     """Adds a case's verdicts to the counts."""
     checker, family = case.checker, case.family
-    starts, ends = checker._motion_ends(case.q0, case.q1)
+    starts, ends, _ = checker._motion_ends(case.q0, case.q1)
     free = checker.check_motions(starts, ends)
     distance = CoalDistance(checker)
     for q0, q1, accepted in zip(starts, ends, free.tolist(), strict=True):

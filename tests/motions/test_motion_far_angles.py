@@ -12,6 +12,7 @@ from motion_contacts import HALF, robot_of
 from random_branches import Joint, Tree
 
 import plannercheck as pc
+from plannercheck.motions.motion_ends import Motions
 from plannercheck.motions.rounding_bounds import RoundingBounds
 from plannercheck.ompl.joint_space import JointSpace
 
@@ -47,7 +48,7 @@ def test_ompl_interpolates_what_is_judged(follower, multiplier, tmp_path):
     rng = np.random.default_rng(1)
     for start, end in rng.uniform(-np.pi, np.pi, (40, 2)):
         states = space.state(information, [start]), space.state(information, [end])
-        _, (judged,) = checker._motion_ends(np.array([[start]]), np.array([[end]]))
+        _, (judged,), _ = checker._motion_ends(np.array([[start]]), np.array([[end]]))
         for t in (0.0, 0.3, 0.8, 1.0):
             information.getStateSpace().interpolate(*states, t, between)
             ours = checker.motion_certifier.states(np.array([start]), judged, np.array([t]))
@@ -168,9 +169,9 @@ def test_verdicts_of_near_motions_do_not_depend_on_far_ones_beside_them(tmp_path
     robot = robot_of(Tree((turn, other)).with_body("a1", 1e-3, np.array([1.0, 0, 0])), tmp_path)
     bounds = RoundingBounds(robot)
     q0, q1 = np.array([[0.1], [0.2], [0.3]]), np.array([[0.5], [1e5], [1e4]])
-    found = bounds.of_motions(q0, q1, q1)(np.arange(3))
+    found = bounds.of_motions(Motions(q0, q1, q1))(np.arange(3))
     rows = [(q0[k : k + 1], q1[k : k + 1]) for k in range(3)]
-    alone = [bounds.of_motion(start[0], end[0], end[0]) for start, end in rows]
+    alone = [bounds.of_motions(Motions(start, end, end))(np.arange(1))[0][0] for start, end in rows]
     assert {int(k): error for error, chosen in found for k in chosen} == dict(enumerate(alone))
     assert alone[0] == bounds.usual < alone[2] < alone[1]
 

@@ -13,6 +13,7 @@ from ompl import base, geometric
 import plannercheck as pc
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
+from plannercheck.motions.motion_ends import Motions
 from plannercheck.ompl import planning
 from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.ompl.motion_validators import motion_validator
@@ -95,8 +96,9 @@ def test_continuous_joints_are_checked_on_the_short_way():
     )
     assert (np.abs(step) > np.pi).any(axis=1).sum() > 20
     np.testing.assert_allclose(space.differences(starts, ends), near, atol=1e-12)
-    truth = checker.motion_certifier.check(starts, starts + near, 1e-4, 1)
-    long_way = checker.motion_certifier.check(starts, starts + step, 1e-4, 1)
+    truth, long_way = (
+        checker.motion_certifier.check(Motions(starts, ends, ends), 1e-4, 1) for ends in (starts + near, starts + step)
+    )
     assert (truth & ~long_way).sum() > 10
     for q0, q1, free in zip(starts, ends, truth, strict=True):
         states = space.state(information, q0), space.state(information, q1)

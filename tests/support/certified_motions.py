@@ -9,7 +9,7 @@ import numpy as np
 
 
 def certified_ends(checker, q0, q1):
-    return checker._motion_ends(q0[None], q1[None])
+    return checker._motion_ends(q0[None], q1[None])[:2]
 
 
 def dense_states(checker, q0, q1, steps):

@@ -69,78 +69,65 @@ class BoundCertifier : public Pooled<MotionCertifier> {
 // MotionAnswer of each of n motions.
 auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, Configurations q0, Configurations q1,
                    double tolerance, double kinematic_error, int threads) {
-  const std::size_t width = q0.shape(1);
+  const Segments motions{q0.data(), q1.data(), q0.shape(1)};
   return bound.of_rows<std::uint8_t>(
       q0.shape(0), threads, [&](std::size_t row, std::size_t n, std::uint8_t* answers, MotionCertifier::Workspace& w) {
-        bound.core().check(kinematics, q0.data() + row * width, q1.data() + row * width, n, tolerance, kinematic_error,
-                           answers, w);
+        bound.core().check(kinematics, motions.from(row), n, tolerance, kinematic_error, answers, w);
       });
 }
 
-// Configurations for which a kinematic error holds.
-struct ErrorRange {
+// The motions that are answered without Python: a kinematic error holds for all their configurations, and angles that
+// whole turns do not change take the short way.
+struct KnownMotions {
   std::vector<double> low, high;
   double error;
+  std::vector<std::size_t> angles;
+  double most_turn;  // rad
 
-  // Row: numbers with a size.
-  template <class Row>
-  bool holds(const Row& q) const {
-    bool inside = q.size() == low.size();
-    for (std::size_t c = 0; inside && c < q.size(); ++c) inside = q.data()[c] >= low[c] && q.data()[c] <= high[c];
-    return inside;
+  std::size_t width() const { return low.size(); }
+  bool hold(const Segment& motion) const {
+    bool known = stays_within(motion, width(), low.data(), high.data());
+    for (const std::size_t k : angles) known &= change(motion, k) <= most_turn;
+    return known;
   }
 };
-
-ErrorRange error_range(InputArray<double, -1> low, InputArray<double, -1> high, double error) {
-  return {{low.data(), low.data() + low.shape(0)}, {high.data(), high.data() + high.shape(0)}, error};
-}
-
-// For planners, which ask for one motion at a time: its MotionAnswer, or kOutside if an end is outside of the range.
-constexpr int kOutside = 3;
 
 // Angles that are no further apart than this surely take the short way, rad.
 constexpr double kNearlyHalfTurn = 3.1415;
 
-template <class Row>
-int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const Row& q0, const Row& q1,
-              const ErrorRange& range, double tolerance) {
-  if (!range.holds(q0) || !range.holds(q1)) return kOutside;
+KnownMotions known_motions(InputArray<double, -1> low, InputArray<double, -1> high, double error,
+                           const std::vector<std::size_t>& angles, double most_turn) {
+  return {
+      {low.data(), low.data() + low.shape(0)}, {high.data(), high.data() + high.shape(0)}, error, angles, most_turn};
+}
+
+// Of one motion: its MotionAnswer, or kUnknown if it is none of those that are answered here.
+constexpr int kUnknown = 3;
+
+int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const Segment& motion, const KnownMotions& known,
+              double tolerance) {
+  if (!known.hold(motion)) return kUnknown;
   std::uint8_t answer = 0;
   bound.with_workspace([&](MotionCertifier::Workspace& w) {
-    bound.core().check(kinematics, q0.data(), q1.data(), 1, tolerance, range.error, &answer, w);
+    const Segments one{motion.start, motion.end, known.width()};
+    bound.core().check(kinematics, one, 1, tolerance, known.error, &answer, w);
   });
   return answer;
 }
 
-template <class Row>
-int answer_unlocked_if_long(BoundCertifier& bound, const Kinematics& kinematics, const Row& q0, const Row& q1,
-                            const ErrorRange& range, double tolerance) {
-  const GilReleasedWhenLong gil;
-  return answer_of(bound, kinematics, q0, q1, range, tolerance);
-}
-
-int check_motion(BoundCertifier& bound, const Kinematics& kinematics, const std::vector<double>& q0,
-                 const std::vector<double>& q1, InputArray<double, -1> low, InputArray<double, -1> high,
-                 double tolerance, double kinematic_error) {
-  const ErrorRange range = error_range(low, high, kinematic_error);
-  return answer_unlocked_if_long(bound, kinematics, q0, q1, range, tolerance);
-}
-
 // A function of two states (ompl_states.hpp): whether the motion between them is free; it counts its answers. It passes
-// motions that check_motion does not answer, and those on which an angle takes the other way round, to `elsewhere`, a
-// function of two lists. `angles` are the columns of angles that whole turns do not change.
+// motions that are not known to `elsewhere`, a function of two lists. `angles` are the columns of angles that whole
+// turns do not change.
 nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArray<double, -1> low,
                            InputArray<double, -1> high, double tolerance, double kinematic_error, nb::object elsewhere,
                            std::shared_ptr<MotionCounts> counts, std::shared_ptr<const PlannerStates> states,
                            const std::vector<std::size_t>& angles, std::shared_ptr<PlannerFailure> failure) {
   auto* bound = nb::cast<BoundCertifier*>(certifier);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
-  const auto answer = [elsewhere, bound, kernel, tolerance, angles, range = error_range(low, high, kinematic_error)](
+  const auto answer = [elsewhere, bound, kernel, tolerance,
+                       known = known_motions(low, high, kinematic_error, angles, std::numbers::pi)](
                           const StateNumbers& q0, const StateNumbers& q1) {
-    const bool short_way = std::all_of(angles.begin(), angles.end(), [&](std::size_t k) {
-      return std::abs(q1.data()[k] - q0.data()[k]) <= std::numbers::pi;
-    });
-    const int found = short_way ? answer_of(*bound, *kernel, q0, q1, range, tolerance) : kOutside;
+    const int found = answer_of(*bound, *kernel, {q0.data(), q1.data()}, known, tolerance);
     if (found <= static_cast<int>(MotionAnswer::kRefused)) return found == static_cast<int>(MotionAnswer::kFree);
     return nb::cast<bool>(elsewhere(listed(q0), listed(q1)));
   };
@@ -170,10 +157,10 @@ nb::object motion_row_validity(nb::object certifier, nb::object kinematics, Inpu
                                const std::vector<std::size_t>& angles) {
   auto* bound = nb::cast<BoundCertifier*>(certifier);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
-  const auto is_free = [certifier, kinematics, bound, kernel, angles, array = NumpyArray(),
-                        range = error_range(low, high, kinematic_error)](nb::handle start, nb::handle end,
-                                                                         nb::handle length) -> nb::object {
-    const std::size_t width = range.low.size();
+  const auto is_free = [certifier, kinematics, bound, kernel, array = NumpyArray(),
+                        known = known_motions(low, high, kinematic_error, angles, kNearlyHalfTurn)](
+                           nb::handle start, nb::handle end, nb::handle length) -> nb::object {
+    const std::size_t width = known.width();
     const NumpyRow from(array, start, width), to(array, end, width);
     if (from.data() == nullptr || to.data() == nullptr || !PyFloat_Check(length.ptr())) return nb::none();
     const double tolerance = PyFloat_AS_DOUBLE(length.ptr());
@@ -182,14 +169,15 @@ nb::object motion_row_validity(nb::object certifier, nb::object kinematics, Inpu
     StateNumbers q0(width), q1(width);
     std::copy_n(from.data(), width, q0.data());
     std::copy_n(to.data(), width, q1.data());
-    for (const std::size_t k : angles) {
-      if (!(std::abs(q1.data()[k] - q0.data()[k]) <= kNearlyHalfTurn)) return nb::none();
-    }
-    const int answer = answer_unlocked_if_long(*bound, *kernel, q0, q1, range, tolerance);
+    const int answer = [&] {
+      const GilReleasedWhenLong gil;
+      return answer_of(*bound, *kernel, {q0.data(), q1.data()}, known, tolerance);
+    }();
     if (answer > static_cast<int>(MotionAnswer::kRefused)) return nb::none();
     return nb::bool_(answer == static_cast<int>(MotionAnswer::kFree));
   };
-  return nb::cpp_function(is_free, plain_floats);
+  return nb::cpp_function(is_free, nb::arg("start").none(), nb::arg("end").none(), nb::arg("tolerance").none(),
+                          plain_floats);
 }
 
 // The same for sets of motions, (n, nq) arrays of starts and of ends: an array (n,) of whether each is free, or None if
@@ -199,28 +187,22 @@ nb::object motion_set_validity(nb::object certifier, nb::object kinematics, Inpu
                                const std::vector<std::size_t>& angles) {
   auto* bound = nb::cast<BoundCertifier*>(certifier);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
-  const auto are_free = [certifier, kinematics, bound, kernel, angles, array = NumpyArray(),
-                         range = error_range(low, high, kinematic_error)](
+  const auto are_free = [certifier, kinematics, bound, kernel, array = NumpyArray(),
+                         known = known_motions(low, high, kinematic_error, angles, kNearlyHalfTurn)](
                             nb::handle starts, nb::handle ends, nb::handle length, int threads) -> nb::object {
-    const std::size_t width = range.low.size();
+    const std::size_t width = known.width();
     const NumpyRows from(array, starts, width), to(array, ends, width);
     if (from.n == 0 || from.n != to.n || !PyFloat_Check(length.ptr())) return nb::none();
     const double tolerance = PyFloat_AS_DOUBLE(length.ptr());
     if (!(tolerance > 0 && std::isfinite(tolerance))) return nb::none();
+    const Segments motions{from.data, to.data, width};
     for (std::size_t i = 0; i < from.n; ++i) {
-      const double *q0 = from.data + i * width, *q1 = to.data + i * width;
-      bool known = true;
-      for (std::size_t c = 0; c < width; ++c) {
-        known &= q0[c] >= range.low[c] && q0[c] <= range.high[c] && q1[c] >= range.low[c] && q1[c] <= range.high[c];
-      }
-      for (const std::size_t k : angles) known &= std::abs(q1[k] - q0[k]) <= kNearlyHalfTurn;
-      if (!known) return nb::none();
+      if (!known.hold(motions[i])) return nb::none();
     }
     std::atomic<bool> answered{true};
     const auto free = bound->of_rows<std::uint8_t>(
         from.n, threads, [&](std::size_t row, std::size_t n, std::uint8_t* answers, MotionCertifier::Workspace& w) {
-          const double *q0 = from.data + row * width, *q1 = to.data + row * width;
-          bound->core().check(*kernel, q0, q1, n, tolerance, range.error, answers, w);
+          bound->core().check(*kernel, motions.from(row), n, tolerance, known.error, answers, w);
           for (std::size_t i = 0; i < n; ++i) {
             if (answers[i] > static_cast<std::uint8_t>(MotionAnswer::kRefused)) answered = false;
             answers[i] = answers[i] == static_cast<std::uint8_t>(MotionAnswer::kFree) ? 1 : 0;
@@ -239,7 +221,7 @@ nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, In
   std::vector<MotionProof> proofs;
   without_gil([&] {
     bound.with_workspace([&](MotionCertifier::Workspace& w) {
-      report = bound.core().explain(kinematics, q0.data(), q1.data(), tolerance, kinematic_error,
+      report = bound.core().explain(kinematics, {q0.data(), q1.data()}, tolerance, kinematic_error,
                                     proved ? &proofs : nullptr, w);
     });
   });
@@ -251,7 +233,7 @@ nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, In
 auto motion_states(const BoundCertifier& bound, InputArray<double, -1> q0, InputArray<double, -1> q1,
                    InputArray<double, -1> parameters) {
   std::vector<double> q(parameters.shape(0) * q0.shape(0));
-  bound.core().states(q0.data(), q1.data(), parameters.data(), parameters.shape(0), q.data());
+  bound.core().states({q0.data(), q1.data()}, parameters.data(), parameters.shape(0), q.data());
   return output_array(q, {parameters.shape(0), q0.shape(0)});
 }
 
@@ -288,7 +270,6 @@ void bind_motion(nb::module_& m) {
           },
           plain_floats)
       .def("check", &check_motions, plain_floats)
-      .def("check_one", &check_motion, plain_floats)
       .def("explain", &explain_motion, plain_floats)
       .def("states", &motion_states, plain_floats)
       .def("statistics", &BoundCertifier::statistics, plain_floats);

@@ -47,7 +47,7 @@ std::size_t likeliest(const LookRates& rates, std::size_t but) {
 
 }  // namespace
 
-void MotionCertifier::judge_states(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
+void MotionCertifier::judge_states(const Kinematics& kinematics, const Segments& motions, std::size_t count,
                                    Workspace& w) const {
   std::fill_n(w.is_free.begin(), count, std::uint8_t{1});
   const bool has_parts = !part_groups_.groups.empty();
@@ -55,23 +55,23 @@ void MotionCertifier::judge_states(const Kinematics& kinematics, const double* q
   std::size_t tried = 0;
   if (w.looks[0].is_due(static_cast<std::uint32_t>(count))) {
     tried = std::min(count, kTried);
-    try_all_looks(kinematics, q0, q1, tried, w);
+    try_all_looks(kinematics, motions, tried, w);
   }
   const std::size_t first = likeliest(w.looks, kLooks);
   if (!has_parts && !w.looks[first].is_at_least_one_in(kFirstWorth)) return;
-  judge_at(kinematics, q0, q1, {first, tried, count}, w.looks[first], w);
+  judge_at(kinematics, motions, {first, tried, count}, w.looks[first], w);
   const std::size_t second = likeliest(w.later_looks[first], first);
   RecentRate& rate = w.later_looks[first][second];
-  if (rate.is_at_least_one_in(kSecondWorth)) judge_at(kinematics, q0, q1, {second, tried, count}, rate, w);
+  if (rate.is_at_least_one_in(kSecondWorth)) judge_at(kinematics, motions, {second, tried, count}, rate, w);
 }
 
 // Judges all looks at the first motions.
-void MotionCertifier::try_all_looks(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
+void MotionCertifier::try_all_looks(const Kinematics& kinematics, const Segments& motions, std::size_t count,
                                     Workspace& w) const {
   std::array<std::array<std::uint8_t, kTried>, kLooks> free;
   for (std::size_t look = 0; look < kLooks; ++look) {
     std::fill_n(w.is_free.begin(), count, std::uint8_t{1});
-    judge_at(kinematics, q0, q1, {look, 0, count}, w.looks[look], w);
+    judge_at(kinematics, motions, {look, 0, count}, w.looks[look], w);
     std::copy_n(w.is_free.begin(), count, free[look].begin());
   }
   for (std::size_t i = 0; i < count; ++i) {
@@ -85,14 +85,14 @@ void MotionCertifier::try_all_looks(const Kinematics& kinematics, const double* 
 }
 
 // Judges the states at one place on those of some motions that no look has refused yet.
-void MotionCertifier::judge_at(const Kinematics& kinematics, const double* q0, const double* q1, const Look& look,
+void MotionCertifier::judge_at(const Kinematics& kinematics, const Segments& motions, const Look& look,
                                RecentRate& rate, Workspace& w) const {
   const std::size_t width = at(model_.width);
   w.rows.resize(kMotionsAtOnce * width);
   std::size_t rows = 0;
   for (std::size_t i = look.first; i < look.past; ++i) {
     if (w.is_free[i] == 0) continue;
-    w.path.set(q0 + i * width, q1 + i * width);
+    w.path.set(motions[i]);
     w.path.at(&kLookAt[look.place], 1, 1, &w.rows[rows * width]);
     w.motion_of_row[rows++] = i;
   }

@@ -14,13 +14,11 @@ namespace {
 // that is further off counts in the certifier's slack.)
 constexpr double kBoundRounding = 1 + 1e-9;
 
-Rate rate_of(const JointDrive& joint, const ConfigurationPath& path) {
+Rate rate_of(const JointDrive& joint, const Path& path) {
   if (joint.column < 0) return {};  // a held joint: no chain asks for it
-  if (joint.kind == DriveKind::kPart) return path.rate(joint.column);
-  const double a = joint.multiplier * path.start(joint.column), b = joint.multiplier * path.end(joint.column);
-  const double way = std::fabs(b - a);
-  if (joint.kind == DriveKind::kTurn) return {way, 0, 0};
-  return {0, way, larger(std::fabs(a + joint.offset), std::fabs(b + joint.offset))};
+  if (joint.kind == DriveKind::kPart) return path.bound(joint.column);
+  const NumberBound of = path.bound(joint.column, joint.multiplier, joint.offset);
+  return joint.kind == DriveKind::kTurn ? Rate{of.rate, 0, 0} : Rate{0, of.rate, of.size};
 }
 
 // Whether the arms of a chain depend on the motion.
@@ -51,7 +49,7 @@ Lanes where(LaneMask mask, Lanes numbers) {
 
 }  // namespace
 
-void rates_of(const MotionChains& chains, const ConfigurationPath& path, std::vector<Rate>& rates) {
+void rates_of(const MotionChains& chains, const Path& path, std::vector<Rate>& rates) {
   rates.resize(chains.joints.size());
   for (std::size_t j = 0; j < chains.joints.size(); ++j) rates[j] = rate_of(chains.joints[j], path);
 }

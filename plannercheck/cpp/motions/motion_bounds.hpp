@@ -35,7 +35,7 @@
 #include <vector>
 
 #include "math/vec.hpp"
-#include "motions/configuration_path.hpp"
+#include "motions/path.hpp"
 
 namespace plannercheck {
 
@@ -113,7 +113,7 @@ class ChainTable {
 };
 
 // The rates of all joints for a motion.
-void rates_of(const MotionChains& chains, const ConfigurationPath& path, std::vector<Rate>& rates);
+void rates_of(const MotionChains& chains, const Path& path, std::vector<Rate>& rates);
 
 MotionBound bound_of(const MotionChains& chains, std::size_t chain, const std::vector<Rate>& rates);
 

@@ -58,9 +58,9 @@ MotionCertifier::MotionCertifier(MotionModel model, const Tuning& tuning, std::s
   clearances_ = std::make_shared<const PartClearances>(model_.bodies, model_.extent + travel + mounted_size_);
 }
 
-void MotionCertifier::states(const double* q0, const double* q1, const double* t, std::size_t n, double* q) const {
-  ConfigurationPath path(at(model_.width), model_.parts);
-  path.set(q0, q1);
+void MotionCertifier::states(const Segment& motion, const double* t, std::size_t n, double* q) const {
+  Path path(at(model_.width), model_.parts);
+  path.set(motion);
   std::vector<double> columns(at(model_.width) * n);
   path.at(t, n, n, columns.data());
   for (std::size_t i = 0; i < n; ++i) {

@@ -21,9 +21,9 @@
 
 #include "broad_phase/part_groups.hpp"
 #include "checking/checker.hpp"
-#include "motions/configuration_path.hpp"
 #include "motions/motion_bounds.hpp"
 #include "motions/motion_report.hpp"
+#include "motions/path.hpp"
 
 namespace plannercheck {
 
@@ -79,15 +79,15 @@ class MotionCertifier {
 
   std::int32_t width() const { return model_.width; }
 
-  // The answers of n motions, (n, width) each. `kinematic_error`: bounds the error of the computed poses, m.
-  void check(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t n, double tolerance,
+  // The answers of n motions. `kinematic_error`: bounds the error of the computed poses, m.
+  void check(const Kinematics& kinematics, const Segments& motions, std::size_t n, double tolerance,
              double kinematic_error, std::uint8_t* answers, Workspace& workspace) const;
   // The same in the order of the motion: where it is refused first. With `proofs`, records the proofs of all pairs,
   // which takes longer since no bounds settle anything.
-  MotionReport explain(const Kinematics& kinematics, const double* q0, const double* q1, double tolerance,
-                       double kinematic_error, std::vector<MotionProof>* proofs, Workspace& workspace) const;
+  MotionReport explain(const Kinematics& kinematics, const Segment& motion, double tolerance, double kinematic_error,
+                       std::vector<MotionProof>* proofs, Workspace& workspace) const;
   // Configurations (n, width) at parameters of a motion.
-  void states(const double* q0, const double* q1, const double* t, std::size_t n, double* q) const;
+  void states(const Segment& motion, const double* t, std::size_t n, double* q) const;
 
  private:
   friend class MotionRun;
@@ -113,11 +113,11 @@ class MotionCertifier {
   };
 
   // Of `count` motions at once, at most kMotionsAtOnce: whether the states that are judged are free.
-  void judge_states(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
+  void judge_states(const Kinematics& kinematics, const Segments& motions, std::size_t count,
                     Workspace& workspace) const;
-  void try_all_looks(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
+  void try_all_looks(const Kinematics& kinematics, const Segments& motions, std::size_t count,
                      Workspace& workspace) const;
-  void judge_at(const Kinematics& kinematics, const double* q0, const double* q1, const Look& look, RecentRate& rate,
+  void judge_at(const Kinematics& kinematics, const Segments& motions, const Look& look, RecentRate& rate,
                 Workspace& workspace) const;
 };
 

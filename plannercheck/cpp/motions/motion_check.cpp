@@ -57,17 +57,17 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
         filters_(model_, certifier.defects_, workspace.grid, workspace.bounds) {}
 
   // For a motion that surely collides at a state.
-  MotionAnswer refused_or_imprecise(const double* q0, const double* q1) {
-    begin_motion(q0, q1);
-    set_rounding(certifier_.chain_table_->at_most(w_.rates), q0, q1);
+  MotionAnswer refused_or_imprecise(const Segment& motion) {
+    begin_motion(motion);
+    set_rounding(certifier_.chain_table_->at_most(w_.rates));
     if (is_precise()) return MotionAnswer::kRefused;
-    bound(q0, q1);
+    bound();
     return is_precise() ? MotionAnswer::kRefused : MotionAnswer::kImprecise;
   }
 
-  MotionReport run(const double* q0, const double* q1) {
-    begin_motion(q0, q1);
-    bound(q0, q1);
+  MotionReport run(const Segment& motion) {
+    begin_motion(motion);
+    bound();
     if (!is_precise()) return {MotionAnswer::kImprecise, 0, 0, -1};
     begin();
     if (proofs_ != nullptr) {
@@ -93,20 +93,20 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   // ----- the first grid
 
-  void begin_motion(const double* q0, const double* q1) {
+  void begin_motion(const Segment& motion) {
     w_.begin_motion();
-    w_.path.set(q0, q1);
+    w_.path.set(motion);
     rates_of(model_.chains, w_.path, w_.rates);
   }
 
-  void bound(const double* q0, const double* q1) {
+  void bound() {
     certifier_.chain_table_->bound(model_.chains, w_.rates, w_.bounds);
-    set_rounding(w_.bounds.largest(), q0, q1);
+    set_rounding(w_.bounds.largest());
   }
 
-  void set_rounding(const MotionBound& largest, const double* q0, const double* q1) {
+  void set_rounding(const MotionBound& largest) {
     const double extent = certifier_.still_size_ + certifier_.mounted_size_;
-    filters_.set_rounding(motion_rounding(model_, extent, w_.path, largest, q0, q1, kinematic_error_));
+    filters_.set_rounding(motion_rounding(model_, extent, w_.path, largest, kinematic_error_));
   }
 
   bool is_precise() const { return filters_.slack() <= kRoundingPart * tolerance_; }
@@ -407,29 +407,27 @@ std::shared_ptr<MotionCertifier::Workspace> MotionCertifier::new_workspace() con
 
 MotionCounters MotionCertifier::take_counters(Workspace& workspace) { return std::exchange(workspace.counters, {}); }
 
-void MotionCertifier::check(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t n,
-                            double tolerance, double kinematic_error, std::uint8_t* answers, Workspace& w) const {
-  const std::size_t width = at(model_.width);
+void MotionCertifier::check(const Kinematics& kinematics, const Segments& motions, std::size_t n, double tolerance,
+                            double kinematic_error, std::uint8_t* answers, Workspace& w) const {
   for (std::size_t first = 0; first < n; first += kMotionsAtOnce) {
     const std::size_t count = std::min(kMotionsAtOnce, n - first);
-    const double *starts = q0 + first * width, *ends = q1 + first * width;
-    judge_states(kinematics, starts, ends, count, w);
+    const Segments some = motions.from(first);
+    judge_states(kinematics, some, count, w);
     for (std::size_t i = 0; i < count; ++i) {
       if (first + i > 0) poll_interruption();
       MotionRun run(*this, kinematics, tolerance, kinematic_error, w);
-      const double *start = starts + i * width, *end = ends + i * width;
-      answers[first + i] = static_cast<std::uint8_t>(w.is_free[i] == 0 ? run.refused_or_imprecise(start, end)
-                                                                       : run.run(start, end).answer);
+      answers[first + i] =
+          static_cast<std::uint8_t>(w.is_free[i] == 0 ? run.refused_or_imprecise(some[i]) : run.run(some[i]).answer);
     }
   }
 }
 
-MotionReport MotionCertifier::explain(const Kinematics& kinematics, const double* q0, const double* q1,
-                                      double tolerance, double kinematic_error, std::vector<MotionProof>* proofs,
+MotionReport MotionCertifier::explain(const Kinematics& kinematics, const Segment& motion, double tolerance,
+                                      double kinematic_error, std::vector<MotionProof>* proofs,
                                       Workspace& workspace) const {
   MotionRun run(*this, kinematics, tolerance, kinematic_error, workspace);
   run.in_order(proofs);
-  return run.run(q0, q1);
+  return run.run(motion);
 }
 
 }  // namespace plannercheck

@@ -49,7 +49,7 @@ MotionGrid::Choice MotionGrid::choice(const Kinematics& kinematics, const std::v
   return out;
 }
 
-void MotionGrid::place(Choice& choice, const ConfigurationPath& path, double from, double to, int intervals) {
+void MotionGrid::place(Choice& choice, const Path& path, double from, double to, int intervals) {
   ++grid_;
   intervals_ = static_cast<std::size_t>(intervals);
   const std::size_t filled = (intervals_ + kStep) / kStep * kStep;

@@ -9,7 +9,7 @@
 
 #include "checking/checker.hpp"
 #include "math/simd.hpp"
-#include "motions/configuration_path.hpp"
+#include "motions/path.hpp"
 #include "motions/swept_distance.hpp"
 #include "robots/kinematics_lanes.hpp"
 
@@ -37,7 +37,7 @@ class MotionGrid {
                 const std::vector<std::int32_t>& frames) const;
 
   // Poses intervals + 1 states from `from` to `to`.
-  void place(Choice& choice, const ConfigurationPath& path, double from, double to, int intervals);
+  void place(Choice& choice, const Path& path, double from, double to, int intervals);
 
   std::size_t intervals() const { return intervals_; }
   double parameter(std::size_t state) const { return t_[state]; }

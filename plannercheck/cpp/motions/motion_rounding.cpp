@@ -12,11 +12,10 @@ constexpr double kTurnRounding = 64 * kUnit, kPartRounding = 144 * kUnit;
 
 }  // namespace
 
-MotionRounding motion_rounding(const MotionModel& model, double extent, const ConfigurationPath& path,
-                               const MotionBound& bound, const double* q0, const double* q1, double kinematic_error) {
+MotionRounding motion_rounding(const MotionModel& model, double extent, const Path& path, const MotionBound& bound,
+                               double kinematic_error) {
   double size = 1 + extent + model.extent + bound.curvature / 8 + bound.arm;
-  for (std::size_t c = 0; c < model.travel.size(); ++c)
-    size += model.travel[c] * larger(std::fabs(q0[c]), std::fabs(q1[c]));
+  for (std::size_t c = 0; c < model.travel.size(); ++c) size += model.travel[c] * path.size(c);
   const double part = kRunRounding + kTurnRounding * model.joints + kPartRounding * model.depth + 4 * model.defect +
                       8 * model.depth * path.off_unit() + 16 * kUnit * model.leverage * (1 + path.largest());
   return {4 * kinematic_error + part * size, size};

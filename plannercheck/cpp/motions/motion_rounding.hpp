@@ -13,9 +13,9 @@
 //   of its arm.
 #pragma once
 
-#include "motions/configuration_path.hpp"
 #include "motions/motion_bounds.hpp"
 #include "motions/motion_certifier.hpp"
+#include "motions/path.hpp"
 
 namespace plannercheck {
 
@@ -26,7 +26,7 @@ struct MotionRounding {
 
 // `extent`: how far bodies extend, static ones from the world's origin, the others from their links', m. `bound`: at
 // least the largest curvature and the longest arm of all chains.
-MotionRounding motion_rounding(const MotionModel& model, double extent, const ConfigurationPath& path,
-                               const MotionBound& bound, const double* q0, const double* q1, double kinematic_error);
+MotionRounding motion_rounding(const MotionModel& model, double extent, const Path& path, const MotionBound& bound,
+                               double kinematic_error);
 
 }  // namespace plannercheck

@@ -40,7 +40,7 @@ struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
       : SubdivisionWorkspace(MotionGrid(model.bodies, at(model.width), at(model.links)), model.pairs.size()),
         path(at(model.width), model.parts) {}
 
-  ConfigurationPath path;
+  Path path;
   std::vector<Rate> rates;
   ChainBounds bounds;
   MotionGrid::Choice all, chosen;  // what the first grids and those inside them pose

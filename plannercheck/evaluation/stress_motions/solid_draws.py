@@ -141,7 +141,7 @@ def _aim(stage: SolidStage, meshes: MeshStates, rng: np.random.Generator) -> Aim
         valid = checker.check_states(q)
         if valid.all() or not valid.any():
             continue
-        (start,), (end,) = checker._motion_ends(q[valid][:1], q[~valid][:1])
+        (start,), (end,), _ = checker._motion_ends(q[valid][:1], q[~valid][:1])
         free, hit = _first_collision(partial(_valid_at, checker, certifier, start, end))
         before, state = certifier.states(start, end, np.array([max(0.0, free - _AHEAD), hit]))
         if checker.is_valid(state):  # judged by itself, rounding may say otherwise

@@ -109,7 +109,7 @@ class SpaceSubject(Subject):
         return np.asarray(self.checker.clearances(q))
 
     def _motion(self, q0: Floats, q1: Floats) -> tuple[Floats, ...]:
-        (start,), (end,) = self.checker._motion_ends(q0[None], q1[None])
+        (start,), (end,), _ = self.checker._motion_ends(q0[None], q1[None])
         return start, end
 
 

@@ -1,4 +1,4 @@
-#include "motions/configuration_path.hpp"
+#include "motions/path.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,6 @@ namespace plannercheck {
 namespace {
 
 using Quaternion = std::array<double, 4>;  // x, y, z, w
-
-std::size_t at_index(std::int32_t column) { return static_cast<std::size_t>(column); }
 
 std::size_t width_of(PartKind kind) {
   constexpr std::array<std::size_t, 4> widths{2, 4, 4, 7};
@@ -107,29 +105,28 @@ double excess_length(PartKind kind, const double* q) {
 
 }  // namespace
 
-ConfigurationPath::ConfigurationPath(std::size_t width, std::vector<PathPart> parts)
+Path::Path(std::size_t width, std::vector<PathPart> parts)
     : q0_(width), q1_(width), parts_(std::move(parts)), twists_(parts_.size()) {
   std::vector<bool> covered(width, false);
   for (const PathPart& part : parts_) {
-    for (std::size_t k = 0; k < width_of(part.kind); ++k) covered[at_index(part.column) + k] = true;
+    for (std::size_t k = 0; k < width_of(part.kind); ++k) covered[at_column(part.column) + k] = true;
   }
   for (std::size_t c = 0; c < width; ++c) {
     if (!covered[c]) linear_.push_back(static_cast<std::int32_t>(c));
   }
 }
 
-void ConfigurationPath::set(const double* q0, const double* q1) {
-  std::copy_n(q0, q0_.size(), q0_.begin());
-  std::copy_n(q1, q1_.size(), q1_.begin());
+void Path::set(const Segment& motion) {
+  std::copy_n(motion.start, q0_.size(), q0_.begin());
+  std::copy_n(motion.end, q1_.size(), q1_.begin());
   largest_ = off_unit_ = 0;
-  for (std::size_t c = 0; c < q0_.size(); ++c)
-    largest_ = larger(largest_, larger(std::fabs(q0_[c]), std::fabs(q1_[c])));
+  for (std::size_t c = 0; c < q0_.size(); ++c) largest_ = larger(largest_, size(c));
   for (std::size_t part = 0; part < parts_.size(); ++part) set_part(part);
 }
 
-void ConfigurationPath::set_part(std::size_t part) {
+void Path::set_part(std::size_t part) {
   const PathPart& p = parts_[part];
-  const double *a = &q0_[at_index(p.column)], *b = &q1_[at_index(p.column)];
+  const double *a = &q0_[at_column(p.column)], *b = &q1_[at_column(p.column)];
   off_unit_ = larger(off_unit_, larger(excess_length(p.kind, a), excess_length(p.kind, b)));
   Twist twist;
   if (p.kind == PartKind::kCircle) {
@@ -145,35 +142,35 @@ void ConfigurationPath::set_part(std::size_t part) {
   twists_[part] = twist;
 }
 
-Rate ConfigurationPath::rate(std::int32_t column) const {
+Rate Path::bound(std::int32_t column) const {
   for (std::size_t part = 0; part < parts_.size(); ++part) {
     if (parts_[part].column != column) continue;
     const Twist& twist = twists_[part];
     const double slide = norm(twist.slide);
     double extent = 0;
     if (parts_[part].kind >= PartKind::kPlanar) {
-      extent = norm(placed(parts_[part].kind, &q0_[at_index(column)]).position) + slide;
+      extent = norm(placed(parts_[part].kind, &q0_[at_column(column)]).position) + slide;
     }
     return {twist.angle, slide, extent};
   }
   return {};
 }
 
-void ConfigurationPath::at(const double* t, std::size_t n, std::size_t stride, double* q) const {
+void Path::at(const double* t, std::size_t n, std::size_t stride, double* q) const {
   for (const std::int32_t column : linear_) {
-    const double a = q0_[at_index(column)], b = q1_[at_index(column)];
-    double* out = q + at_index(column) * stride;
+    const double a = q0_[at_column(column)], b = q1_[at_column(column)];
+    double* out = q + at_column(column) * stride;
     for (std::size_t i = 0; i < n; ++i) out[i] = (1 - t[i]) * a + t[i] * b;
   }
   for (std::size_t part = 0; part < parts_.size(); ++part) {
-    for (std::size_t i = 0; i < n; ++i) part_at(part, t[i], q + at_index(parts_[part].column) * stride + i, stride);
+    for (std::size_t i = 0; i < n; ++i) part_at(part, t[i], q + at_column(parts_[part].column) * stride + i, stride);
   }
 }
 
-void ConfigurationPath::part_at(std::size_t part, double t, double* q, std::size_t stride) const {
+void Path::part_at(std::size_t part, double t, double* q, std::size_t stride) const {
   const PathPart& p = parts_[part];
   const Twist& twist = twists_[part];
-  const double* a = &q0_[at_index(p.column)];
+  const double* a = &q0_[at_column(p.column)];
   const auto put = [&](std::size_t first, std::initializer_list<double> values) {
     for (const double value : values) q[first++ * stride] = value;
   };
