@@ -126,8 +126,8 @@ class MotionCertifier:
                 if part.touching:  # these pairs touch at every state, so no motion is free
                     free[rows] = False
                     continue
-                ends = (q if len(rows) == len(free) else q[rows] for q in motions[:2])
-                answers = np.asarray(part.core.check(self._kernel, *ends, tolerance, error, threads))
+                starts, ends = (q if len(rows) == len(free) else q[rows] for q in motions[:2])
+                answers = np.asarray(part.core.check(self._kernel, starts, ends, tolerance, error, threads))
                 free[rows] = verdicts(answers, tolerance, rows)
         return free
 
