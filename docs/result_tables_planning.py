@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from result_markdown import beside, number, provenance, record, table
-from result_tables import AT_BEST, MOTION_TREE, ONE_BY_ONE, OURS, VAMP
+from result_tables import AT_BEST, ONE_BY_ONE, OURS, VAMP
 
 Row = dict[str, Any]
 
@@ -27,15 +27,15 @@ def motions() -> str:
         here = {method: by_method.get((kind, method)) for method in _BESIDE}
         spent = {method: row and row["microseconds"] for method, row in here.items()}
         own = [number(spent[method]) for method in (OURS, ONE_BY_ONE)]
-        others = [_beside(spent[method], spent[_BESIDE[method]]) for method in (VAMP, AT_BEST, MOTION_TREE)]
+        others = [_beside(spent[method], spent[_BESIDE[method]]) for method in (VAMP, AT_BEST)]
         lines.append((kind, *own, *others, *(_false_free(here[method]) for method in (VAMP, AT_BEST))))
     header = ("motions", "batch", "a call each", "VAMP, a call each", "coal at its best")
-    header += ("Pinocchio + coal", "false free %: VAMP", "coal")
+    header += ("false free %: VAMP", "coal")
     return table(header, lines) + "\n" + provenance(found)
 
 
 # What each method stands beside: VAMP answers a motion a call.
-_BESIDE = {OURS: OURS, ONE_BY_ONE: OURS, VAMP: ONE_BY_ONE, AT_BEST: OURS, MOTION_TREE: OURS}
+_BESIDE = {OURS: OURS, ONE_BY_ONE: OURS, VAMP: ONE_BY_ONE, AT_BEST: OURS}
 
 
 def _beside(value: float | None, ours: float | None) -> str:
@@ -94,6 +94,7 @@ def waiting() -> str:
 
 
 _UNSHOWN = ("fresh process: import pinocchio", "fresh process: Scene.load", "fresh process: Scene.load, nothing cached")
+_UNSHOWN += ("fresh process: import, Robot.load, nothing cached", "fresh process: Checker(...), nothing cached")
 _UNSHOWN += ("with_scene, one object gone", "with_scene while another is attached, one moved")
 
 

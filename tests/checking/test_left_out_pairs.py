@@ -67,6 +67,12 @@ def test_the_list_names_the_places_in_the_order_in_which_they_count(checker):
     assert all((PACKAGE / where).exists() for _, where in listed)
 
 
+def test_the_page_has_the_same_places():
+    page = (PACKAGE.parent / "docs/explanation/pairs_left_out.md").read_text("utf-8")
+    listed = re.findall(r"^([1-9])\. ", places.__doc__, re.MULTILINE)
+    assert re.findall(r"^\| ([1-9]) \|", page, re.MULTILINE) == listed
+
+
 def test_pairs_that_are_left_out_add_up(checker):
     found = left_out_pairs(checker)
     owners = ["base", "plate", "upper", "fore", "hand"]
