@@ -13,6 +13,7 @@ import yaml
 
 import plannercheck as pc
 from plannercheck.bodies import convex_decomposition as decomposition
+from plannercheck.bodies import protrusion
 from plannercheck.cli.main import main
 from plannercheck.robots.description import read_description
 from plannercheck.robots.description_files import description_text
@@ -56,6 +57,7 @@ def angle():
 def gripper(tmp_path, monkeypatch):
     monkeypatch.setenv("PLANNERCHECK_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(decomposition, "_coacd", split)
+    monkeypatch.setattr(protrusion, "_FINE", 0.05)  # how far pieces stick out is bounded coarsely, which is faster
     trimesh.Trimesh(*angle(), process=False).export(tmp_path / "angle.obj")
     cube = trimesh.creation.box((1, 1, 1))
     trimesh.Trimesh(cube.vertices, cube.faces[1:], process=False).export(tmp_path / "open.obj")
