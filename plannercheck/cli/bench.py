@@ -9,6 +9,7 @@ import argparse
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from plannercheck.bodies.tuning import tuning_table
 from plannercheck.cli import bench_clouds, bench_planning, bench_solids
 from plannercheck.cli.bench_options import (
     Subcommand,
@@ -211,12 +212,14 @@ def _run_switches(options: argparse.Namespace) -> None:
     robot = robot_of(options)
     scene = Scene("empty") if options.scene == "none" else Scene.load(options.scene)
     rows: list[SwitchRow] = ablation.measure(robot, scene, options.states, options.rounds, options.seed)
+    purposes = {row.name: row.purpose for row in tuning_table()}
     columns: dict[str, Callable[[SwitchRow], object]] = {
         "states": lambda row: row.states,
         "off": lambda row: row.off,
         "µs a state": lambda row: f"{row.microseconds:.2f}",
         "x": ratio_of,
         "wrong": lambda row: row.wrong,
+        "what it does": lambda row: purposes.get(row.off, ""),
     }
     show(rows, columns)
     keep(options.output, "switches", rows)

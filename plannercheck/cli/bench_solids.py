@@ -150,7 +150,7 @@ def _verdict_cells(name: str, rows: Sequence[LinkPairRow]) -> tuple[object, ...]
     ours, coal = mean(rows, lambda row: row.microseconds), mean(rows, lambda row: row.coal)
     assert ours is not None
     counts = (sum(getattr(row, field) for row in rows) for field in ("inside", "false_free", "false_collision"))
-    ratio = output.ratio(None if coal is None else coal / ours, rows[0].noise)
+    ratio = output.ratio(None if coal is None else coal / ours, max(row.noise for row in rows))
     return name, sum(row.queries for row in rows), number(ours), number(coal), ratio, link_pairs.ASKED, *counts
 
 

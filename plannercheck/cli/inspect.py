@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import functools
 import time
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck import planar
 from plannercheck.bodies.height_fields import HeightField
@@ -21,7 +19,6 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
 from plannercheck.bodies.solids import Solid
 from plannercheck.bodies.triangle_meshes import TriangleMesh
-from plannercheck.bodies.tuning import Tuning
 from plannercheck.checking.hull_fidelity import largest_filling
 from plannercheck.checking.input_hints import always_hint
 from plannercheck.checking.protocols import AnyChecker
@@ -38,35 +35,11 @@ from plannercheck.cli.inspect_meshes import mesh_files, show_meshes, triangle_me
 from plannercheck.cli.inspect_summary import show_summary
 from plannercheck.cli.robot_options import described
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench.timing import least_seconds
 from plannercheck.motions.checker import Checker
-
-_EPILOG = """\
-Example:
-  plannercheck inspect --robot ur5 --scene kitchen --without
-"""
 
 # What sets are of, if not of cells.
 _PARTS: dict[type[PartSet], str] = {PointCloud: "points", HeightField: "triangles"}
 
-# Ways of skipping work that a checker can be built without, and what they are.
-SKIPS = {
-    "reach": "pairs that limits keep apart",
-    "static_poses": "static links",
-    "sorted_states": "like states together",
-    "float_poses": "poses in floats",
-    "apart_cells": "cells of two joints",
-    "bounds": "balls, tree of obstacles",
-    "overlaps": "balls and boxes inside bodies",
-    "boxes": "planes along boxes",
-    "cached_plane": "last separating plane",
-    "box_face": "nearest face of a box",
-    "centre_axis": "axis between centres",
-    "turned_axis": "axis between ellipsoids",
-    "trees_first": "solids' trees before their hulls",
-    "dents": "depth of hulls against solids' dents",
-    "learning": "likeliest pair first",
-}
 # What settles pairs, and how.
 STAGES = {
     "pairs": "all pairs of the table",
@@ -78,6 +51,7 @@ STAGES = {
     "cached_plane": "apart by the plane that separated them last",
     "box_face": "apart along the normal of a face of a bounding box",
     "centre_axis": "apart along the line between their centres",
+    "facet_plane": "apart along the normal of a facet",
     "trees": "of solids: their trees of triangles, before their hulls were tested",
     "solver": "search for a separating plane or a common point, in doubles",
     "nearest_points": "nearest points (GJK), in doubles",
@@ -97,20 +71,15 @@ PAIR_TEST = {
     "double_double": ("double-double", "signs that doubles leave open"),
     "exact": ("exact", "signs that double-double leaves open, too"),
 }
-_ROUNDS = 5
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's options."""
-    parser.epilog = _EPILOG
     add_robot_argument(parser)
     add_scene_argument(parser)
     add_checker_arguments(parser)
     parser.add_argument(
         "--states", type=int, default=10_000, help="number of random configurations to check; default: 10000"
-    )
-    parser.add_argument(
-        "--without", action="store_true", help="also time the states without each way of skipping work, one at a time"
     )
     parser.add_argument(
         "--fidelity",
@@ -129,8 +98,8 @@ def run(options: argparse.Namespace) -> int:
     checker = load_checker(options)
     prepared = time.perf_counter() - began
     assert isinstance(checker, Checker | planar.Checker)
-    if not isinstance(checker, Checker):
-        _refuse_in_the_plane(options)
+    if options.fidelity and not isinstance(checker, Checker):
+        raise PlannercheckError("--fidelity compares hulls with meshes, which planar robots do not have")
     q = checker.robot.random_configurations(options.states, options.seed)
     valid, statistics = show_summary(checker, q)
     print()
@@ -143,19 +112,9 @@ def run(options: argparse.Namespace) -> int:
     if options.fidelity:
         _show_fidelity(checker, options)
     _show_stages(statistics, len(q))
-    if isinstance(checker, Checker) and options.without:
-        _show_without(checker, not options.no_self_collision, q)
     if not valid and (hint := always_hint(checker, q)):
         warnings.warn(hint, RuntimeWarning, stacklevel=2)
     return 0
-
-
-def _refuse_in_the_plane(options: argparse.Namespace) -> None:
-    """Raises for what planar checkers do not have."""
-    if options.fidelity:
-        raise PlannercheckError("--fidelity compares hulls with meshes, which planar robots do not have")
-    if options.without:
-        raise PlannercheckError("--without times the skips of checkers in space; planar ones have others")
 
 
 def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh], prepared: float) -> None:
@@ -253,31 +212,3 @@ def _show_stages(statistics: dict[str, Any], states: int) -> None:
 
 def _words(name: str) -> str:
     return name.replace("_", " ")
-
-
-def _show_without(checker: Checker, self_collision: bool, q: NDArray[np.float64]) -> None:
-    build = functools.partial(Checker, checker.robot, checker.scene, self_collision=self_collision)
-    spent = times_without(build, q, _ROUNDS)
-    rows = [
-        (_words(name), SKIPS.get(name, ""), f"{1e6 * seconds / len(q):.2f}", f"{seconds / spent['nothing']:.2f}")
-        for name, seconds in spent.items()
-    ]
-    print()
-    print(table(("without", "what that is", "µs each", "times as long"), rows))
-
-
-def times_without(build: Callable[..., Checker], q: NDArray[np.float64], rounds: int) -> dict[str, float]:
-    """Least CPU seconds for a set of configurations, with all ways of skipping work and without each of `SKIPS`.
-
-    Args:
-        build: Makes a checker from `tuning=`.
-        q: (n, nq) rad and m.
-        rounds: How often all take turns, forwards and backwards.
-
-    Returns:
-        By what is left out, "nothing" first.
-    """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # of links that rest on obstacles: they were given before
-        checkers = {"nothing": build(), **{skip: build(tuning=Tuning().without(skip)) for skip in SKIPS}}
-    return least_seconds({name: functools.partial(each.check_states, q) for name, each in checkers.items()}, rounds)

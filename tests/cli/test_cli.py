@@ -245,8 +245,6 @@ def test_robots_and_inspect_print_tables(capsys):
     (torso,) = [line.split() for line in out.splitlines() if line.startswith("torso_2_link_0")]
     assert torso[-3:] == ["44891.6", "44888.6", "1.00"]  # cm³, as SciPy has them
     assert "not watertight): torso_1_link_0" in out
-    assert main(["inspect", *PANDA, "--states", "20", "--without"]) == 0
-    assert "pairs that limits keep apart" in capsys.readouterr().out
 
 
 def test_the_first_screen_of_inspect_has_the_answer_in_bodies_and_pairs(capsys):

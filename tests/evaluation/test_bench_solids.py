@@ -159,7 +159,7 @@ def test_link_pairs_command(compiled, tmp_path, capsys):
 
 def test_the_mean_over_queries_needs_every_row():
     row = link_pairs.LinkPairRow("r", "a", "b", (4, 4), True, 3, 2.0, 5.0, 1.0, 0, 0, 0, "")
-    other = link_pairs.LinkPairRow("r", "a", "c", (4, 4), True, 1, 6.0, None, 0, 0, 0, "")
+    other = link_pairs.LinkPairRow("r", "a", "c", (4, 4), True, 1, 6.0, None, 1.0, 0, 0, 0, "")
     assert link_pairs.mean([row, other], lambda each: each.microseconds) == 3.0
     assert link_pairs.mean([row, other], lambda each: each.coal) is None
     assert link_pairs.mean([], lambda each: each.coal) is None

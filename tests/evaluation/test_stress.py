@@ -165,6 +165,14 @@ def test_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None
     assert main(["stress", "--cases", str(tmp_path / "missing")]) == 2
 
 
+def test_a_peer_that_is_not_installed_is_told_at_once() -> None:
+    def missing() -> Coal:
+        raise pc.PlannercheckError("coal is not installed")
+
+    with pytest.raises(pc.PlannercheckError, match="not installed"):
+        stress.campaign(1, (missing,))
+
+
 class Sleeper:
     """A peer that does not come back from its third pair."""
 

@@ -72,7 +72,9 @@ def _variants() -> dict[str, Tuning]:
 
 def _rows(states: str, checkers: Mapping[str, Checker], q: Floats, rounds: int) -> list[SwitchRow]:
     works = {off: Contender([partial(checker.check_states, q)], len(q)) for off, checker in checkers.items()}
-    seconds, noise = measured(works, rounds, null=ALL_ON_AGAIN)
+    times = measured(works, rounds)
+    seconds = times.seconds
+    equal = seconds[ALL_ON_AGAIN] / seconds[ALL_ON]
     truth = checkers[ALL_ON].check_states(q)
     return [
         SwitchRow(
@@ -80,7 +82,7 @@ def _rows(states: str, checkers: Mapping[str, Checker], q: Floats, rounds: int) 
             off,
             1e6 * seconds[off],
             seconds[off] / seconds[ALL_ON],
-            noise,
+            max(times.noise(ALL_ON, off), equal, 1 / equal),
             int((checker.check_states(q) != truth).sum()),
         )
         for off, checker in checkers.items()

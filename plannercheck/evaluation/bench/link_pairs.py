@@ -101,13 +101,15 @@ def measure(
     contenders["call"] = Contender([found[0].ours_without.work])
     if found[0].coal_without is not None:
         contenders["call of coal"] = Contender([found[0].coal_without.work])
-    seconds, noise = measured(contenders, rounds)
-
-    def of_coal(k: int) -> float | None:
-        spent = seconds.get(f"{k} by coal")
-        return None if spent is None else spent - seconds.get("call of coal", 0.0)
-
-    return [_row(checker, each, seconds[f"{k}"] - seconds["call"], of_coal(k), noise) for k, each in enumerate(found)]
+    times = measured(contenders, rounds)
+    call, call_of_coal = (times.seconds.get(name, 0.0) for name in ("call", "call of coal"))
+    rows = []
+    for k, each in enumerate(found):
+        ours, coal = f"{k}", f"{k} by coal"
+        spent_by_coal = times.seconds[coal] - call_of_coal if each.coal is not None else None
+        noise = times.noise(ours, ours if each.coal is None else coal)
+        rows.append(_row(checker, each, times.seconds[ours] - call, spent_by_coal, noise))
+    return rows
 
 
 def _queries(

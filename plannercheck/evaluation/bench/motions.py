@@ -89,6 +89,7 @@ def _row(
     motions: MotionSet, name: str, found: Ready, truth: Sequence[Bools], counts: Sequence[int], times: Times
 ) -> MotionRow:
     right = np.concatenate([verdicts[:n] for verdicts, n in zip(truth, counts, strict=True)])
+    first = next(iter(times.seconds))
     said = np.concatenate([work() for work in found.works])
     return MotionRow(
         motions.cases[0].checker.robot.name,
@@ -98,8 +99,8 @@ def _row(
         len(right),
         float(right.mean()),
         1e6 * times.seconds[name],
-        times.seconds[name] / next(iter(times.seconds.values())),
-        times.noise,
+        times.seconds[name] / times.seconds[first],
+        times.noise(first, name),
         float((said & ~right).mean()),
         float((~said & right).mean()),
         found.note,

@@ -120,8 +120,8 @@ def _measured(bodies: Bodies, shapes: _Shapes, posed: Posed, gap: float, rounds:
     truth = in_batch(bodies, posed, "exact")()
     wrong = {name: int((judge() != truth).sum()) for name, judge in judges.items()}
     pairs, vertices = len(truth), len(bodies[0].vertices)
-    seconds, noise = measured({name: Contender([judge.work], pairs) for name, judge in judges.items()}, rounds)
-    coal = seconds.get(COAL)
+    times = measured({name: Contender([judge.work], pairs) for name, judge in judges.items()}, rounds)
+    coal = times.seconds.get(COAL)
     return [
         PairRow(
             vertices,
@@ -129,13 +129,13 @@ def _measured(bodies: Bodies, shapes: _Shapes, posed: Posed, gap: float, rounds:
             name,
             1e6 * spent,
             None if coal is None else coal / spent,
-            noise,
+            times.noise(name, name if coal is None else COAL),
             ASKED[vertices][GAPS.index(gap)] if name in _BEST and vertices in ASKED and gap > 0 else None,
             wrong[name],
             pairs,
             judges[name].note,
         )
-        for name, spent in seconds.items()
+        for name, spent in times.seconds.items()
     ]
 
 

@@ -86,25 +86,26 @@ def measure(robot: Robot, boxes: Sequence[int], states: int, rounds: int, seed: 
         made[str(count)] = built(partial(Checker, robot, boxes_around(count, seed)))
         processes.append(resident_bytes())
     checkers = {name: item.value for name, item in made.items()}
-    of_states, noise = _timed(
+    of_states, noises = _timed(
         {name: partial(checker.check_states, q) for name, checker in checkers.items()}, len(q), rounds
     )
     nearest = next(iter(checkers.values()))  # what is near is alike in all
     starts, ends = random_motions(nearest, LENGTH, -(-states // _STATES_A_MOTION), np.random.default_rng(seed))
     proofs = {name: partial(checker.check_motions, starts, ends) for name, checker in checkers.items()}
-    of_motions, noise_of_motions = _timed(proofs, len(starts), rounds)
-    noise = max(noise, noise_of_motions)
-    rows = zip(boxes, made.values(), of_states, of_motions, processes, strict=True)
+    of_motions, noises_of_motions = _timed(proofs, len(starts), rounds)
+    noises = np.maximum(noises, noises_of_motions).tolist()
+    rows = zip(boxes, made.values(), of_states, of_motions, noises, processes, strict=True)
     return [
         _row(count, item, (state, state / of_states[0], motion, motion / of_motions[0]), noise, process)
-        for count, item, state, motion, process in rows
+        for count, item, state, motion, noise, process in rows
     ]
 
 
-def _timed(works: Mapping[str, Work], count: int, rounds: int) -> tuple[list[float], float]:
-    """The least seconds of each, a piece, and the noise."""
+def _timed(works: Mapping[str, Work], count: int, rounds: int) -> tuple[list[float], list[float]]:
+    """The least seconds of each, a piece, and the noise of its ratio to the first."""
     times = measured({name: Contender([work], count) for name, work in works.items()}, rounds)
-    return list(times.seconds.values()), times.noise
+    first = next(iter(works))
+    return list(times.seconds.values()), [times.noise(first, name) for name in works]
 
 
 def boxes_around(count: int, seed: int) -> Scene:

@@ -85,8 +85,9 @@ def measure(name: str, states: int, seed: int, rounds: int) -> list[SolidCostRow
     for work, (contenders, count, judge) in works.items():
         verdicts = {geometry: judge(checker) for geometry, checker in contenders.items()}
         timed = {geometry: Contender([partial(judge, checker)], count) for geometry, checker in contenders.items()}
-        seconds, noise = measured(timed, rounds)
-        spent = 1e6 * seconds[_HULLS], 1e6 * seconds[_SOLIDS], seconds[_SOLIDS] / seconds[_HULLS], noise
+        times = measured(timed, rounds)
+        of_hulls, of_solids = (1e6 * times.seconds[geometry] for geometry in (_HULLS, _SOLIDS))
+        spent = of_hulls, of_solids, of_solids / of_hulls, times.noise(_HULLS, _SOLIDS)
         differ = int((verdicts[_HULLS] != verdicts[_SOLIDS]).sum())
         found = (len(known), len(dents) - len(known), max(known, default=0.0))
         rows.append(SolidCostRow(robots[_HULLS].name, work, count, *spent, differ, *found))

@@ -143,7 +143,8 @@ def _timed(
 ) -> list[SolidSizeRow]:
     truth = judges[OURS_NAME]()
     contenders = {name: Contender([judge.work], len(truth)) for name, judge in judges.items()}
-    seconds, noise = measured(contenders, rounds)
+    times = measured(contenders, rounds)
+    seconds = times.seconds
     rows = []
     for name, judge in judges.items():
         busy, of_hull, memory = costs[name]
@@ -155,7 +156,7 @@ def _timed(
                 name,
                 1e6 * seconds[name],
                 seconds[name] / seconds[OURS_NAME],
-                noise,
+                times.noise(OURS_NAME, name),
                 float(truth.mean()),
                 int((judge() != truth).sum()),
                 len(truth),

@@ -179,6 +179,7 @@ def _row(
     times: Times,
 ) -> StateRow:
     right, seconds = truth[: item.states], times.seconds[item.method.name]
+    first = next(iter(times.seconds))
     missed = item.verdicts & ~right
     return StateRow(
         checker.robot.name,
@@ -190,8 +191,8 @@ def _row(
         item.states,
         float(right.mean()),
         1e6 * seconds,
-        seconds / next(iter(times.seconds.values())),
-        times.noise,
+        seconds / times.seconds[first],
+        times.noise(first, item.method.name),
         float(missed.mean()),
         float((~item.verdicts & right).mean()),
         None if inside is None else inside.share(missed),

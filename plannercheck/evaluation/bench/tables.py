@@ -31,7 +31,8 @@ def ratio(value: float | None, noise: float) -> str:
 
 def null_control(rows: Sequence[Any]) -> str:
     """What the same code differed by in these rows."""
-    return f"null control: the same code twice differs by {100 * (max(row.noise for row in rows) - 1):.1f} %"
+    least, most = (100 * (of(row.noise for row in rows) - 1) for of in (min, max))
+    return f"null control: the same code twice differs by {least:.1f} to {most:.1f} %; ratios within that are 1"
 
 
 def size_of(count: int | None) -> str:

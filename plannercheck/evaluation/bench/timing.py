@@ -11,11 +11,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from statistics import median
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from plannercheck.common.array_types import Bools
+from plannercheck.common.array_types import Bools, Floats
 
 Work = Callable[[], object]
 Contenders = Mapping[str, Work | Sequence[Work]]
@@ -25,10 +26,6 @@ _SHORTEST = 1e-3
 # Seconds that a round takes at least, on average: a shared machine's clock changes every few tenths of a second, and
 # every contender should have met its fast state.
 _LEAST_ROUND = 0.1
-
-
-# The name under which the first contender runs again.
-_AGAIN = "null control: the first contender again"
 
 
 class Contender(NamedTuple):
@@ -50,33 +47,36 @@ class Times(NamedTuple):
 
     Attributes:
         seconds: A piece of each contender, overheads taken off.
-        noise: How many times longer the same code took when it ran twice, by turns; at least 1.
+        differ: How many times longer each took in its turns forwards than backwards, or the other way round.
     """
 
     seconds: dict[str, float]
-    noise: float
+    differ: dict[str, float]
+
+    def noise(self, *names: str) -> float:
+        """The least ratio of these contenders' times that says anything: by their turns, and most contenders'."""
+        return max(median(self.differ.values()), *(self.differ[name] for name in names))
 
 
-def measured(contenders: Mapping[str, Contender], rounds: int, null: str = _AGAIN) -> Times:
-    """Times contenders by turns, the first of them twice.
+def measured(contenders: Mapping[str, Contender], rounds: int) -> Times:
+    """Times contenders by turns.
 
     Args:
-        contenders: What to time, by name; at least one.
-        rounds: See `least_seconds`.
-        null: Name of the contender that has the same code as the first; by default the first runs again.
+        contenders: What to time, by name.
+        rounds: See `least_seconds`; two turns at least.
 
     Returns:
         The times.
     """
-    first = next(iter(contenders))
-    every = {_AGAIN: contenders[first], **contenders} if null == _AGAIN else contenders
-    off = {f"{name}, taken off": each.overheads for name, each in every.items() if each.overheads}
-    spent = least_seconds({**{name: each.works for name, each in every.items()}, **off}, rounds)
+    off = {f"{name}, taken off": each.overheads for name, each in contenders.items() if each.overheads}
+    halves = _least_of_halves({**{name: each.works for name, each in contenders.items()}, **off}, max(2, rounds))
+    spent = {name: _least(each) for name, each in halves.items()}
     seconds = {
-        name: (spent[name] - spent.get(f"{name}, taken off", 0.0)) / max(each.pieces, 1) for name, each in every.items()
+        name: (spent[name] - spent.get(f"{name}, taken off", 0.0)) / max(each.pieces, 1)
+        for name, each in contenders.items()
     }
-    twice = sorted((seconds[first], seconds[null]))
-    return Times({name: seconds[name] for name in contenders}, twice[1] / twice[0] if twice[0] > 0 else float("inf"))
+    twice = {name: sorted(halves[name].sum(axis=1).tolist()) for name in contenders}
+    return Times(seconds, {name: high / low for name, (low, high) in twice.items()})
 
 
 def in_turns(names: Iterable[str], rounds: int) -> Iterator[str]:
@@ -98,17 +98,27 @@ def least_seconds(contenders: Contenders, rounds: int) -> dict[str, float]:
     Returns:
         The least seconds of each: of its parts, added up.
     """
+    return {name: _least(halves) for name, halves in _least_of_halves(contenders, rounds).items()}
+
+
+def _least(halves: Floats) -> float:
+    return float(halves.min(axis=0).sum())
+
+
+def _least_of_halves(contenders: Contenders, rounds: int) -> dict[str, Floats]:
+    """Of each the least seconds (2, parts) of the turns forwards and of those backwards: the same code twice."""
     parts = {name: [work] if callable(work) else list(work) for name, work in contenders.items()}
-    best = {name: [float("inf")] * len(works) for name, works in parts.items()}
+    best = {name: np.full((2, len(works)), np.inf) for name, works in parts.items()}
     end = time.thread_time() + rounds * _LEAST_ROUND
     turn = 0
     while turn < rounds or time.thread_time() < end:
+        half = turn % 2
         for step in range(max(map(len, parts.values()), default=0)):
-            for name in list(parts) if turn % 2 == 0 else reversed(list(parts)):
+            for name in list(parts) if half == 0 else reversed(list(parts)):
                 k = step % len(parts[name])
-                best[name][k] = min(best[name][k], seconds_of(parts[name][k]))
+                best[name][half, k] = min(best[name][half, k], seconds_of(parts[name][k]))
         turn += 1
-    return {name: sum(seconds) for name, seconds in best.items()}
+    return best
 
 
 def one_by_one(judge: Callable[..., bool], *arguments: Iterable[Any]) -> Bools:

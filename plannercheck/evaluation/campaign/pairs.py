@@ -128,6 +128,11 @@ class PairCampaign(Generic[AnyBody]):
     unit: str = "pairs"
     is_of_one_use: bool = True
 
+    def __post_init__(self) -> None:
+        """Raises PlannercheckError if a peer is not installed."""
+        for peer in self.peers:
+            loaded(peer)
+
     def judge(self, number: int, tally: Tally[PairCase[AnyBody]]) -> None:
         """Makes the `number`-th draw, and counts all outcomes on it."""
         began = time.perf_counter()

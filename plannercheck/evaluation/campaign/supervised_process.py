@@ -11,10 +11,9 @@ import select
 import signal
 from collections.abc import Callable, Iterator
 from functools import cache
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
-from plannercheck.common.array_types import Floats
-from plannercheck.evaluation.campaign.posed_pairs import UNFIT, Outcome
+from plannercheck.evaluation.campaign.posed_pairs import UNFIT, Outcome, PosedPairs
 from plannercheck.evaluation.campaign.tallies import EXCEPTION, TIMEOUT
 
 # Longest time for one pair, s: thousands of times what FCL and coal take; preparing the bodies is part of the first.
@@ -24,21 +23,7 @@ _CODES: dict[Outcome, bytes] = {False: b"0", True: b"1", EXCEPTION: b"e", UNFIT:
 _OUTCOMES = {code: outcome for outcome, code in _CODES.items()}
 
 
-class Posed(Protocol):
-    """Two bodies at poses of each (k, 4, 4), m."""
-
-    @property
-    def poses_p(self) -> Floats:
-        """Of the first."""
-        ...
-
-    @property
-    def poses_r(self) -> Floats:
-        """Of the second."""
-        ...
-
-
-Drawn = TypeVar("Drawn", bound=Posed, contravariant=True)
+Drawn = TypeVar("Drawn", bound=PosedPairs[Any], contravariant=True)
 
 
 class Peer(Protocol[Drawn]):

@@ -5,20 +5,46 @@ In: a draw. Out: the verdicts of each on every pair for which it has both shapes
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, Generic
 
 from plannercheck.bodies.coal_bodies import coal_hull
 from plannercheck.bodies.fcl_bodies import fcl_hull, load_fcl
-from plannercheck.evaluation.campaign.posed_pairs import UNFIT, Outcome
-from plannercheck.evaluation.campaign.supervised_process import Posed
+from plannercheck.evaluation.campaign.posed_pairs import UNFIT, AnyBody, Outcome, PosedPairs
 from plannercheck.evaluation.campaign.tallies import EXCEPTION
-from plannercheck.evaluation.stress.random_cases import Draw
 from plannercheck.evaluation.stress.sample_bodies import Specimen
 
 
-class Fcl:
-    """python-fcl, by its own defaults."""
+class Library(ABC, Generic[AnyBody]):
+    """Another library: a `Peer`, by its own defaults."""
+
+    name: str
+
+    @abstractmethod
+    def shape(self, body: AnyBody) -> Any:
+        """Its shape; None where it has none for the body."""
+
+    @abstractmethod
+    def collide(self, p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool:
+        """Whether two shapes collide at poses (4, 4), m."""
+
+    def outcomes(self, drawn: PosedPairs[AnyBody], first: int = 0) -> Iterator[Outcome]:
+        """See `Peer`."""
+        try:
+            p, r = self.shape(drawn.p), self.shape(drawn.r)
+            failed = UNFIT if p is None or r is None else ""
+        except Exception:
+            failed = EXCEPTION
+        for pose_p, pose_r in zip(drawn.poses_p[first:], drawn.poses_r[first:], strict=True):
+            try:
+                yield failed or self.collide(p, pose_p, r, pose_r)
+            except Exception:
+                yield EXCEPTION
+
+
+class FclLibrary(Library[AnyBody]):
+    """python-fcl."""
 
     name = "fcl"
 
@@ -27,18 +53,8 @@ class Fcl:
         self._fcl = load_fcl()
         self._request = self._fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
 
-    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[Outcome]:
-        """See `Peer`."""
-        return _outcomes(drawn, first, self._shape, self._collide)
-
-    def _shape(self, body: Specimen) -> Any:
-        if body.inflation_radius:
-            return _inflated_shape(body, self._fcl.Sphere, self._fcl.Capsule)
-        if body.polytope.dimension < 3:
-            return None
-        return fcl_hull(body.vertices, body.polytope.faces)
-
-    def _collide(self, p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool:
+    def collide(self, p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool:
+        """Whether two shapes collide."""
         placed = [
             self._fcl.CollisionObject(shape, self._fcl.Transform(pose[:3, :3], pose[:3, 3]))
             for shape, pose in ((p, pose_p), (r, pose_r))
@@ -46,8 +62,8 @@ class Fcl:
         return bool(self._fcl.collide(*placed, self._request, self._fcl.CollisionResult()))
 
 
-class Coal:
-    """coal, by its own defaults."""
+class CoalLibrary(Library[AnyBody]):
+    """coal."""
 
     name = "coal"
 
@@ -57,23 +73,32 @@ class Coal:
         self._coal = coal
         self._request = coal.CollisionRequest()
 
-    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[Outcome]:
-        """See `Peer`."""
-        return _outcomes(drawn, first, self._shape, self._collide)
-
-    def _shape(self, body: Specimen) -> Any:
-        if body.inflation_radius:
-            return _inflated_shape(body, self._coal.Sphere, self._coal.Capsule)
-        if body.polytope.dimension < 3:
-            return None
-        return coal_hull(body.polytope, body.family)
-
-    def _collide(self, p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool:
-        placed = (self._coal.Transform3s(pose[:3, :3], pose[:3, 3]) for pose in (pose_p, pose_r))
-        tf_p, tf_r = placed
+    def collide(self, p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool:
+        """Whether two shapes collide."""
+        tf_p, tf_r = (self._coal.Transform3s(pose[:3, :3], pose[:3, 3]) for pose in (pose_p, pose_r))
         result = self._coal.CollisionResult()
         self._coal.collide(p, tf_p, r, tf_r, self._request, result)
         return bool(result.isCollision())
+
+
+class Fcl(FclLibrary[Specimen]):
+    """python-fcl's hulls, spheres and capsules."""
+
+    def shape(self, body: Specimen) -> Any:
+        """See `Library`."""
+        if body.inflation_radius:
+            return _inflated_shape(body, self._fcl.Sphere, self._fcl.Capsule)
+        return fcl_hull(body.vertices, body.polytope.faces) if body.polytope.dimension == 3 else None
+
+
+class Coal(CoalLibrary[Specimen]):
+    """coal's hulls, spheres and capsules."""
+
+    def shape(self, body: Specimen) -> Any:
+        """See `Library`."""
+        if body.inflation_radius:
+            return _inflated_shape(body, self._coal.Sphere, self._coal.Capsule)
+        return coal_hull(body.polytope, body.family) if body.polytope.dimension == 3 else None
 
 
 def _inflated_shape(body: Specimen, sphere: Callable[[float], Any], capsule: Callable[[float, float], Any]) -> Any:
@@ -81,40 +106,6 @@ def _inflated_shape(body: Specimen, sphere: Callable[[float], Any], capsule: Cal
     low, high = body.vertices[0], body.vertices[-1]
     if body.polytope.dimension > 1 or (low + high).any() or low[:2].any():
         return None
-    return (
-        sphere(body.inflation_radius)
-        if body.polytope.dimension == 0
-        else capsule(body.inflation_radius, 2 * abs(float(low[2])))
-    )
-
-
-def _outcomes(
-    drawn: Draw, first: int, shape_of: Callable[[Specimen], Any], collide: Callable[[Any, Any, Any, Any], bool]
-) -> Iterator[Outcome]:
-    return outcomes_of_shapes(_shape(shape_of, drawn.p), _shape(shape_of, drawn.r), drawn, first, collide)
-
-
-def outcomes_of_shapes(
-    p: Any, r: Any, drawn: Posed, first: int, collide: Callable[[Any, Any, Any, Any], bool]
-) -> Iterator[Outcome]:
-    """What a library says of its shapes at all poses from a pair on; a shape may be UNFIT or EXCEPTION."""
-    failed = next(
-        (reason for reason in (UNFIT, EXCEPTION) if any(isinstance(s, str) and s == reason for s in (p, r))), None
-    )
-    for a, b in zip(drawn.poses_p[first:], drawn.poses_r[first:], strict=True):
-        yield failed or _outcome(collide, p, a, r, b)
-
-
-def _shape(shape_of: Callable[[Specimen], Any], body: Specimen) -> Any:
-    """The peer's shape, or why there is none."""
-    try:
-        return shape_of(body) or UNFIT
-    except Exception:
-        return EXCEPTION
-
-
-def _outcome(collide: Callable[[Any, Any, Any, Any], bool], p: Any, pose_p: Any, r: Any, pose_r: Any) -> Outcome:
-    try:
-        return collide(p, pose_p, r, pose_r)
-    except Exception:
-        return EXCEPTION
+    if body.polytope.dimension == 0:
+        return sphere(body.inflation_radius)
+    return capsule(body.inflation_radius, 2 * abs(float(low[2])))
