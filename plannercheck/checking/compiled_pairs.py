@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,8 +39,8 @@ class PairSource:
     robot: Robot
     bodies: Sequence[GeometryObject]
     preparation: Preparation
-    tuning: Any
-    kernel: Any | None = None
+    tuning: core.Tuning
+    kernel: core.Kinematics | None = None
 
     @cached_property
     def mounts(self) -> tuple[Ints, Floats]:
@@ -121,7 +120,9 @@ class CompiledPairs:
         return poses
 
 
-def body_placements(robot: Robot, bodies: Sequence[GeometryObject], kernel: Any | None) -> tuple[Ints, Floats]:
+def body_placements(
+    robot: Robot, bodies: Sequence[GeometryObject], kernel: core.Kinematics | None
+) -> tuple[Ints, Floats]:
     """The links that bodies hang on, and their poses there.
 
     Args:
@@ -142,7 +143,7 @@ def body_placements(robot: Robot, bodies: Sequence[GeometryObject], kernel: Any 
     return np.concatenate([links, more_links]), np.concatenate([placements, more])
 
 
-def _placed(robot: Robot, bodies: Sequence[GeometryObject], kernel: Any | None) -> tuple[Ints, Floats]:
+def _placed(robot: Robot, bodies: Sequence[GeometryObject], kernel: core.Kinematics | None) -> tuple[Ints, Floats]:
     placements = np.concatenate([np.zeros((0, 4)), *(body.pose for body in bodies)]).reshape(-1, 4, 4)
     if all(body.link is None for body in bodies):
         return np.full(len(bodies), -1, dtype=np.int32), placements

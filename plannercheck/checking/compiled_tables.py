@@ -62,7 +62,7 @@ class CompiledTables:
                     self._all_pairs = CompiledPairs(self._source, self._pairs)
         return self._all_pairs
 
-    def mounts(self, kernel: Any) -> tuple[Ints, Floats]:
+    def mounts(self, kernel: core.Kinematics) -> tuple[Ints, Floats]:
         """The links that all bodies hang on, and their poses there, if the kernel poses the links."""
         source = self._source
         return source.mounts if source.kernel is kernel else body_placements(source.robot, source.bodies, kernel)
@@ -97,7 +97,7 @@ class CompiledTables:
                     beyond |= outside.any(axis=1)
         return beyond
 
-    def judges(self, kernel: Any | None) -> tuple[JudgeOfRow, JudgeOfSet]:
+    def judges(self, kernel: core.Kinematics | None) -> tuple[JudgeOfRow, JudgeOfSet]:
         """Compiled judges of a row (nq,) and of sets (n, nq) on some threads, 1 for free; None for all that needs care.
 
         `kernel` poses the links.
@@ -109,12 +109,12 @@ class CompiledTables:
         of_row, of_set = core.row_validity(pairs, kernel, *units), core.set_validity(pairs, kernel, *units)
         return cast(JudgeOfRow, of_row), cast(JudgeOfSet, of_set)
 
-    def check_states(self, kernel: Any, rows: Floats, threads: int) -> Bools:
+    def check_states(self, kernel: core.Kinematics, rows: Floats, threads: int) -> Bools:
         """(n,) whether each configuration (n, nq) is free of collision; `kernel` poses the links."""
         return self.judged(lambda table, part: table.core.check_states(kernel, part, threads).view(bool), rows)
 
     def state_validity(
-        self, kernel: Any | None, states: Any = None, failure: Any = None
+        self, kernel: core.Kinematics | None, states: Any = None, failure: Any = None
     ) -> Callable[[Any], bool] | None:
         """A compiled judge of OMPL's states, None if there is none; arguments as for `StateChecker.state_validity`.
 

@@ -28,7 +28,7 @@ class Neighbourhood(NamedTuple):
         place: By frame, its index among the kernel's frames.
     """
 
-    kernel: Any
+    kernel: core.Kinematics
     place: dict[int, int]
 
     def poses(self, q: Floats) -> Floats:

@@ -74,7 +74,7 @@ def load() -> ModuleType:
 
 
 if TYPE_CHECKING:
-    import plannercheck._core as core  # one stub for all levels
+    from plannercheck.common import _core as core  # one stub for all levels
 else:
     core = load()
 

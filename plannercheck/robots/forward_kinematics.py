@@ -10,13 +10,13 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Floats
+from plannercheck.common.core import core
 from plannercheck.robots.configurations import ConfigurationMap
 from plannercheck.robots.kinematic_error import KinematicRounding
 from plannercheck.robots.kinematics import (
@@ -70,7 +70,7 @@ class ForwardKinematics:
         moving = [body for body in bodies if body.link is not None]
         return KinematicRounding(self.table, moving, [links[str(body.link)] for body in moving])
 
-    def _checked_kernel(self, robot: str) -> Any | None:
+    def _checked_kernel(self, robot: str) -> core.Kinematics | None:
         """The compiled kinematics if Pinocchio agrees with it."""
         kernel = compiled_kinematics(self._model, self._map, self._frames)
         if kernel is None:

@@ -123,7 +123,9 @@ def _check_numbers(table: JointTable, model: pin.Model) -> None:
         raise PlannercheckError("a link has a place on its joint that is no number")
 
 
-def compiled_kinematics(model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]) -> Any | None:
+def compiled_kinematics(
+    model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]
+) -> core.Kinematics | None:
     """Builds the compiled kinematics of a group; arguments as of `joint_table`.
 
     Returns:
@@ -187,7 +189,9 @@ def joint_placements(model: pin.Model, q: Floats) -> list[Any]:
     return placed
 
 
-def disagreement(kinematics: Any, model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]) -> float:
+def disagreement(
+    kinematics: core.Kinematics, model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]
+) -> float:
     """Largest difference between the kernel's and Pinocchio's poses on a few random configurations.
 
     Positions count relative to the robot's reach, if that is more than 1 m.

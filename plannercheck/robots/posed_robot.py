@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import Configuration, read_only
+from plannercheck.common.core import core
 from plannercheck.common.errors import unknown_name
 from plannercheck.robots.configurations import ConfigurationMap
 from plannercheck.robots.forward_kinematics import ForwardKinematics
@@ -112,7 +113,7 @@ class PosedRobot:
         return float("inf") if self._rounding is None else self._rounding.bound(lower, upper)
 
     @property
-    def kinematics(self) -> Any | None:
+    def kinematics(self) -> core.Kinematics | None:
         """The compiled kinematics; None if Pinocchio itself poses the robot."""
         return self._forward.kernel
 

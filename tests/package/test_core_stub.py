@@ -1,4 +1,4 @@
-"""The core's types for type checkers: plannercheck/_core.pyi is what `nanobind.stubgen` makes of the core.
+"""The core's types for type checkers: plannercheck/common/_core.pyi is what `nanobind.stubgen` makes of the core.
 
 After a change of the bindings: `python tests/package/test_core_stub.py`.
 """
@@ -14,7 +14,7 @@ import pytest
 
 from plannercheck.common.core import core
 
-STUB = Path(__file__).parents[2] / "plannercheck" / "_core.pyi"
+STUB = Path(__file__).parents[2] / "plannercheck" / "common" / "_core.pyi"
 
 
 def write_stub(path: Path) -> None:
