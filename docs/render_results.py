@@ -1,10 +1,9 @@
 """Fills the tables of the documentation from docs/results: `python docs/render_results.py`.
 
-In: `docs/results/*.json`, written by `plannercheck bench ... --output` and by `tests/benchmarks/*.py --output`, and
-`docs/results/older/*.json`, figures that pages stated before and that no run has replaced yet. Out: README.md and the
-pages of docs/, in which the lines between `<!-- table: NAME -->` and `<!-- end of table -->` are rendered again. A test
-holds that every page is what this script renders. `result_tables.py`, `result_tables_planning.py`,
-`result_tables_solids.py`, `result_tables_sensed.py` and `result_tables_inside.py` say what each table shows.
+In: `docs/results/*.json`, written by `plannercheck bench ... --output` and by `tests/benchmarks/*.py --output`. Out:
+README.md and the pages of docs/, in which the lines between `<!-- table: NAME -->` and `<!-- end of table -->` are
+rendered again; a test holds that no page is stale. `result_tables*.py` say what each table shows. No page shows the
+records in `docs/results/history`.
 """
 
 from __future__ import annotations
@@ -18,25 +17,23 @@ import result_tables_inside as inside
 import result_tables_planning as planning
 import result_tables_sensed as sensed
 import result_tables_solids as solids
-from result_markdown import ROOT, older, record
+from result_markdown import ROOT
 
-_MARKED = re.compile(r"(<!-- table: (?P<name>[\w/]+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
+_MARKED = re.compile(r"(<!-- table: (?P<name>\w+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
 
 # What a name between marks stands for.
 TABLES: dict[str, Callable[[], str]] = {
     make.__name__: make
     for make in (
-        *(peers.overview, peers.summary, peers.overview_sources, peers.states, peers.states_along_motions),
-        *(peers.vamp_verdicts, peers.set_up, peers.pairs),
-        *(planning.motions, planning.plans, planning.plan_sampling, planning.waiting, planning.from_files),
-        *(planning.changing_scenes, inside.motions_cost, inside.hierarchies, inside.preparation),
-        *(inside.complexity, inside.stages, inside.planar, inside.clearance, inside.switches, inside.scale),
-        *(inside.ndim_rounds, inside.ndim_speed, inside.motions_missed, inside.planar_motions_missed),
-        *(inside.planar_motions_cost, inside.kinematic_rounding, inside.games, inside.levels, inside.disabled_pairs),
-        *(sensed.sensed_states, sensed.sensed_motions, sensed.sensed_costs, sensed.sensed_maps),
-        *(sensed.sensed_camera, sensed.sensed_pages, sensed.sensed_proofs),
-        *(solids.solid_states, solids.solid_link_pairs, solids.solid_triangles, solids.solid_fidelity),
-        *(solids.solid_costs, solids.pieces),
+        *(peers.overview, peers.summary, peers.states, peers.pairs),
+        *(planning.motions, planning.plans, planning.plan_sampling, planning.waiting, planning.changing_scenes),
+        *(inside.clearance_of_motions, inside.hierarchies, inside.stages),
+        *(inside.planar, inside.clearance, inside.scale, inside.ndim_rounds, inside.ndim_speed),
+        *(inside.motions_missed, inside.kinematic_rounding, inside.disabled_pairs),
+        *(inside.long_runs, inside.hard_pairs, inside.hard_solids),
+        *(sensed.sensed_scenes, sensed.sensed_camera),
+        *(sensed.sensed_proofs, solids.solid_states),
+        *(solids.solid_fidelity, solids.pieces),
     )
 }
 
@@ -60,7 +57,7 @@ def rendered(text: str) -> str:
 
 def content(name: str) -> str:
     """What stands between the marks of one name, ending in a line break."""
-    return older(record(name)) if name.startswith("older/") else TABLES[name]()
+    return TABLES[name]()
 
 
 if __name__ == "__main__":

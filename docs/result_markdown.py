@@ -47,33 +47,18 @@ def items(texts: Iterable[str]) -> str:
 
 
 def source(found: Record) -> str:
-    """What was run, when, at which commit, on what."""
+    """The command, the date, the commit and the machine."""
     machine = found["machine"]
-    load = machine["load"]
-    shared = ", which other work shared" if load and float(load) > 1.2 else ""
-    return (
-        f"`{found['command']}`, {found['date']}, commit {found['commit']}: {machine['processor']}, "
-        f"{machine['processors']} processors (load {load}{shared}), instruction set {machine['instruction set']}."
-    )
+    if not isinstance(machine, str):
+        load = machine["load"]
+        busy = ", busy" if load and float(load) > 1.2 else ""
+        machine = f"{machine['processor']} {machine['instruction set']}{busy}"
+    return f"`{found['command']}` ({found['date']}, {found['commit']}, {machine})"
 
 
 def provenance(found: Record) -> str:
     """`source` as a paragraph."""
     return paragraph(source(found))
-
-
-def older(found: Record) -> str:
-    """Figures that a page stated before, as it stated them."""
-    head = f"*Stated in {found['source']} at commit {found['commit']}, {found['date']}. {found['machine']}.*"
-    parts = [paragraph(head)]
-    for block in found["blocks"]:
-        if "columns" in block:
-            parts.append(table(block["columns"], block["rows"]))
-        elif "list" in block:
-            parts.append(items(block["list"]))
-        else:
-            parts.append(paragraph(block["text"]))
-    return "\n".join(parts)
 
 
 def number(value: float | None) -> str:
@@ -92,26 +77,5 @@ def times(value: float, ours: float) -> str:
 
 
 def beside(value: float, ours: float) -> str:
-    """A peer's time, and how many times ours it is; bold where it is shorter."""
+    """A peer's time, and how many times ours it is; bold where the peer is faster."""
     return f"**{times(value, ours)}**" if value < ours else times(value, ours)
-
-
-def faster(found: Iterable[tuple[str, str, float]]) -> str:
-    """Who is faster than ours where, in plain words; given names, cases and ratios, of which those below 1 are told."""
-    cases: dict[str, dict[str, list[float]]] = {}
-    for name, case, ratio in found:
-        if ratio < 1:
-            cases.setdefault(name, {}).setdefault(case, []).append(ratio)
-    if not cases:
-        return paragraph("No other library is faster here.")
-    return "\n".join(
-        paragraph(
-            f"{name} is faster than ours: {'; '.join(f'{case} ({_span(ratios)} ×)' for case, ratios in where.items())}."
-        )
-        for name, where in cases.items()
-    )
-
-
-def _span(ratios: Sequence[float]) -> str:
-    low, high = number(min(ratios)), number(max(ratios))
-    return low if low == high else f"{low} to {high}"

@@ -8,102 +8,32 @@ from __future__ import annotations
 
 import re
 
-from result_markdown import number, provenance, record, table, times
+from result_markdown import beside, number, paragraph, provenance, record, table, times
 
 
-def motions_cost() -> str:
-    """A proved motion beside our own check of 32 states, and how it grows as the clearance shrinks."""
+def clearance_of_motions() -> str:
+    """How a proved motion grows as the clearance shrinks, beside our own check of 32 states."""
     found = record("motions_cost")
-    compared = [row for row in found["rows"] if "which" in row]
-    grown = [row for row in found["rows"] if "clearance" in row]
-    first = table(
-        ("scene", "motions", "proved, µs", "32 states, µs", "ratio"),
-        [
-            (
-                row["scene"],
-                f"{row['motions']} ({row['which']})",
-                number(row["ours"]),
-                number(row["sampled"]),
-                f"{row['ours'] / row['sampled']:.2f}",
-            )
-            for row in compared
-        ],
-    )
-    second = table(
-        ("clearance, mm", "proved, µs", "32 states, µs"),
-        [(f"{1e3 * row['clearance']:g}", number(row["ours"]), number(row["sampled"])) for row in grown],
-    )
-    return first + "\n" + second + "\n" + provenance(found)
+    lines = [
+        (f"{1e3 * row['clearance']:g}", number(row["ours"]), number(row["sampled"]))
+        for row in found["rows"]
+        if row.get("clearance") in (0.3, 0.03, 0.003, 0.0005, 0.00011)
+    ]
+    return table(("clearance, mm", "proved, µs", "32 states, µs"), lines) + "\n" + provenance(found)
 
 
 def hierarchies() -> str:
-    """Vertex blocks visited, worst of 1,000 queries, and the cost of preparation."""
+    """Vertex blocks that the worst of 1,000 queries visits, a row a family."""
     found = record("hierarchies")
-    counted = [row for row in found["rows"] if row["family"] != "preparation"]
-    first = table(
-        (
-            "bodies",
-            "vertices",
-            "levels: hull",
-            "polar",
-            "blocks a query: hull",
-            "polar",
-            "walk: blocks",
-            "rounds",
-            "games",
-        ),
-        [
-            (
-                row["family"],
-                f"{row['vertices']:,}",
-                *(row[name] for name in ("hull_levels", "polar_levels", "hull_blocks", "polar_blocks")),
-                *(row[name] for name in ("walk_blocks", "walk_rounds", "walk_games")),
-            )
-            for row in counted
-        ],
-    )
-    return first + "\n" + provenance(found)
-
-
-def preparation() -> str:
-    """What preparing a body takes."""
-    found = record("hierarchies")
-    lines = [
-        (
-            f"{row['vertices']:,}",
-            number(row["microseconds_a_vertex"]),
-            number(row["hull_given"]),
-            number(row["bytes_a_vertex"]),
-        )
-        for row in found["rows"]
-        if row["family"] == "preparation"
-    ]
-    header = ("vertices", "µs a vertex", "with the hull given", "bytes a vertex")
-    return table(header, lines) + "\n" + provenance(found)
-
-
-def complexity() -> str:
-    """Visited vertices and rounds, worst and mean, by method: of the smallest and the largest bodies."""
-    found = record("complexity")
-    sizes: dict[tuple[str, ...], list[int]] = {}
+    families: dict[str, list[dict[str, int]]] = {}
     for row in found["rows"]:
-        sizes.setdefault((row["where"], row["family"], row["method"]), []).append(row["vertices"])
-    ends = {kind: (min(several), max(several)) for kind, several in sizes.items()}
+        if row["family"] != "preparation":
+            families.setdefault(row["family"], []).append(row)
+    fields = ("hull_blocks", "walk_blocks", "walk_rounds")
     lines = [
-        (
-            row["where"],
-            row["family"],
-            row["method"],
-            f"{row['vertices']:,}",
-            number(row["rounds_mean"]),
-            row["rounds_worst"],
-            f"{row['visited_mean']:,.0f}",
-            f"{row['visited_worst']:,}",
-        )
-        for row in found["rows"]
-        if row["vertices"] in ends[row["where"], row["family"], row["method"]]
+        (family, *(", ".join(str(row[field]) for row in rows) for field in fields)) for family, rows in families.items()
     ]
-    header = ("where", "bodies", "method", "vertices", "rounds: mean", "worst", "visited: mean", "worst")
+    header = ("bodies of 100, 1,000, 10,000 vertices", "blocks a query", "blocks a walk", "rounds a walk")
     return table(header, lines) + "\n" + provenance(found)
 
 
@@ -131,47 +61,21 @@ def stages() -> str:
 
 
 def planar() -> str:
-    """Rounds and time of the algorithm in the plane, and beside shapely."""
+    """Time of the algorithm in the plane, beside shapely."""
     found = record("planar")
-    grown = [row for row in found["rows"] if "rounds_worst" in row]
-    beside = [row for row in found["rows"] if "shapely_ns" in row]
-    first = table(
-        ("vertices", "gap", "rounds: mean", "worst", "vertices read: mean", "worst", "ns"),
-        [
-            (
-                f"{row['vertices']:,}",
-                f"±{row['gap']:g}",
-                f"{row['rounds_mean']:.1f}",
-                row["rounds_worst"],
-                f"{row['read_mean']:.0f}",
-                row["read_worst"],
-                number(row["nanoseconds"]),
-            )
-            for row in grown
-        ],
-    )
-    second = table(
+    lines = [
         (
-            "vertices",
-            "gap",
-            "ours at poses, ns",
-            "ours from arrays, ns",
-            "shapely, prepared, ns",
-            "verdicts that differ",
-        ),
-        [
-            (
-                f"{row['vertices']:,}",
-                f"±{row['gap']:g}",
-                number(row["poses_ns"]),
-                number(row["arrays_ns"]),
-                times(row["shapely_ns"], row["poses_ns"]),
-                row["differ"],
-            )
-            for row in beside
-        ],
-    )
-    return first + "\n" + second + "\n" + provenance(found)
+            f"{row['vertices']:,}",
+            f"±{row['gap']:g}",
+            number(row["poses_ns"]),
+            number(row["arrays_ns"]),
+            times(row["shapely_ns"], row["poses_ns"]),
+        )
+        for row in found["rows"]
+        if "shapely_ns" in row and row["gap"] < 0.5
+    ]
+    header = ("vertices", "gap", "ours at poses, ns", "ours from arrays, ns", "shapely, prepared, ns")
+    return table(header, lines) + "\n" + provenance(found)
 
 
 def clearance() -> str:
@@ -180,28 +84,9 @@ def clearance() -> str:
     lines = [
         (f"{row['vertices']:,}", f"{row['gap']:g}", number(row["ours"]), times(row["coal"], row["ours"]))
         for row in found["rows"]
+        if row["gap"] == 0.1
     ]
     return table(("vertices", "gap, radii", "ours, ns", "coal, ns"), lines) + "\n" + provenance(found)
-
-
-def switches() -> str:
-    """What each way of skipping work brings."""
-    found = record("switches")
-    lines = [(row["states"], row["off"], number(row["microseconds"]), f"{row['ratio']:.2f}") for row in found["rows"]]
-    return table(("states", "off", "µs a state", "×"), lines) + "\n" + provenance(found)
-
-
-def levels() -> str:
-    """µs on the widest instruction set, and the next one's time over it, by kind of work and robot."""
-    found = record("levels")
-    rows = {(row["work"], row["robot"]): list(row["microseconds"].values()) for row in found["rows"]}
-    first, other = found["rows"][0]["microseconds"]
-    robots = list(dict.fromkeys(robot for _, robot in rows))
-    lines = [
-        [work, *(f"{number(wide)} ({narrow / wide:.2f})" for wide, narrow in (rows[work, robot] for robot in robots))]
-        for work in dict.fromkeys(work for work, _ in rows)
-    ]
-    return table([f"µs on {first} ({other} over it)", *robots], lines) + "\n" + provenance(found)
 
 
 def scale() -> str:
@@ -215,6 +100,7 @@ def scale() -> str:
             f"{row['preparation']:.2f}",
         )
         for row in found["rows"]
+        if row["boxes"] in (100, 10_000, 100_000)
     ]
     return (
         table(("boxes", "pairs", "µs a state", "µs a motion of 0.4 rad", "prepared, s"), lines)
@@ -224,94 +110,89 @@ def scale() -> str:
 
 
 def ndim_rounds() -> str:
-    """Rounds and visited vertices of the paper's trees in any dimension."""
+    """Rounds and visited vertices of the paper's trees, of the largest bodies of each family and dimension."""
     found = record("ndim_rounds")
-    columns = list(found["rows"][0])
-    return table(columns, [[row[name] for name in columns] for row in found["rows"]]) + "\n" + provenance(found)
+    largest = {(row["d"], row["bodies"]): row for row in found["rows"]}  # by size, so the largest stays
+    columns = [name for name in found["rows"][0] if name not in ("m (polar)", "visited: mean")]
+    return table(columns, [[row[name] for name in columns] for row in largest.values()]) + "\n" + provenance(found)
 
 
 def ndim_speed() -> str:
-    """A query in any dimension beside a linear program."""
+    """A query in any dimension beside a linear program: at gaps of 1e-4 and 0."""
     found = record("ndim_speed")
-    lines = [
-        (
-            row["d"],
-            f"{row['n']:,}",
-            f"{row['gap']:g}",
-            number(row["oracle"]),
-            times(row["trees"], row["oracle"]) if "trees" in row else "–",
-            times(row["program"], row["oracle"]),
-        )
-        for row in found["rows"]
-    ]
-    return table(("d", "n", "gap", "oracle, ms", "trees, ms", "program, ms"), lines) + "\n" + provenance(found)
+    rows = {(row["d"], row["n"], row["gap"]): row for row in found["rows"]}
+    lines = []
+    for d, n in dict.fromkeys((d, n) for d, n, gap in rows if gap == 0 and n != 1_000):
+        cells = []
+        for gap in (1e-4, 0):
+            row = rows[d, n, gap]
+            cells += [number(row["oracle"]), number(row.get("trees")), beside(row["program"], row["oracle"])]
+        lines.append((d, f"{n:,}", *cells))
+    header = ("d", "n", "gap 1e-4: oracle, ms", "trees", "program", "gap 0: oracle, ms", "trees", "program")
+    return table(header, lines) + "\n" + provenance(found)
 
 
 def motions_missed() -> str:
-    """Proved motions against dense states, and what sampling misses."""
-    return missed("motions_missed")
-
-
-def planar_motions_missed() -> str:
-    """The same in the plane."""
-    return missed("planar_motions_missed")
-
-
-def missed(name: str) -> str:
-    """A column a family of motions, and one for all."""
-    found = record(name)
-    counted = [key for key in found["rows"][0] if key != "family"]
-    lines = []
-    for key in counted:
-        values = [row[key] for row in found["rows"]]
-        lines.append((key, *(f"{value:,}" for value in (*values, sum(values)))))
-    header = ("", *(row["family"] for row in found["rows"]), "all")
-    return table(header, lines) + "\n" + provenance(found)
-
-
-def planar_motions_cost() -> str:
-    """Planar motions proved, beside sampling."""
-    found = record("planar_motions_cost")
-    lines = [
-        (
-            f"{row['robot']}, {row['scene']}",
-            row["curve"],
-            f"{row['motions']} ({row['which']})",
-            number(row["proved"]),
-            times(row["1 cm"], row["proved"]),
-            times(row["10 cm"], row["proved"]),
-        )
-        for row in found["rows"]
-        if "which" in row
-    ]
-    header = ("robot, scene", "curve", "motions", "proved, µs", "1 cm, µs", "10 cm, µs")
-    return table(header, lines) + "\n" + provenance(found)
+    """Proved motions against dense states, and what sampling misses, in space and in the plane."""
+    files = [record("motions_missed"), record("planar_motions_missed")]
+    counted = [key for key in files[0]["rows"][0] if key in files[1]["rows"][0] and key != "family"]
+    lines = [[key, *(f"{sum(row[key] for row in found['rows']):,}" for found in files)] for key in counted]
+    return table(("", "in space", "in the plane"), lines) + "".join("\n" + provenance(found) for found in files)
 
 
 def kinematic_rounding() -> str:
-    """How far computed poses are off, and the proven bound."""
+    """How far computed poses are off, and the proven bounds, in one sentence."""
     found = record("kinematic_rounding")
-    lines = [
-        (row["robot"], row["joints"], f"{row['far']:.2f}", f"{row['measured']:.1e}", f"{row['bound']:.1e}")
-        for row in found["rows"]
-    ]
-    header = ("robot", "joints", "farthest point, m", "measured, m", "proven bound, m")
-    return table(header, lines) + "\n" + provenance(found)
-
-
-def games() -> str:
-    """The solver's games."""
-    found = record("games")
-    lines = [(row["game"], number(row["nanoseconds"]), number(row["one_more"])) for row in found["rows"]]
-    header = ("game", "solved from nothing, ns", "one more row or column, ns")
-    return table(header, lines) + "\n" + provenance(found)
+    measured, bounds = ([row[field] for row in found["rows"]] for field in ("measured", "bound"))
+    said = f"On {len(bounds)} robots it is at most {max(measured):.1e} m; the bounds are {min(bounds):.1e} to "
+    return paragraph(f"{said}{max(bounds):.1e} m.") + "\n" + provenance(found)
 
 
 def disabled_pairs() -> str:
-    """Pairs that robots disable although they collide, a row a robot."""
+    """Pairs that robots disable although they collide, a row for each robot that has some."""
     found = record("disabled_pairs")
-    fields = ("robot", "declared_by", "link_pairs", "disabled", "colliding", "never", "most")
-    header = ("robot", "declared by", "pairs of links", "disabled", "collide in some states, not adjacent")
-    rows = [[row[field] for field in (*fields, "colliding_meshes", "most_meshes")] for row in found["rows"]]
-    columns = (*header, 'of these "Never"', "most frequent", "as meshes", "most frequent")
-    return table(columns, rows) + "\n" + provenance(found)
+    fields = ("robot", "declared_by", "disabled", "colliding", "never", "most", "colliding_meshes", "most_meshes")
+    rows = [[row[field] for field in fields] for row in found["rows"] if row["colliding"]]
+    header = ("robot", "declared by", "disabled", "of these collide", 'declared "Never"', "most frequent", "as meshes")
+    return table((*header, "most frequent"), rows) + "\n" + provenance(found)
+
+
+def long_runs() -> str:
+    """Runs that hold verdicts against oracles."""
+    lines = [
+        (row["what"], f"{row['count']:,}", row["found"], row["wrong"], f"`{row['command']}`")
+        for row in record("long_runs")["rows"]
+    ]
+    return table(("verdicts on", "count", "of these", "wrong", "command"), lines)
+
+
+def hard_pairs() -> str:
+    """Wrong verdicts in percent of the pairs that were asked, by the size of the gap."""
+    found = record("hard_pairs")
+    sizes: dict[str, list[dict[str, int]]] = {}
+    for row in found["rows"]:
+        if row["by"] == "gap":
+            sizes.setdefault(row["of"].lstrip("+-"), []).append(row)
+    lines = [(size, *_wrong(rows)) for size, rows in sizes.items() if not size.endswith(("1", "3", "5", "7", "9"))]
+    return table(("gap", *_WRONG), lines) + "\n" + provenance(found)
+
+
+def hard_solids() -> str:
+    """The same of concave bodies and of robots' links, over all gaps."""
+    files = {"concave bodies": record("hard_solids"), "links of robots": record("hard_links")}
+    lines = []
+    for what, found in files.items():
+        row = next(row for row in found["rows"] if row["of"] == "all")
+        lines.append((what, f"{row['pairs']:,}", f"{row['sharing']:,}", f"{row['inside']:,}", *_wrong([row])))
+    header = ("", "pairs", "share a point", "one inside the other", *_WRONG)
+    return table(header, lines) + "".join("\n" + provenance(found) for found in files.values())
+
+
+_WRONG = ("ours wrong", "FCL misses, %", "FCL invents, %", "coal misses, %", "coal invents, %")
+
+
+def _wrong(rows: list[dict[str, int]]) -> list[str]:
+    asked = sum(row["fcl_asked"] for row in rows)
+    theirs = ("fcl_missed", "fcl_false", "coal_missed", "coal_false")
+    shares = (100 * sum(row[field] for row in rows) / asked for field in theirs)
+    return [str(sum(row["wrong"] for row in rows)), *(number(share) for share in shares)]

@@ -9,139 +9,96 @@ from __future__ import annotations
 
 from typing import Any
 
-from result_markdown import beside, faster, number, provenance, record, table
+from result_markdown import beside, number, provenance, record, table
+from result_tables import AT_BEST, MOTION_TREE, ONE_BY_ONE, OURS, VAMP
 
 Row = dict[str, Any]
 
-OURS = "plannercheck, batch"
 SET_UPS = ("setup_panda", "setup_ur5", "setup_baxter", "setup_pr2", "setup_talos")
+_SHOWN = ("setup_panda", "setup_talos")
 
 
 def motions() -> str:
-    """µs a motion, ours proved, the peers' sampled; a column for each kind of motions."""
+    """µs a motion, ours proved, the peers' sampled; a row for each kind of motions."""
     found = record("motions")
-    rows = found["rows"]
-    kinds = list(dict.fromkeys((row["where"], row["kind"]) for row in rows))
-    by_method = {(row["where"], row["kind"], row["method"]): row for row in rows}
-    names = list(dict.fromkeys(row["method"] for row in rows))
-    lines = [[name, *(_motion_cell(by_method, *kind, name) for kind in kinds)] for name in names]
-    wrong = [[name, *(_wrong_cell(by_method, *kind, name) for kind in kinds)] for name in names if _is_peer(name)]
-    heads = [f"{where}: {kind}" for where, kind in kinds]
-    peers = [row for row in rows if _is_peer(row["method"])]
-    told = faster((row["method"], f"{row['where']}, {row['kind']}", row["ratio"]) for row in peers)
-    return (
-        table(["µs a motion", *heads], lines)
-        + f"\n{told}\n"
-        + table(["false free %, false colliding %", *heads], wrong)
-        + "\n"
-        + provenance(found)
-    )
+    by_method = {(row["kind"], row["method"]): row for row in found["rows"]}
+    lines = []
+    for kind in dict.fromkeys(kind for kind, _ in by_method):
+        here = {method: by_method.get((kind, method)) for method in _BESIDE}
+        spent = {method: row and row["microseconds"] for method, row in here.items()}
+        own = [number(spent[method]) for method in (OURS, ONE_BY_ONE)]
+        others = [_beside(spent[method], spent[_BESIDE[method]]) for method in (VAMP, AT_BEST, MOTION_TREE)]
+        lines.append((kind, *own, *others, *(_false_free(here[method]) for method in (VAMP, AT_BEST))))
+    header = ("motions", "batch", "a call each", "VAMP, a call each", "coal at its best")
+    header += ("Pinocchio + coal", "false free %: VAMP", "coal")
+    return table(header, lines) + "\n" + provenance(found)
 
 
-def _is_peer(name: str) -> bool:
-    return not name.startswith("plannercheck")
+# What each method stands beside: VAMP answers a motion a call.
+_BESIDE = {OURS: OURS, ONE_BY_ONE: OURS, VAMP: ONE_BY_ONE, AT_BEST: OURS, MOTION_TREE: OURS}
 
 
-def _motion_cell(rows: dict[tuple[str, str, str], Row], where: str, kind: str, name: str) -> str:
-    row, ours = rows.get((where, kind, name)), rows[where, kind, OURS]
-    if row is None:
-        return "–"
-    return beside(row["microseconds"], ours["microseconds"]) if _is_peer(name) else number(row["microseconds"])
+def _beside(value: float | None, ours: float | None) -> str:
+    return "–" if value is None or ours is None else beside(value, ours)
 
 
-def _wrong_cell(rows: dict[tuple[str, str, str], Row], where: str, kind: str, name: str) -> str:
-    row = rows.get((where, kind, name))
-    return "–" if row is None else f"{number(100 * row['false_free'])}, {number(100 * row['false_collision'])}"
+def _false_free(row: Row | None) -> str:
+    return "–" if row is None else number(100 * row["false_free"])
 
 
 def plans() -> str:
     """Searches of RRTConnect: ours proved, coal's sampled as OMPL samples by default, VAMP's own."""
     found = record("plans")
-    by_planner = {(row["set"], row["planner"]): row for row in found["rows"]}
-    ours = {row["set"]: row for row in found["rows"] if row["planner"] == "plannercheck"}
+    rows = {(row["planner"], row["set"]): row for row in found["rows"]}
+    sets = list(dict.fromkeys(name for _, name in rows))
     lines = []
-    for (name, planner), row in by_planner.items():
-        mine = ours[name]
-        show = (lambda value, other: number(value)) if row is mine else beside
-        call = "–" if row["call_median_ms"] is None else show(row["call_median_ms"], mine["call_median_ms"])
-        lines.append(
-            (
-                name,
-                planner,
-                show(row["median_ms"], mine["median_ms"]),
-                show(row["mean_ms"], mine["mean_ms"]),
-                call,
-                f"{row['solved']} of {row['tried']}",
-                f"{row['colliding']} of {row['solved']}",
-                number(row["deepest_median_mm"]),
-                number(row["deepest_mm"]),
-            )
-        )
-    told = faster(
-        (planner, name, row["median_ms"] / ours[name]["median_ms"]) for (name, planner), row in by_planner.items()
-    )
-    header = ("set", "planner", "median ms", "mean ms", "whole call, median ms", "solved", "plans that collide")
-    return table((*header, "deepest, median mm", "at most"), lines) + f"\n{told}\n" + provenance(found)
-
-
-def plan_sampling() -> str:
-    """Searches that sample everywhere, and near start and goal first, with several ranges; a column for each set."""
-    found = record("plan_sampling")
-    rows = {(row["sampling"], row["range"], row["set"]): row for row in found["rows"]}
-    sets = list(dict.fromkeys(name for _, _, name in rows))
-    settings = list(dict.fromkeys(key[:2] for key in rows))
-    fields = ("median_ms", "mean_ms", "shortened")
-    lines = [
-        [samples, number(longest)]
-        + [", ".join(number(rows[samples, longest, name][field]) for field in fields) for name in sets]
-        for samples, longest in settings
-    ]
-    solved = [
-        [samples, number(longest)]
-        + [f"{row['solved']} of {row['tried']}" for name in sets for row in [rows[samples, longest, name]]]
-        for samples, longest in settings
-    ]
-    heads = [name.removesuffix("_panda") for name in sets]
-    return (
-        table(["samples", "range, rad", *heads], lines)
-        + "\n"
-        + table(["solved: samples", "range, rad", *heads], solved)
-        + "\n"
-        + provenance(found)
-    )
-
-
-def waiting() -> str:
-    """Milliseconds of each step until the first proved motion; a column for each robot and scene."""
-    files = {name: record(name) for name in SET_UPS}
-    rows = [row for found in files.values() for row in found["rows"]]
-    cases = list(dict.fromkeys((row["robot"], row["scene"]) for row in rows))
-    cells = {(row["robot"], row["scene"], row["what"]): _waited(row) for row in rows}
-    lines = [
-        [what, *(cells.get((*case, what), "–") for case in cases)]
-        for what in dict.fromkeys(row["what"] for row in rows)
-    ]
-    header = ["ms: step + first verdict + first motion", *(f"{robot}, {scene}" for robot, scene in cases)]
-    return table(header, lines) + "".join("\n" + provenance(found) for found in files.values())
-
-
-def _waited(row: Row) -> str:
-    parts = [row["milliseconds"], row["first_verdict"], row["first_motion"]]
-    return " + ".join(number(part) for part in parts if part is not None)
-
-
-def from_files() -> str:
-    """Milliseconds from a planning-scene file and a request to a proved path."""
-    found = record("from_files")
-    lines = [
-        (row["set"], f"{row['solved']} of {row['problems']}", *(number(row[name]) for name in _STEPS))
-        for row in found["rows"]
-    ]
-    header = ("set", "solved", "read", "checker", "plan", "all, median ms", "mean")
+    for planner in dict.fromkeys(planner for planner, _ in rows):
+        all_sets = rows[planner, "all"]
+        spent = [(rows[planner, name]["median_ms"], rows["plannercheck", name]["median_ms"]) for name in sets]
+        cells = [number(value) if value == ours else beside(value, ours) for value, ours in spent]
+        counts = f"{all_sets['solved']} of {all_sets['tried']}", f"{all_sets['colliding']} of {all_sets['solved']}"
+        lines.append((planner, *cells, number(all_sets["call_median_ms"]), *counts, number(all_sets["deepest_mm"])))
+    heads = (name.removesuffix("_panda") for name in sets)
+    header = ("search, median ms", *heads, "whole call", "solved", "plans that collide", "deepest, mm")
     return table(header, lines) + "\n" + provenance(found)
 
 
-_STEPS = ("read", "checker", "plan", "total", "total_mean")
+def plan_sampling() -> str:
+    """Searches that sample everywhere, and near start and goal first, at the default range; a column for each set."""
+    found = record("plan_sampling")
+    rows = {(row["sampling"], row["set"]): row for row in found["rows"] if row["range"] == 0.7}
+    sets = list(dict.fromkeys(name for _, name in rows))
+    lines = [
+        [samples] + [", ".join(number(rows[samples, name][field]) for field in _SAMPLED) for name in sets]
+        for samples in dict.fromkeys(samples for samples, _ in rows)
+    ]
+    return table(["samples", *(name.removesuffix("_panda") for name in sets)], lines) + "\n" + provenance(found)
+
+
+_SAMPLED = ("median_ms", "mean_ms", "shortened")
+
+
+def waiting() -> str:
+    """Milliseconds of each step with its first verdict and first proved motion; a column for each robot and scene."""
+    files = [record(name) for name in _SHOWN]
+    rows = [row for found in files for row in found["rows"]]
+    cases = list(dict.fromkeys((row["robot"], row["scene"]) for row in rows))
+    cells = {(row["robot"], row["scene"], row["what"]): number(_waited(row)) for row in rows}
+    lines = [
+        [what, *(cells.get((*case, what), "–") for case in cases)]
+        for what in dict.fromkeys(row["what"] for row in rows)
+        if what not in _UNSHOWN
+    ]
+    header = ["ms until the first proved motion", *(f"{robot}, {scene}" for robot, scene in cases)]
+    return table(header, lines) + "\n" + provenance(files[0])
+
+
+_UNSHOWN = ("fresh process: import pinocchio", "fresh process: Scene.load", "fresh process: Scene.load, nothing cached")
+_UNSHOWN += ("with_scene, one object gone", "with_scene while another is attached, one moved")
+
+
+def _waited(row: Row) -> float:
+    return sum(row[name] or 0 for name in ("milliseconds", "first_verdict", "first_motion"))
 
 
 def changing_scenes() -> str:
@@ -163,4 +120,4 @@ def changing_scenes() -> str:
             spent = (number(here[what]["milliseconds"]) if what in here else "–" for what in steps)
             lines.append((robot, scene, f"{here['Checker(...)']['pairs']:,}", *spent, prepared))
     header = ("robot", "scene", "pairs", *steps.values(), "prepared")
-    return table(header, lines) + "".join("\n" + provenance(found) for found in files.values())
+    return table(header, lines) + "\n" + provenance(files["setup_panda"])

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from plannercheck.motions.checker import Checker as Checker
     from plannercheck.robots.robot import Robot as Robot
     from plannercheck.scenes.scene import Scene as Scene
+    from plannercheck.trajectories.trajectory import Trajectory as Trajectory
 
 # Loaded on first use, so that `import plannercheck` costs nothing that is not needed.
 _HOMES = {
@@ -82,6 +83,7 @@ _HOMES = {
     "Solid": "bodies.solids",
     "SolidSeparation": "bodies.solid_separations",
     "Sphere": "bodies.shapes",
+    "Trajectory": "trajectories.trajectory",
     "Tuning": "bodies.tuning",
     "ValidityReport": "checking.verdicts",
     "Verdict": "checking.verdicts",
@@ -141,6 +143,7 @@ __all__ = [
     "Solid",
     "SolidSeparation",
     "Sphere",
+    "Trajectory",
     "Tuning",
     "ValidityReport",
     "Verdict",

@@ -105,8 +105,8 @@ def _uncancelled(edges: Ints64) -> Ints64:
     forth, back = np.sort(tail * count + head), np.sort(head * count + tail)
     if np.array_equal(forth, back):
         return edges[:0]
-    first_of, _, times = grouped(forth)
-    keys = forth[first_of]
+    starts = np.flatnonzero(np.diff(forth, prepend=-1))
+    keys, times = forth[starts], np.diff(starts, append=len(forth))
     reverses = np.searchsorted(back, keys, "right") - np.searchsorted(back, keys, "left")
     found: Ints64 = np.repeat(np.column_stack(np.divmod(keys, count)), np.maximum(times - reverses, 0), axis=0)
     return found

@@ -11,8 +11,8 @@ import re
 import numpy as np
 
 from plannercheck.bodies.mesh_objects import RawObject
-from plannercheck.bodies.text_numbers import first_bad, floats_of, shown
-from plannercheck.common.array_types import Floats
+from plannercheck.bodies.text_numbers import first_bad, floats_of_words, shown
+from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import distinct_rows
 from plannercheck.common.errors import PlannercheckError
 
@@ -23,11 +23,12 @@ _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute
 _WORDS = {0: b"facet", 1: b"normal", 5: b"outer", 6: b"loop", 19: b"endloop", 20: b"endfacet"}
 _WORDS |= dict.fromkeys((7, 11, 15), b"vertex")
 _NUMBERS = (8, 9, 10, 12, 13, 14, 16, 17, 18)
+_LINES = {1: b"outer loop", 5: b"endloop", 6: b"endfacet"}  # of the seven that a facet mostly takes
 _LENGTH = 21  # words of a facet
 _PIECE = 1 << 22  # bytes that are split into words at once
 
 _BEGIN = re.compile(rb"\s*solid(?:[ \t]+([^\r\n]*))?[ \t]*(?:\r\n|\r|\n|\Z)", re.IGNORECASE)
-_END = re.compile(rb"^[ \t]*endsolid\b[^\r\n]*$", re.IGNORECASE | re.MULTILINE)
+_END = re.compile(rb"[ \t]*endsolid\b[^\n]*$", re.MULTILINE)
 _REST = re.compile(rb"\s*\Z")
 
 
@@ -40,9 +41,9 @@ def objects_of_stl(content: bytes) -> list[RawObject]:
     facets = int.from_bytes(content[_HEADER - 4 : _HEADER], "little") if len(content) >= _HEADER else -1
     length = _HEADER + facets * _FACET.itemsize
     if facets >= 0 and len(content) == length:
-        return [_soup("", _binary(content))]
+        return [_merged("", _binary(content).reshape(-1, 3), np.arange(3 * facets).reshape(-1, 3))]
     if _BEGIN.match(content):
-        return _texts(content.replace(b"\r\n", b"\n").replace(b"\r", b"\n"))
+        return _texts(b"\n".join(content.splitlines()) if b"\r" in content else content)
     if facets < 0:
         raise PlannercheckError("is no STL file: it neither begins with 'solid' nor has 84 bytes of a header")
     raise PlannercheckError(
@@ -59,55 +60,90 @@ def _binary(content: bytes) -> Floats:
     return corners.astype(np.float64)
 
 
-def _soup(name: str, corners: Floats) -> RawObject:
-    """An object of facets (m, 3, 3), whose equal corners are one point."""
-    points, places = distinct_rows(corners.reshape(-1, 3))
-    return RawObject(name, points, places.reshape(-1, 3))
+def _merged(name: str, points: Floats, triangles: Ints64) -> RawObject:
+    """An object whose equal points become one."""
+    distinct, places = distinct_rows(points)
+    return RawObject(name, distinct, places[triangles])
 
 
 def _texts(content: bytes) -> list[RawObject]:
-    found, at = [], 0
+    found, at, lower = [], 0, content.lower()
     while _REST.match(content, at) is None:
         begin = _BEGIN.match(content, at)
         if begin is None:
             raise PlannercheckError(f"line {_line(content, at)}: there must be 'solid', not {_next(content, at)}")
-        end = _END.search(content, begin.end())
+        end = _end(lower, begin.end())
         if end is None:
             raise PlannercheckError(f"is cut short: the solid of line {_line(content, at)} has no 'endsolid'")
         name = (begin.group(1) or b"").decode("utf-8", errors="replace").strip()
         if "endfacet" in name.lower():
             raise PlannercheckError(f"line {_line(content, at)}: facets must begin on a line after that of 'solid'")
-        corners = _facets(content, begin.end(), end.start())
-        if len(corners):
-            found.append(_soup(name, corners))
+        points, triangles = _facets(lower, content, begin.end(), end.start())
+        if len(triangles):
+            found.append(_merged(name, points, triangles))
         at = end.end()
     return found
 
 
-def _facets(content: bytes, begin: int, end: int) -> Floats:
-    """The corners (m, 3, 3) of the facets between two places, read in pieces to spare memory."""
-    found, lower = [np.zeros((0, 3, 3))], content[begin:end].lower()
-    at = 0
-    while at < len(lower):
-        after = lower.find(_WORDS[20], at + _PIECE)
-        next_at = len(lower) if after < 0 else after + len(_WORDS[20])
-        words = lower[at:next_at].split()
-        found.append(_corners(words, content, begin))
-        at = next_at
-    return np.concatenate(found)
+def _end(lower: bytes, begin: int) -> re.Match[bytes] | None:
+    """The first line from a place on that is an end of a solid."""
+    at = lower.find(b"endsolid", begin)
+    while at >= 0:
+        line = _END.match(lower, lower.rfind(b"\n", 0, at) + 1)
+        if line is not None and line.start() >= begin:
+            return line
+        at = lower.find(b"endsolid", at + 1)
+    return None
 
 
-def _corners(words: list[bytes], content: bytes, begin: int) -> Floats:
-    """The corners (m, 3, 3) of facets given word by word."""
+def _facets(lower: bytes, content: bytes, begin: int, end: int) -> tuple[Floats, Ints64]:
+    """Points (k, 3) and triangles (m, 3) of the facets between two places, read in pieces to spare memory."""
+    points, triangles, count, at = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int64)], 0, begin
+    while at < end:
+        after = lower.find(_WORDS[20], at + _PIECE, end)
+        next_at = end if after < 0 else after + len(_WORDS[20])
+        corners, facets = _corners(lower[at:next_at], content, begin)
+        points.append(corners)
+        triangles.append(facets + count)
+        count, at = count + len(corners), next_at
+    return np.concatenate(points), np.concatenate(triangles)
+
+
+def _corners(piece: bytes, content: bytes, begin: int) -> tuple[Floats, Ints64]:
+    """Points (k, 3) and triangles (m, 3) of facets; corners of equal text are one point.
+
+    Neighbouring facets share corners, so most corners need no parsing.
+    """
+    corners = _corners_of_lines(piece) or _corners_of_words(piece.split(), content, begin)
+    places = {corner: place for place, corner in enumerate(dict.fromkeys(corners))}
+    words = b" ".join(places).split()
+    triangles = np.fromiter(map(places.__getitem__, corners), np.int64, len(corners)).reshape(3, -1).T
+    numbers = [floats_of_words(words[axis::4]) for axis in (1, 2, 3)]
+    if words[::4] != [_WORDS[7]] * len(places) or any(n is None or len(n) != len(places) for n in numbers):
+        raise _bad_facet(content, begin, piece.split())
+    return np.column_stack([np.zeros(0) if n is None else n for n in numbers]), triangles
+
+
+def _corners_of_lines(piece: bytes) -> list[bytes]:
+    """The texts of first, second and third corners, if each facet takes seven lines, as programs write them; or []."""
+    lines = list(map(bytes.strip, piece.strip().split(b"\n")))
+    heads = b" ".join(lines[::7]).split()
+    usual = (
+        len(heads) * 7 == len(lines) * 5
+        and set(heads[::5]) == {_WORDS[0]}
+        and set(heads[1::5]) == {_WORDS[1]}
+        and all(set(lines[k::7]) == {line} for k, line in _LINES.items())
+    )
+    return lines[2::7] + lines[3::7] + lines[4::7] if usual else []
+
+
+def _corners_of_words(words: list[bytes], content: bytes, begin: int) -> list[bytes]:
+    """The same of facets given word by word, on any lines."""
     count = -(-len(words) // _LENGTH)
     for place, word in _WORDS.items():
         if words[place::_LENGTH] != [word] * count:
             raise _bad_facet(content, begin, words)
-    texts = [b" ".join(words[place::_LENGTH]) for place in _NUMBERS]
-    numbers = [floats_of(text) for text in texts]
-    if any(column is None or len(column) != count for column in numbers):
-        raise _bad_facet(content, begin, words)
-    return np.column_stack([np.zeros(0) if n is None else n for n in numbers]).reshape(-1, 3, 3)
+    return [b" ".join(c) for k in (7, 11, 15) for c in zip(*(words[k + n :: _LENGTH] for n in range(4)), strict=True)]
 
 
 def _bad_facet(content: bytes, begin: int, words: list[bytes]) -> PlannercheckError:

@@ -24,17 +24,19 @@ _MOST_DIGITS = 18
 
 def floats_of(text: bytes) -> Floats | None:
     """The finite numbers of a text, (n,); None if one of its words is no finite number."""
-    if text.translate(None, _OF_FLOATS):
-        return None
-    numbers = _parsed(text, np.float64)
-    return None if numbers is None or not np.isfinite(numbers).all() else numbers.astype(np.float64, copy=False)
+    return _floats(text, len(text.split()))
+
+
+def floats_of_words(words: Sequence[bytes]) -> Floats | None:
+    """The finite numbers (n,) that n words are; None if one is none."""
+    return _floats(b" ".join(words), len(words))
 
 
 def integers_of(text: bytes) -> Ints64 | None:
     """The whole numbers of a text, (n,); None if one of its words is none, or takes more than 18 digits."""
     if text.translate(None, _OF_INTEGERS):
         return None
-    numbers = _parsed(text, np.int64)
+    numbers = _parsed(text, len(text.split()), np.int64)
     if numbers is None:
         return None
     integers = numbers.astype(np.int64, copy=False)
@@ -74,8 +76,14 @@ def shown(text: bytes) -> str:
     return repr(words if len(words) <= 80 else words[:77] + "...")
 
 
-def _parsed(text: bytes, kind: type[np.generic]) -> NDArray[np.generic] | None:
-    words = len(text.split())
+def _floats(text: bytes, words: int) -> Floats | None:
+    if text.translate(None, _OF_FLOATS):
+        return None
+    numbers = _parsed(text, words, np.float64)
+    return None if numbers is None or not np.isfinite(numbers).all() else numbers.astype(np.float64, copy=False)
+
+
+def _parsed(text: bytes, words: int, kind: type[np.generic]) -> NDArray[np.generic] | None:
     if not words:  # NumPy reads a number from blanks
         return np.zeros(0, dtype=kind)
     try:

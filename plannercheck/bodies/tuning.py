@@ -62,17 +62,10 @@ class Tuning:
     box_face: bool = _switch("Try the face of a box around one body that comes nearest to separating both boxes.")
     centre_axis: bool = _switch("Try the axis between the centres, and balls around them, before the method.")
     turned_axis: bool = _switch("Turn that axis to where the bodies would face each other if they were ellipsoids.")
-    facet_plane: bool = _switch(
-        "Try the planes of both bodies' facets before the method, where both have eight corners at most."
-    )
     nearest_points: bool = _switch("Try nearest points in doubles if the method does not decide.")
     double_double: bool = _switch("Try nearest points in double-double before exact arithmetic.")
     warm_start: bool = _switch(
         "Let double-double and exact arithmetic begin with the vertices where the stage before gave up."
-    )
-    interleaving: bool = _switch(
-        "For large bodies, process several pairs of a batch at once, so that their waits for memory overlap; a cached "
-        "plane is then tried only where poses are close to the previous ones."
     )
     trees_first: bool = _switch(
         "Test solids whose hulls met last time by their trees of triangles, before their hulls; in batches, where a "

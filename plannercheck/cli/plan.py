@@ -38,14 +38,15 @@ _EPILOG = """\
 Every motion is proved free, not sampled, in space and in the plane; one that comes within 0.1 mm of a collision may be
 refused.
 
-Exit codes: 0 solved, 1 not (all) solved, 2 bad input, such as a start or goal that collides (the pairs are named) or
-is beyond the limits; in a set, such problems count as not solved.
+Exit codes: 0 solved, 1 not (all) solved, 2 bad input, such as a start or a single goal that collides (the pairs are
+named) or is beyond the limits; in a set, such problems count as not solved.
 
 Examples:
   plannercheck plan --robot panda --scene bookshelf --output plan.csv
   plannercheck plan --robot ur5 --scene cell.yaml --start 0,-1.5,1.5,0,0,0 --goal 1,-1,1,0,0,0
   plannercheck plan --robot forklift --scene warehouse --curve reeds_shepp --turning-radius 1.5
   plannercheck plan --robot configs/puzzles/hook.yaml --scene configs/puzzles/ring.yaml --scene-meshes solid
+  plannercheck plan --robot ur5 --scene cell.yaml --goal 1,-1,1,0,0,0 --goal 1,-1,1,0,0,3.1
   plannercheck plan --robot panda --problems cage_panda.tar.bz2 --output results.json
 """
 
@@ -61,7 +62,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scene_argument(parser)
     add_checker_arguments(parser)
     parser.add_argument("--start", metavar="A,B,...", help="start, rad and m; default: the scene file's")
-    parser.add_argument("--goal", metavar="A,B,...", help="goal, rad and m; default: the scene file's")
+    parser.add_argument(
+        "--goal",
+        action="append",
+        metavar="A,B,...",
+        help="goal, rad and m; given several times, the plan ends at one of them; default: the scene file's",
+    )
     parser.add_argument(
         "--problems",
         nargs="+",
@@ -136,12 +142,15 @@ def _run_one(options: argparse.Namespace) -> int:
     checker = load_checker(options, own_joints=True)
     robot, scene = checker.robot.name, checker.scene
     start = scene.start(robot) if options.start is None else vector(options.start, "--start")
-    goal = scene.goal(robot) if options.goal is None else vector(options.goal, "--goal")
-    start, goal = _checked_ends(checker, start=start, goal=goal)
+    goals = [scene.goal(robot)] if options.goal is None else [vector(text, "--goal") for text in options.goal]
+    if len(goals) == 1:
+        start, goals[0] = _checked_ends(checker, start=start, goal=goals[0])
+    else:  # `plan` leaves out those that can't be planned to
+        (start,) = _checked_ends(checker, start=start)
     found = plan(
         checker,
         start,
-        goal,
+        goals[0] if len(goals) == 1 else goals,
         planner=options.planner,
         time_limit=options.time,
         simplify=not options.no_simplify,
@@ -152,7 +161,8 @@ def _run_one(options: argparse.Namespace) -> int:
         bounds=None if options.bounds is None else _box(options.bounds),
         sampling=options.sampling,
     )
-    _show(found, _columns(checker), "rad" if isinstance(checker, Checker) else "in m and rad")
+    reached = f", to goal {found.goal}" if len(goals) > 1 else ""
+    _show(found, _columns(checker), "rad" if isinstance(checker, Checker) else "in m and rad", reached)
     if found.solved and options.output is not None:
         found.save(options.output)
         print(f"written to {options.output}")
@@ -204,7 +214,7 @@ def _columns(checker: AnyChecker) -> list[str]:
     return out
 
 
-def _show(found: Plan, names: list[str], unit: str) -> None:
+def _show(found: Plan, names: list[str], unit: str, reached: str) -> None:
     if not found.solved:
         print(f"not solved: {found.reason}")
         return
@@ -217,5 +227,5 @@ def _show(found: Plan, names: list[str], unit: str) -> None:
     print(
         f"\n{found.planner} found a path in {1e3 * found.time:.1f} ms, "
         f"shortened in {1e3 * found.simplification_time:.1f} ms: "
-        f"{len(found.path)} configurations, length {found.length:.3f} {unit}"
+        f"{len(found.path)} configurations, length {found.length:.3f} {unit}" + reached
     )

@@ -9,7 +9,7 @@ import pytest
 REPORTS = pytest.StashKey[list[str]]()
 
 # Short runs keep CI quick; `pytest -m agreement` runs long ones.
-SHORT = {"PLANNERCHECK_PAIRS": 10_000, "PLANNERCHECK_STATES": 1_000}
+SHORT = {"PLANNERCHECK_PAIRS": 4_000, "PLANNERCHECK_STATES": 500}
 LONG = {"PLANNERCHECK_PAIRS": 1_000_000, "PLANNERCHECK_STATES": 100_000}
 
 

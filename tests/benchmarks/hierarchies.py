@@ -25,7 +25,7 @@ from plannercheck.evaluation.stress import contact_poses as contacts
 
 FAMILIES = ("round", "cone", "prism", "doubling", "fan", "needle")
 QUERIES = 1000
-EXACT = 7  # the number of the stage in cpp/narrow_phase/pair_frame.hpp
+EXACT = 6  # the number of the stage in cpp/narrow_phase/pair_frame.hpp
 GAPS = np.array([1e-3, -1e-3, 1e-6, -1e-6, 1e-1, -1e-1])
 
 

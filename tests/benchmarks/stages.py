@@ -32,13 +32,12 @@ STAGES = (
     "cached plane",
     "box face",
     "centre axis",
-    "facet plane",
     "solver",
     "nearest points",
     "double-double",
     "exact",
 )
-DOUBLES = 6  # so many stages are in doubles
+DOUBLES = 5  # so many stages are in doubles
 FAMILIES = ("round", "box", "cone", "needle", "mesh")
 POSES, VERTICES, SEED = 400, 150, 1
 # Relative gaps of poses near touching: any magnitude from 1 % to far below rounding, and none at all.

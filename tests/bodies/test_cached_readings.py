@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import io
+import multiprocessing
 import os
 import shutil
+import subprocess
 import warnings
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from plannercheck.bodies import mesh_cache, mesh_files, mjcf_files, mjcf_inputs
+from plannercheck.bodies import mesh_cache, mesh_files, mjcf_files, mjcf_inputs, mjcf_worker
 from plannercheck.bodies.mesh_files import read_mesh
 from plannercheck.common.errors import PlannercheckError
 
@@ -56,14 +60,27 @@ def model(tmp_path) -> Path:
     return folder / "main.xml"
 
 
-@pytest.fixture
-def compilations(monkeypatch):
+def content(path):
+    """What the worker would write."""
+    out = io.BytesIO()
+    np.savez(out, said=np.array(""), **mjcf_worker.compiled(Path(path)))
+    return out.getvalue()
+
+
+def in_a_fork(module, arguments):
+    """Starting the worker takes longer than all of a test; this process itself would have MuJoCo's cache of meshes."""
+    with ProcessPoolExecutor(1, multiprocessing.get_context("fork")) as pool:
+        return subprocess.CompletedProcess(arguments, 0, pool.submit(content, arguments[0]).result(), b"")
+
+
+@pytest.fixture(params=[in_a_fork])
+def compilations(request, monkeypatch):
     """The files that were compiled."""
-    compiled, run = [], mjcf_files.run_isolated
+    compiled = []
 
     def counted(module, arguments):
         compiled.append(arguments[0])
-        return run(module, arguments)
+        return request.param(module, arguments)
 
     monkeypatch.setattr(mjcf_files, "run_isolated", counted)
     return compiled
@@ -122,6 +139,7 @@ def test_another_version_of_mujoco_compiles_anew(model, cache, compilations, mon
     assert len(compilations) == 2
 
 
+@pytest.mark.parametrize("compilations", [mjcf_files.run_isolated], indirect=True)
 def test_what_mujoco_says_is_said_again_and_errors_are_found_again(tmp_path, cache, compilations):
     path = tmp_path / "odd.xml"
     path.write_text(

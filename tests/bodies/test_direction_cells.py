@@ -76,12 +76,16 @@ def all_directions(points):
 
 
 def assert_furthest(body, points, of_polar, directions):
-    """No vertex is further along a direction than the one found: exactly, so ties may go to any."""
+    """No vertex is further along a direction than the one found: exactly, so ties may go to any.
+
+    Those that are nearer by far more than doubles are off are left out.
+    """
     corners = integers(points)
     found = np.asarray(body.extremes(directions, of_polar)[0])
-    for direction, vertex in zip(directions, found.tolist(), strict=True):
-        products = corners @ integers(direction)[0]
-        assert products[vertex] == products.max(), direction
+    rough = directions / np.abs(directions).max(axis=1, initial=5e-324, keepdims=True) @ points.T
+    for direction, vertex, heights in zip(directions, found.tolist(), rough, strict=True):
+        products = corners[heights >= heights[vertex] - 1e-12 * np.abs(points).max()] @ integers(direction)[0]
+        assert corners[vertex] @ integers(direction)[0] == products.max(), direction
 
 
 @pytest.mark.parametrize("place", PLACES)
@@ -119,7 +123,7 @@ def vertices_looked_at(body, directions, of_polar=False):
 
 
 @pytest.mark.parametrize(
-    ("name", "n"), [("round", 5000), ("round", 40000), ("prism", 3000), ("cone", 3000), ("needle", 3000)]
+    ("name", "n"), [("round", 5000), ("round", 20000), ("prism", 3000), ("cone", 3000), ("needle", 3000)]
 )
 def test_cells_and_hierarchies_agree(name, n):
     """Exactly: where they find different vertices, these are equally far."""
@@ -142,7 +146,7 @@ def test_cells_and_hierarchies_agree(name, n):
 
 def test_looking_at_cells_takes_as_long_for_large_bodies():
     """Hierarchies look at more vertices the more there are, cells do not."""
-    sizes = (1000, 10000, 100000)
+    sizes = (1000, 6000, 30000)
     directions = random_directions(np.random.default_rng(1), 2000)
     bodies = [pc.Polytope(family("round", n, seed=n) * np.array([1, 0.7, 0.5])).core for n in sizes]
     means = [vertices_looked_at(body, directions).mean() for body in bodies]

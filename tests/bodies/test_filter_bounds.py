@@ -234,7 +234,7 @@ def test_planes_are_kept_only_as_long_as_they_separate():
     poses_p, poses_r = np.stack([apart, poses_p], axis=1).reshape(-1, 4, 4), np.repeat(poses_r, 2, axis=0)
     expected = truth(p, r, poses_p, poses_r)
     assert 0.3 < expected.mean() < 0.7
-    for options in (pair_options(), pair_options(interleaving=False), pair_options("walk")):
+    for options in (pair_options(), pair_options("walk")):
         found = core.intersect_batch(p.polytope.core, poses_p, r.polytope.core, poses_r, options)[0]
         np.testing.assert_array_equal(found.astype(bool), expected)
 
@@ -255,7 +255,7 @@ def test_contacts_on_the_last_double_of_what_stands_at_the_origin(method):
             poses_p[:, :3, 3] = point_r - turned(poses_p, point_p) + gaps * normal_r
             expected = truth(first, second, poses_p, poses_r)
             sharing.append(expected.mean())
-            options = pair_options(method, cached_plane=False, centre_axis=False, facet_plane=False)
+            options = pair_options(method, cached_plane=False, centre_axis=False)
             found = core.intersect_batch(first.polytope.core, poses_p, second.polytope.core, poses_r, options)[0]
             np.testing.assert_array_equal(found.astype(bool), expected)
     assert 0.2 < np.mean(sharing) < 0.8

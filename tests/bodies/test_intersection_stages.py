@@ -23,7 +23,7 @@ def test_the_oracle_decides_clear_gaps_itself(name, n):
     solid, polytope = solid_of(name, n, 0)
     gaps = np.tile([1e-1, 1e-3, -1e-3, -1e-1], 250)
     poses = contacts.contact_poses(solid, solid, gaps, np.random.default_rng(2))
-    options = pair_options("oracle", cached_plane=False, centre_axis=False, facet_plane=False)
+    options = pair_options("oracle", cached_plane=False, centre_axis=False)
     _, stages, _ = core.intersect_batch(polytope.core, poses[0], polytope.core, poses[1], options)
     assert (stages == SOLVER).mean() > 0.99
 

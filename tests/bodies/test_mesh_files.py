@@ -137,6 +137,47 @@ def test_places_are_the_written_numbers(tmp_path: Path, name: str, at: float, si
     assert mesh.points[mesh.triangles].tolist() == corners[TRIANGLES].tolist()
 
 
+FACET = "facet normal 0 0 1|outer loop|vertex {}|vertex {}|vertex {}|endloop|endfacet|"
+
+
+def stl_text(layout: str) -> bytes:
+    """Facets of the mesh as text STL: a line a part, indented, in capitals, on one line, or with blank lines."""
+    corners = ["".join(f" {x!r}" for x in c) for c in CORNERS.tolist()]
+    text = "".join(FACET.format(*(corners[k] for k in f)) for f in TRIANGLES.tolist())
+    text = {"words": text.replace("|", " "), "blank": text.replace("|", "\n\n")}.get(layout, text.replace("|", "\n"))
+    text = {"capitals": text.upper(), "indented": text.replace("\n", "\n\t  ")}.get(layout, text)
+    ends = {"mac": "\r", "dos": "\r\n"}.get(layout, "\n")
+    return f"solid endsolid_a\n{text}\nendsolid x\n".replace("\n", ends).encode()
+
+
+LAYOUTS = ("lines", "indented", "capitals", "words", "blank", "mac", "dos")
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_stl_is_words_on_any_lines(tmp_path: Path, layout: str) -> None:
+    (tmp_path / "a.stl").write_bytes(stl_text(layout))
+    mesh = read_mesh(tmp_path / "a.stl")
+    assert mesh.points[mesh.triangles].tolist() == CORNERS[TRIANGLES].tolist()
+
+
+@pytest.mark.parametrize("layout", LAYOUTS[:3])
+@pytest.mark.parametrize("fault", ["less", "more", "moved", "word", "name", "loop"])
+def test_a_broken_facet_of_a_long_stl_is_named(tmp_path: Path, layout: str, fault: str) -> None:
+    """Numbers that move from one corner's line to the next keep their count."""
+    lines = stl_text(layout).split(b"\n")
+    lines[3:5] = {
+        "less": [lines[3].rsplit(None, 1)[0], lines[4]],
+        "more": [lines[3] + b" 1", lines[4]],
+        "moved": [lines[3].rsplit(None, 1)[0], lines[4] + b" 1"],
+        "word": [lines[3] + b"x", lines[4]],
+        "name": [lines[3].replace(b"vertex", b"vertices").replace(b"VERTEX", b"vertices"), lines[4]],
+        "loop": [lines[4], b"outer loop"],
+    }[fault]
+    (tmp_path / "a.stl").write_bytes(b"\n".join(lines))
+    with pytest.raises(pc.PlannercheckError, match=r"a\.stl.*facet 1 of the solid"):
+        read_mesh(tmp_path / "a.stl")
+
+
 @pytest.mark.parametrize("name", FORMATS)
 def test_rounded_to_single_precision_they_are_those_of_assimp(tmp_path: Path, name: str) -> None:
     corners = np.random.default_rng(1).uniform(-3, 3, (60, 3))

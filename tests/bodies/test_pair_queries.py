@@ -320,7 +320,6 @@ def test_many_poses_get_the_verdicts_of_single_calls(form, first, second):
 
 
 def test_many_poses_of_large_bodies_get_the_verdicts_of_single_calls():
-    """Such tests are interleaved."""
     rng = np.random.default_rng(12)
     P, R = (pc.Polytope(family("round", 5000, seed)) for seed in (1, 2))
     a, b = (np.array([random_pose(rng) for _ in range(60)]) for _ in range(2))

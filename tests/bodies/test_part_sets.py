@@ -102,7 +102,7 @@ def exactly(body: pc.Polytope, at: Any, parts: list[Part], set_at: Any) -> bool:
 
 def test_verdicts_are_those_of_the_parts() -> None:
     shared = 0
-    for rng, size, shape, parts in cases(7, 150):
+    for rng, size, shape, parts in cases(7, 50):
         whole = pc.Polytope(shape)
         for _ in range(4):
             body, at, set_at = other_body(rng, size), pose(rng, size), pose(rng, 0.3 * size)
@@ -110,7 +110,7 @@ def test_verdicts_are_those_of_the_parts() -> None:
             shared += expected
             assert pc.intersects(body, whole, at, set_at) == expected
             assert pc.intersects(whole, body, set_at, at) == expected
-    assert 20 < shared < 500
+    assert 7 < shared < 170
 
 
 def test_parts_that_touch_share_a_point() -> None:
@@ -224,14 +224,14 @@ def test_a_separation_that_leaves_a_part_out_is_refused() -> None:
 
 def test_two_sets_meet_where_their_parts_do() -> None:
     met = 0
-    for rng, size, first, parts in cases(13, 40):
+    for rng, size, first, parts in cases(13, 15):
         second, others = cloud(rng, 0.4 * size)
         at, set_at = pose(rng, size), pose(rng, 0.3 * size)
         expected = any(exact_reference.intersects(p, q, at, set_at, r, s) for p, r in parts for q, s in others)
         met += expected
         assert pc.intersects(first, second, at, set_at) == expected
         assert pc.certify(first, second, at, set_at).verify()
-    assert 3 < met < 37
+    assert 1 < met < 14
 
 
 def test_a_set_meets_a_solid_as_its_parts_do() -> None:

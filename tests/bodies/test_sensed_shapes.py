@@ -231,7 +231,7 @@ def test_a_grid_an_octree_and_the_same_boxes_have_one_verdict() -> None:
     """Cells alone, merged, as an octree and as boxes one by one; near faces, edges and corners, too."""
     rng, met = np.random.default_rng(2), 0
     for resolution in (0.125, 0.1):  # of a power of two all sums are exact, so bodies may touch cells
-        for _ in range(12):
+        for _ in range(5):
             occupied = rng.random((4, 3, 5)) < 0.4
             occupied[0, 0, 0] = True
             keys = np.argwhere(occupied)
@@ -257,7 +257,7 @@ def test_a_grid_an_octree_and_the_same_boxes_have_one_verdict() -> None:
                 assert expected == exact
                 assert [pc.intersects(other, whole, at) for whole in wholes] == [expected] * 3
                 met += expected
-    assert 100 < met < 400
+    assert 40 < met < 170
 
 
 def _merged(keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -275,7 +275,7 @@ def _merged(keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def test_a_height_field_has_the_verdicts_of_its_prisms_one_by_one() -> None:
     rng, met = np.random.default_rng(3), 0
-    for case in range(16):
+    for case in range(8):
         heights = np.round(rng.uniform(0, 1, size=tuple(rng.integers(2, 6, size=2))) * 8) / 8
         heights[rng.random(heights.shape) < 0.1 * (case % 2)] = np.nan
         heights[0, 0] = heights[1, 1] = heights[1, 0] = -0.25 if case % 4 == 0 else 0.5  # a prism without height
@@ -296,7 +296,7 @@ def test_a_height_field_has_the_verdicts_of_its_prisms_one_by_one() -> None:
             )
             assert pc.intersects(other, whole, at) == exact
             met += exact
-    assert 80 < met < 280
+    assert 40 < met < 140
 
 
 def test_the_height_of_a_surface() -> None:

@@ -141,7 +141,6 @@ def test_switches_do_not_change_verdicts(rail):
         "static_poses",
         "cached_plane",
         "box_face",
-        "facet_plane",
         "trees_first",
     ):
         assert pc.Checker(rail(), tuning=pc.Tuning(**{switch: False})).check_states(ROWS).tolist() == expected
@@ -262,7 +261,6 @@ def test_pairs_that_trees_decide_are_counted_once(rail):
             "cached_plane",
             "box_face",
             "centre_axis",
-            "facet_plane",
             "solver",
             "nearest_points",
             "double_double",

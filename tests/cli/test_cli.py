@@ -157,6 +157,14 @@ def test_plan_takes_ends_that_start_with_a_minus(capsys):
     assert "not planned: start is beyond the limits: panda_joint4 is 0" in printed
 
 
+def test_plan_takes_several_goals(capsys):
+    ends = ["--start=0,-0.785,0,-2.356,0,1.571,0.785", "--goal=9,0,0,0,0,0,0", "--goal=0,-0.785,0,-2.356,0,1.571,0.9"]
+    assert main(["plan", "--robot", "panda", "--scene", "empty", *ends]) == 0
+    assert "to goal 1" in capsys.readouterr().out
+    assert main(["plan", "--robot", "panda", "--scene", "empty", *ends[:2], "--goal=8,0,0,0,0,0,0"]) == 1
+    assert "goal 1 is beyond the limits: panda_joint1 is 8" in capsys.readouterr().out
+
+
 def test_bad_arguments_of_plan(tmp_path, capsys):
     assert "--start must be numbers" in error_of(capsys, "plan", *PANDA, "--start", "1,a")
     assert "start" in error_of(capsys, "plan", *PANDA, "--start", "1,2,3")

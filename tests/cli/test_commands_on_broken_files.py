@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from functools import cache
-from pathlib import Path
 
 import pytest
 from broken_files import BROKEN, FITTING, commands, write_all
 
+from plannercheck.bodies import mjcf_files
 from plannercheck.cli.main import main
-from plannercheck.robots import urdf_file
+from plannercheck.common.isolated_process import run_isolated
+from plannercheck.robots import xacro
 
 ABSENT = ("folder", "missing.urdf", "missing.srdf", "missing.yaml", "missing.npy", "missing.json")
 
@@ -22,19 +23,12 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(autouse=True, scope="module")
-def _messages_of_a_file_are_asked_for_once():
-    """Of those who read URDFs, in a process of its own: else by each of the commands again."""
-    ask = urdf_file.native_messages
-
-    @cache
-    def asked(content, path, floating, folders):
-        return ask(path, floating, folders)
-
-    def remembered(path: Path, floating, folders):
-        return asked(path.read_bytes(), path, floating, tuple(folders))
-
+def _workers_are_asked_once():
+    """They read files in processes of their own: else one for each of the commands again."""
+    run = cache(run_isolated)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(urdf_file, "native_messages", remembered)
+        for module in (mjcf_files, xacro):
+            patch.setattr(module, "run_isolated", lambda name, arguments, *more: run(name, tuple(arguments), *more))
         yield
 
 

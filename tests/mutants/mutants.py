@@ -81,6 +81,7 @@ def source_text(file: str) -> str:
     return path.read_text(encoding="utf-8") if path.is_file() else ""
 
 
+@cache
 def read_mutants(folder: Path = LISTS) -> list[Mutant]:
     """All entries of all lists, in the order of files and lines."""
     return [

@@ -9,6 +9,7 @@ import sys
 import pytest
 from found_faults import FAULTS
 from mutants import CHECKOUT, LISTS, BadMutantError, Mutant, fault_of, faults_of, read_mutants
+from tests_of import killing_tests
 
 LEAST = 620
 
@@ -50,6 +51,12 @@ def test_the_tests_of_mutants_are_there_with_their_parameters(request):
 def test_the_faults_that_the_stress_has_to_find_are_mutants():
     named = {name for fault in FAULTS.values() for name in fault.mutants}
     assert named <= {mutant.name for mutant in read_mutants()}
+
+
+def test_the_tests_of_a_source_are_those_that_kill_its_mutants():
+    (tests,) = killing_tests("cpp/motions/motion_bounds.cpp").values()
+    assert tests["tests/motions/test_motion_contacts.py::test_extents_hold_all_the_way"] > 0
+    assert killing_tests("no such source") == {}
 
 
 def test_an_entry_that_fits(tmp_path):

@@ -77,7 +77,7 @@ def test_what_is_missing_of_a_path_is_named(proofs, rows, tmp_path, capsys, kept
 
 def test_every_bit_of_a_path_counts(proofs, rows):
     generator = np.random.default_rng(1)
-    for _ in range(30):
+    for _ in range(10):
         k, column = generator.integers(len(rows)), generator.integers(7)
         changed = rows.copy()
         changed[k, column] = np.nextafter(changed[k, column], 9)

@@ -65,8 +65,8 @@ class BoundChecker : public Pooled<CheckerCore> {
     out["boxes"] = total.boxes;
     out["skipped"] = total.skipped;
     out["trees"] = total.trees;
-    constexpr std::array<const char*, kStages> names{"cached_plane", "box_face",       "centre_axis",   "facet_plane",
-                                                     "solver",       "nearest_points", "double_double", "exact"};
+    constexpr std::array<const char*, kStages> names{"cached_plane",   "box_face",      "centre_axis", "solver",
+                                                     "nearest_points", "double_double", "exact"};
     for (std::size_t i = 0; i < total.stages.size(); ++i) out[names[i]] = total.stages[i];
     out["queries"] = counters_dict(total.pair);
     return out;

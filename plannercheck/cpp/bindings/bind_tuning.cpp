@@ -20,11 +20,9 @@ void bind_tuning(nb::module_& m) {
       .def_rw("box_face", &PairOptions::box_face)
       .def_rw("centre_axis", &PairOptions::centre_axis)
       .def_rw("turned_axis", &PairOptions::turned_axis)
-      .def_rw("facet_plane", &PairOptions::facet_plane)
       .def_rw("nearest_points", &PairOptions::nearest_points)
       .def_rw("double_double", &PairOptions::double_double)
       .def_rw("warm_start", &PairOptions::warm_start)
-      .def_rw("interleaving", &PairOptions::interleaving)
       .def_rw("trees_first", &PairOptions::trees_first)
       .def_rw("dents", &PairOptions::dents);
   nb::class_<Tuning, PairOptions>(m, "Tuning")

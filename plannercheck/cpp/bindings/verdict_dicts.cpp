@@ -67,8 +67,8 @@ void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedPolytope& gu
   out["vertices_b"] = output_array(guest_is_a ? hosts : guests, {weights.size()});
 }
 
-constexpr std::array<const char*, kStages> kStageNames{"cached plane", "box face",       "centre axis",   "facet plane",
-                                                       "solver",       "nearest points", "double-double", "exact"};
+constexpr std::array<const char*, kStages> kStageNames{"cached plane",   "box face",      "centre axis", "solver",
+                                                       "nearest points", "double-double", "exact"};
 
 }  // namespace
 

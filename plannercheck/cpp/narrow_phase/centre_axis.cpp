@@ -2,30 +2,18 @@
 
 namespace plannercheck {
 
-Certificate CentreAxis::decide(Vec3 of_guest, Vec3 of_host, bool scaled) const {
-  const Vec3 p = guest_.pose.apply(of_guest), r = host_.pose.apply(of_host);
+Certificate CentreAxis::decide(bool scaled, std::int32_t* lowest, PairCounters& counters) const {
+  if (is_within_inflation_radius(between_centres_)) return shared(host_centre_, between_centres_);
+  const Levels &guest = guest_.body->inner, &host = host_.body->inner;
+  ++counters.guest_queries;
+  *lowest = extreme(guest, -guest_.pose.rotate_back(axis_), counters.queries);
+  const Vec3 p = guest_.pose.apply(guest.points[at(*lowest)]);
+  if (!(dot(axis_, p - host_centre_) > room())) return {};  // the axis can't separate
+  ++counters.host_queries;
+  const std::int32_t highest = extreme(host, host_.pose.rotate_back(axis_), counters.queries);
+  const Vec3 r = host_.pose.apply(host.points[at(highest)]);
   if (dot(axis_, p - r) > room()) return separated(scaled);
   return is_within_inflation_radius(p - r) ? shared(r, p - r) : Certificate{};
-}
-
-Certificate CentreAxis::decide(bool scaled, std::int32_t* lowest, PairCounters& counters) const {
-  if (centres_share()) return shared_by_centres();
-  ++counters.guest_queries;
-  *lowest = extreme(guest_.body->inner, towards_host(), counters.queries);
-  const Vec3 of_guest = guest_.body->inner.points[at(*lowest)];
-  if (!is_beyond_centre(of_guest)) return {};
-  ++counters.host_queries;
-  const std::int32_t highest = extreme(host_.body->inner, towards_guest(), counters.queries);
-  return decide(of_guest, host_.body->inner.points[at(highest)], scaled);
-}
-
-bool CentreAxis::separates(Vec3 direction, double defect, PairCounters& counters) const {
-  const Levels &guest = guest_.body->inner, &host = host_.body->inner;
-  ++counters.guest_queries, ++counters.host_queries;
-  const std::int32_t lowest = extreme(guest, -guest_.pose.rotate_back(direction), counters.queries);
-  const std::int32_t highest = extreme(host, host_.pose.rotate_back(direction), counters.queries);
-  const Vec3 p = guest_.pose.apply(guest.points[at(lowest)]), r = host_.pose.apply(host.points[at(highest)]);
-  return dot(direction, p - r) > room(direction, 2 * defect);
 }
 
 Certificate CentreAxis::separated(bool scaled) const {

@@ -69,22 +69,6 @@ class CentreAxis {
   // The answer that a plane perpendicular to the axis separates. `scaled`, for caching: to q·x <= 1 over the host.
   Certificate separated(bool scaled) const;
 
-  // Whether the centres are within the inflation radius of each other, and the point between them.
-  bool centres_share() const { return is_within_inflation_radius(between_centres_); }
-  Certificate shared_by_centres() const { return shared(host_centre_, between_centres_); }
-
-  // The directions of the vertices that face the other body, each in its own body's frame.
-  Vec3 towards_host() const { return -guest_.pose.rotate_back(axis_); }
-  Vec3 towards_guest() const { return host_.pose.rotate_back(axis_); }
-
-  // The axis can only decide if the guest's vertex is beyond the host's centre. `decide` then takes both vertices.
-  bool is_beyond_centre(Vec3 of_guest) const { return dot(axis_, guest_.pose.apply(of_guest) - host_centre_) > room(); }
-  Certificate decide(Vec3 of_guest, Vec3 of_host, bool scaled) const;
-
-  // Whether a plane perpendicular to another direction, from the host to the guest, separates the bodies. `defect`: an
-  // upper bound of how far the host's pose is off rigid.
-  bool separates(Vec3 direction, double defect, PairCounters& counters) const;
-
   // Decides by the centres and by the extreme vertices along the axis: a plane perpendicular to it separates the
   // bodies, or they are within the inflation radius. `lowest` becomes the guest's extreme vertex towards the host.
   Certificate decide(bool scaled, std::int32_t* lowest, PairCounters& counters) const;
@@ -105,13 +89,12 @@ class CentreAxis {
   Vec3 host_centre_, between_centres_, axis_;
   double rounding_, radii_, inflation_radius_;
 
-  // The rounding allowed along the axis, or along a direction that turns by at most `slack` on its way through the
-  // host's frame, times its length. A direction too short for its length to be trusted separates nothing.
-  double room() const { return room(axis_, kSlack); }
-  double room(Vec3 direction, double slack) const {
-    const double length = norm(direction);
+  // The rounding allowed along the axis, times its length. An axis too short for its length to be trusted separates
+  // nothing.
+  double room() const {
+    const double length = norm(axis_);
     if (!(length > kTrustedLength)) return std::numeric_limits<double>::infinity();
-    return length * (inflation_radius_ * (1 + slack) + slack * (norm(between_centres_) + radii_) + rounding_);
+    return length * (inflation_radius_ * (1 + kSlack) + kSlack * (norm(between_centres_) + radii_) + rounding_);
   }
 
   bool is_within_inflation_radius(Vec3 between) const {

@@ -5,7 +5,6 @@
 #include "narrow_phase/box_faces.hpp"
 #include "narrow_phase/coupled_walk.hpp"
 #include "narrow_phase/double_oracle.hpp"
-#include "narrow_phase/facet_planes.hpp"
 
 namespace plannercheck {
 namespace {
@@ -78,14 +77,16 @@ PairVerdict without_polar(const PosedPolytope& guest, const PosedPolytope& host,
 #endif
 }
 
-// The stages that cost a game: the solver, then, where it does not apply or decide, the stages without a polar.
+// The stages that cost a game: the solver, then, where it does not apply or decide, the stages without a polar. The
+// solver leaves gaps that are too small for the polar's bound, or within the inflation radius of separated hulls.
 PairVerdict solved(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, std::int32_t lowest,
                    const CentreAxis& axis, const PairOptions& options, PairMemory* memory, PairCounters& counters) {
   if (!host.body->has_polar()) return without_polar(guest, host, axis.direction(), options, counters);
   ActiveSet* const last = memory != nullptr && options.active_sets ? &memory->actives : nullptr;
   const Certificate certificate =
       options.solver == Solver::kWalk ? coupled_walk(frame, counters) : double_oracle(frame, lowest, last, counters);
-  return concluded(guest, host, certificate, options, memory, counters);
+  if (certificate.answer != Answer::kUndecided) return certified(certificate, memory);
+  return without_polar(guest, host, host.pose.rotate(certificate.q), options, counters);
 }
 
 // What is kept for the next poses of this pair; null where nothing is.
@@ -105,12 +106,6 @@ PairMemory* kept(const Polytope& host, const PairOptions& options, PairMemory* m
 
 Certificate by_box_face(const PairFrame& frame, const PairOptions& options, PairCounters& counters) {
   return options.box_face && frame.host().has_polar() ? box_face(frame, counters) : Certificate{};
-}
-
-Certificate by_facets(const PairFrame& frame, const Pose& guest, const CentreAxis& axis, const PairOptions& options,
-                      PairCounters& counters) {
-  const bool few = has_few_corners(frame.guest()) && has_few_corners(frame.host());
-  return few && options.facet_plane ? facet_plane(frame, guest, axis, counters) : Certificate{};
 }
 
 PairVerdict cached(const CachedPlane& plane) {
@@ -138,14 +133,6 @@ PairVerdict certified(const Certificate& certificate, PairMemory* memory) {
   return verdict;
 }
 
-// A certificate is undecided if the gap is too small for the polar's bound, or within the inflation radius of separated
-// hulls.
-PairVerdict concluded(const PosedPolytope& guest, const PosedPolytope& host, const Certificate& certificate,
-                      const PairOptions& options, PairMemory* memory, PairCounters& counters) {
-  if (certificate.answer != Answer::kUndecided) return certified(certificate, memory);
-  return without_polar(guest, host, host.pose.rotate(certificate.q), options, counters);
-}
-
 int choose_host(const Polytope& a, const Polytope& b) { return conditioning(b) <= conditioning(a) ? 1 : 0; }
 
 PairVerdict test_pair(const PosedPolytope& guest, const PosedPolytope& host, const PairOptions& options,
@@ -170,8 +157,6 @@ PairVerdict close_hulls_verdict(const PosedPolytope& guest, const PosedPolytope&
   }
   const PairFrame frame(guest, host, options.dents);
   if (plane_holds(frame, memory, counters)) return cached(memory->plane);
-  const Certificate found = by_facets(frame, guest.pose, axis, options, counters);
-  if (found.answer != Answer::kUndecided) return certified(found, memory);
   return solved(guest, host, frame, lowest, axis, options, memory, counters);
 }
 
@@ -193,11 +178,6 @@ PairVerdict hulls_verdict(const PosedPolytope& guest, const PosedPolytope& host,
   } else if (options.centre_axis) {
     if (options.turned_axis) axis.turn();
     const Certificate found = axis.decide(memory != nullptr, &lowest, counters);
-    if (found.answer != Answer::kUndecided) return certified(found, memory);
-  }
-  const bool tried = guest.body->is_box != 0 && host.body->is_box != 0;  // by PairFrame::boxes_apart
-  if (!likely && !tried) {
-    const Certificate found = by_facets(frame, guest.pose, axis, options, counters);
     if (found.answer != Answer::kUndecided) return certified(found, memory);
   }
   return solved(guest, host, frame, lowest, axis, options, memory, counters);

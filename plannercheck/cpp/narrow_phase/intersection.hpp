@@ -20,12 +20,10 @@ struct PairOptions {
   bool cached_plane = true;
   bool box_face = true;  // of pairs whose boxes meet
   bool centre_axis = true;
-  bool turned_axis = true;  // whether the axis is turned to where equivalent ellipsoids would face each other
-  bool facet_plane = true;
+  bool turned_axis = true;     // whether the axis is turned to where equivalent ellipsoids would face each other
   bool nearest_points = true;  // the second filter
   bool double_double = true;   // the third filter; without both, exact arithmetic decides what the solver leaves
   bool warm_start = true;      // whether each stage begins with the vertices where the one before gave up
-  bool interleaving = true;    // whether a batch interleaves the tests of several pairs of large bodies
   bool trees_first = true;     // whether solids whose hulls met last are tested before their hulls
   bool dents = true;           // whether hulls that meet deeper than the dents of their solids are the last word
   // With cached planes: whether the solver begins with what it ended with at the pair's last poses. Where poses are not
@@ -56,10 +54,6 @@ struct PairVerdict {
   Proximity proximity;               // stages kNearest and kDoubleDouble
   std::optional<ExactAnswer> exact;  // stage kExact
 };
-
-// The verdict of the solver's certificate or, if that is undecided, of the stages after it.
-PairVerdict concluded(const PosedPolytope& guest, const PosedPolytope& host, const Certificate& certificate,
-                      const PairOptions& options, PairMemory* memory, PairCounters& counters);
 
 // The verdict of a certificate that is not undecided; caches its plane.
 PairVerdict certified(const Certificate& certificate, PairMemory* memory);

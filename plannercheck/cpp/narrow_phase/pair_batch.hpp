@@ -1,10 +1,4 @@
 // Many poses of the same two bodies.
-//
-// A test of large bodies mostly waits for memory: each step of a descent reads what the step before leads to. Tests of
-// different poses are independent, so several are interleaved: each does a step and prefetches what its next one reads
-// while the others do theirs. Poses close to the ones before find their memory in the cache and are tested at once.
-// Verdicts equal those of the tests one by one. Without cached planes, so do certificates, stages and counters; with
-// them, only poses that follow others try a plane, the latest one kept, which need not be that of the pair before.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +21,7 @@ class PairBatch {
   ~PairBatch() = default;
 };
 
-// Tests the same two bodies at all poses; verdicts come in any order.
+// Tests the same two bodies at all poses, one after another.
 void test_pairs(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
                 PairBatch& batch, PairCounters& counters);
 

@@ -40,8 +40,8 @@ inline double reach_of_dents(const Polytope& a, const Polytope& b) {
 enum class Answer { kSeparated, kShared, kUndecided };
 
 // How the answer was found.
-enum class Stage { kCachedPlane, kBoxFace, kCentreAxis, kFacetPlane, kSolver, kNearest, kDoubleDouble, kExact };
-inline constexpr std::size_t kStages = 8;
+enum class Stage { kCachedPlane, kBoxFace, kCentreAxis, kSolver, kNearest, kDoubleDouble, kExact };
+inline constexpr std::size_t kStages = 7;
 
 // In the host's frame relative to its centre: a plane q·x = 1 beyond which P lies, or a point x of both bodies.
 struct Certificate {

@@ -132,13 +132,6 @@ inline bool advance(const VertexBlock& block, Vec3 u, SearchCursor& cursor, Quer
   return false;
 }
 
-template <class AnyBlock>
-void ask_for(const AnyBlock& block) {
-  const char* const line = reinterpret_cast<const char*>(&block);
-  __builtin_prefetch(line);
-  __builtin_prefetch(line + sizeof block / 2);
-}
-
 bool scan_chain(const Levels& h, Vec3 u, SearchCursor& cursor, QueryCounters& counters) {
   const VertexBlock* block = &h.blocks[at(cursor.chain)];
   while (!advance(*block, u, cursor, counters)) {
@@ -199,58 +192,6 @@ std::int32_t extreme(const Levels& h, double x, double y, double z, QueryCounter
   if (!h.cells.empty()) return extreme_in_cell(h, h.cells.cell({x, y, z}), x, y, z, counters);
   if (h.depth == 0) return extreme_of_top(h, x, y, z, counters);
   return extreme_by_descent(h, x, y, z, counters);
-}
-
-void Descent::start(const Levels& h, Vec3 u, QueryCounters& counters) {
-  levels_ = &h;
-  direction_ = u;
-  block_ = nullptr;
-  cell_ = nullptr;
-  if (!h.cells.empty()) {
-    cell_ = &h.cells.cell(u);
-    has_asked_ = false;
-    __builtin_prefetch(cell_);
-  } else if (h.depth > 0) {
-    cursor_ = cursor_at_top(h, u, counters);
-    arrive();
-  } else {
-    cursor_at(extreme(h, u, counters));
-  }
-}
-
-void Descent::cursor_at(std::int32_t v) { cursor_ = {levels_->points[at(v)], v, kNoChain}; }
-
-// The first call prefetches the cell's blocks, mostly all in its first group; the second one scans them.
-bool Descent::step_in_cell(QueryCounters& counters) {
-  if (!has_asked_) {
-    for (const std::uint16_t block : cell_->first) ask_for(levels_->cells.blocks[block]);
-    has_asked_ = true;
-    return true;
-  }
-  const Vec3 u = direction_;
-  cursor_at(extreme_in_cell(*levels_, *cell_, u.x, u.y, u.z, counters));
-  return false;
-}
-
-void Descent::arrive() {
-  block_ = cursor_.chain >= 0 ? &levels_->blocks[at(cursor_.chain)] : nullptr;
-  if (block_ != nullptr) ask_for(*block_);
-}
-
-bool Descent::step(QueryCounters& counters) {
-  if (cell_ != nullptr) return step_in_cell(counters);
-  if (block_ == nullptr) {
-    if (!cursor_.is_walked() || !walk_wedges(*levels_, direction_, cursor_, counters)) return false;
-    arrive();
-    return true;
-  }
-  if (advance(*block_, direction_, cursor_, counters)) {
-    arrive();
-    return true;
-  }
-  if (block_->is_last()) return false;
-  ask_for(*++block_);
-  return true;
 }
 
 std::int32_t extreme_from(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {

@@ -27,31 +27,6 @@ inline std::int32_t extreme(const Levels& levels, Vec3 u, QueryCounters& counter
   return extreme(levels, u.x, u.y, u.z, counters);
 }
 
-// The same search in steps, each of which prefetches for the next one: for callers that interleave searches.
-class Descent {
- public:
-  // Starts at the top, or in the direction's cell.
-  void start(const Levels& levels, Vec3 u, QueryCounters& counters);
-
-  // Compares one block, or the blocks of a cell, or walks all wedges of a vertex; false once the vertex is found.
-  bool step(QueryCounters& counters);
-
-  std::int32_t vertex() const { return cursor_.vertex; }
-  Vec3 point() const { return cursor_.point; }
-
- private:
-  const Levels* levels_ = nullptr;
-  const VertexBlock* block_ = nullptr;  // of the chain being scanned; null if there is none
-  const Cell* cell_ = nullptr;          // of the direction, where the body has cells
-  bool has_asked_ = false;              // whether that cell's blocks have been prefetched
-  Vec3 direction_;
-  SearchCursor cursor_;
-
-  void arrive();
-  void cursor_at(std::int32_t vertex);
-  bool step_in_cell(QueryCounters& counters);
-};
-
 // The same from any vertex v: up through the rings to a vertex that is extreme at the level where it appears, then
 // down. Each ring leads to a coarser level, so this is O(log n) from any vertex.
 std::int32_t extreme_from(const Levels& levels, std::int32_t v, Vec3 u, QueryCounters& counters);

@@ -1,0 +1,196 @@
+"""What controllers run between the points of a trajectory.
+
+In: `Points`, the controller's name, where the robot stands. Out: a `Curve`.
+
+The rules are those of the controllers' own code, by name:
+
+- "jtc": joint_trajectory_controller of ros2_controllers, `Trajectory::interpolate_between_points`. A segment is linear
+  if an end has no velocities, a cubic Hermite polynomial if both have them, and a quintic one if both have
+  accelerations as well. A segment with accelerations but without velocities at both ends would be run at 0 rad on every
+  joint: it is refused.
+- "jtc-upsampled": the same controller with upsampling of messages without velocities: one cubic spline with continuous
+  accelerations, at rest at both ends (`fill_cubic_spline_velocities`).
+- "ur": the UR driver's passthrough controller (external_control.urscript, `cubicSplineRun`, `quinticSplineRun`): cubic
+  or quintic as above; positions alone are cubic, at rest at each point. A first point at 0 s is passed at rest. A last
+  velocity that is not 0 is scaled down to 0 along the same path.
+- "motoros2": MotoROS2 (MotionControl.c): cubic by positions and velocities; accelerations are ignored.
+- "linear": straight at constant speed, whatever else the points have.
+
+Before the first point, a controller runs from where the robot stands. "jtc" (`set_point_before_trajectory_msg`) takes
+velocities and accelerations of this state to be 0 where the first point has them and the state has none, and takes
+whole turns off continuous joints there and nowhere else (`wraparound_joint`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from plannercheck.common.array_types import Bools, Floats
+from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.trajectories.curve import Curve
+
+Controller: TypeAlias = Literal["jtc", "jtc-upsampled", "ur", "motoros2", "linear"]
+CONTROLLERS: tuple[Controller, ...] = ("jtc", "jtc-upsampled", "ur", "motoros2", "linear")
+
+# Largest last velocity that joint_trajectory_controller accepts: the epsilon of floats, in rad/s or m/s.
+REST = 2.0**-23
+
+# How near half a turn the way to the first point has to be for it to be a tie, rad (`wraparound_joint`).
+_TIE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Points(OwnsArrays):
+    """The points of a trajectory.
+
+    Attributes:
+        times: (n,) s from the start.
+        positions: (n, nq) rad and m.
+        velocities: (n, nq) rad/s and m/s; rows of points without velocities are NaN.
+        accelerations: (n, nq) rad/s² and m/s²; likewise.
+    """
+
+    times: Floats
+    positions: Floats
+    velocities: Floats
+    accelerations: Floats
+
+    @property
+    def has_velocities(self) -> Bools:
+        """(n,) which points have them."""
+        return np.asarray(~np.isnan(self.velocities).any(axis=1))
+
+    @property
+    def has_accelerations(self) -> Bools:
+        """(n,) which points have them."""
+        return np.asarray(~np.isnan(self.accelerations).any(axis=1))
+
+
+def curve_of(points: Points, controller: Controller, start: Points | None, continuous: Sequence[int]) -> Curve:
+    """The curve that a controller runs.
+
+    Args:
+        points: At least one point, at times that grow, from 0 s on.
+        controller: Its name.
+        start: One point, where the robot stands at 0 s; None where the first point stands for it.
+        continuous: Columns of the joints that turn without end.
+
+    Raises:
+        PlannercheckError: If the controller refuses the points, or would run something else than anyone means.
+    """
+    if controller not in CONTROLLERS:
+        raise unknown_name("controller", controller, CONTROLLERS)
+    points = _as_run(points, controller)
+    _check(points, controller)
+    if start is not None:
+        points = _approached(points, start, continuous if controller.startswith("jtc") else ())
+    if len(points.times) < 2:
+        raise PlannercheckError("a trajectory of one point needs start=, where the robot comes from")
+    segments = range(len(points.times) - 1)
+    return Curve(points.times, tuple(_segment(points, k) for k in segments))
+
+
+def _as_run(points: Points, controller: Controller) -> Points:
+    """The points with the derivatives that the controller puts in or leaves out."""
+    none = np.full_like(points.positions, np.nan)
+    has = points.has_velocities
+    if controller == "linear":
+        return replace(points, velocities=none, accelerations=none)
+    if controller == "motoros2":
+        if not has.all():
+            raise PlannercheckError(f"point {int(np.argmin(has))} has no velocities: motoros2 refuses it")
+        return replace(points, accelerations=none)
+    if controller == "ur":
+        return _as_ur_runs(points)
+    if controller == "jtc-upsampled" and not has.any() and len(points.times) > 1:
+        return replace(points, velocities=_spline_velocities(points.times, points.positions))
+    return points
+
+
+def _as_ur_runs(points: Points) -> Points:
+    v, a = points.has_velocities, points.has_accelerations
+    for has, what in ((v, "velocities"), (a, "accelerations")):
+        if has.any() and not has.all():
+            raise PlannercheckError(
+                f"point {int(np.argmin(has))} has no {what}, but others have: the UR driver refuses it"
+            )
+    if a.any() and not v.any():
+        raise PlannercheckError("its points have accelerations without velocities: the UR driver refuses it")
+    velocities, accelerations = np.nan_to_num(points.velocities), points.accelerations.copy()
+    if points.times[0] == 0.0:
+        velocities[0] = 0.0
+        accelerations[0] *= 0.0
+    return replace(points, velocities=velocities, accelerations=accelerations)
+
+
+def _check(points: Points, controller: Controller) -> None:
+    """Raises for what a controller refuses, or runs in a way that nobody means."""
+    last = np.nan_to_num(np.abs(points.velocities[-1]))
+    if controller in ("jtc", "jtc-upsampled") and last.max(initial=0.0) > REST:
+        joint = int(last.argmax())
+        raise PlannercheckError(
+            f"the last point has velocity {points.velocities[-1, joint]:.3g} in column {joint}:"
+            " joint_trajectory_controller refuses a trajectory that does not end at rest"
+        )
+    v, a = points.has_velocities, points.has_accelerations
+    wrong = a[:-1] & a[1:] & ~(v[:-1] & v[1:])
+    if wrong.any():
+        raise PlannercheckError(
+            f"points {int(np.argmax(wrong))} and {int(np.argmax(wrong)) + 1} have accelerations without velocities:"
+            " joint_trajectory_controller would command 0 on every joint between them"
+        )
+
+
+def _approached(points: Points, start: Points, continuous: Sequence[int]) -> Points:
+    """The points with the one before them, where the robot stands."""
+    first = points.positions[0]
+    from_there = start.positions[0].copy()
+    for joint in continuous:
+        way = np.remainder(first[joint] - from_there[joint] + np.pi, 2 * np.pi) - np.pi
+        if abs(abs(way) - np.pi) < _TIE:
+            way = abs(way) if first[joint] > from_there[joint] else -abs(way)
+        from_there[joint] = first[joint] - way
+    if points.times[0] == 0.0:
+        if not np.array_equal(from_there, first):
+            joint = int(np.abs(from_there - first).argmax())
+            raise PlannercheckError(
+                f"the first point is at 0 s and differs from start by {abs(from_there - first)[joint]:.3g} in column"
+                f" {joint}: the robot would jump; give the first point a later time"
+            )
+        return points
+    zero = np.zeros_like(first)
+    velocities = start.velocities[0] if start.has_velocities[0] else zero
+    accelerations = start.accelerations[0] if start.has_accelerations[0] else zero
+    before = (np.zeros(1), from_there[None], velocities[None], accelerations[None])
+    after = (points.times, points.positions, points.velocities, points.accelerations)
+    return Points(*(np.concatenate(pair) for pair in zip(before, after, strict=True)))
+
+
+def _segment(points: Points, k: int) -> Floats:
+    """Control points of the segment from point k to the next."""
+    (p, q), (v, w), (a, b) = (each[k : k + 2] for each in (points.positions, points.velocities, points.accelerations))
+    h = points.times[k + 1] - points.times[k]
+    if np.isnan(v).any() or np.isnan(w).any():
+        return np.stack([p, q])
+    if np.isnan(a).any() or np.isnan(b).any():
+        return np.stack([p, p + v * (h / 3), q - w * (h / 3), q])
+    fifth, twentieth = h / 5, h * h / 20
+    return np.stack(
+        [p, p + v * fifth, p + 2 * v * fifth + a * twentieth, q - 2 * w * fifth + b * twentieth, q - w * fifth, q]
+    )
+
+
+def _spline_velocities(times: Floats, positions: Floats) -> Floats:
+    """Velocities (n, nq) of the spline with continuous accelerations that is at rest at both ends."""
+    count, steps = len(times), np.diff(times)
+    matrix, right = np.eye(count), np.zeros_like(positions)
+    rates = np.diff(positions, axis=0) / steps[:, None] ** 2
+    for k in range(1, count - 1):
+        matrix[k, k - 1 : k + 2] = 1 / steps[k - 1], 2 / steps[k - 1] + 2 / steps[k], 1 / steps[k]
+        right[k] = 3 * (rates[k] + rates[k - 1])
+    return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)

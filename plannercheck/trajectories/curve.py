@@ -1,0 +1,93 @@
+"""Curves of configurations in time: polynomials, one after the other.
+
+In: breaks and control points. Out: `Curve`, which gives positions, velocities and accelerations.
+
+Each piece is given by its Bernstein coefficients, its *control points*: the piece lies in their hull, the differences
+of control points are those of the derivative, and a piece of degree 1 is a straight line at constant speed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import OwnsArrays, contiguous
+from plannercheck.common.errors import PlannercheckError
+
+
+@dataclass(frozen=True, eq=False)
+class Curve(OwnsArrays):
+    """Polynomials in a row.
+
+    Attributes:
+        breaks: (m + 1,) s, growing: piece k runs from breaks[k] to breaks[k + 1].
+        pieces: (degree + 1, nq) each, the control points, rad and m.
+    """
+
+    breaks: Floats
+    pieces: tuple[Floats, ...]
+
+    @property
+    def nq(self) -> int:
+        """Numbers of a configuration."""
+        return int(self.pieces[0].shape[1])
+
+    def at(self, times: ArrayLike, derivative: int = 0) -> Floats:
+        """Positions, or derivatives by time.
+
+        Args:
+            times: (n,) or a number, s, from the first break to the last. At a break the later piece counts.
+            derivative: 0 for positions, 1 for velocities, 2 for accelerations.
+
+        Returns:
+            (n, nq), or (nq,) for a number; rad and m, by s.
+
+        Raises:
+            PlannercheckError: If a time is not a number, or is before the first break or after the last.
+        """
+        asked = np.atleast_1d(contiguous(times))
+        outside = ~((asked >= self.breaks[0]) & (asked <= self.breaks[-1]))  # NaN as well
+        if outside.any():
+            raise PlannercheckError(
+                f"times must be within {self.breaks[0]} and {self.breaks[-1]} s, not {asked[outside][0]}"
+            )
+        piece = np.searchsorted(self.breaks[1:-1], asked, side="right")
+        found = np.empty((len(asked), self.nq))
+        for k in np.flatnonzero(np.bincount(piece, minlength=1)).tolist():
+            here = piece == k
+            start, end = self.breaks[k], self.breaks[k + 1]
+            control = differentiated(self.pieces[k], end - start, derivative)
+            found[here] = _de_casteljau(control, (asked[here] - start) / (end - start))
+        return found[0] if np.ndim(times) == 0 else found
+
+
+def differentiated(control: Floats, duration: float, times: int = 1) -> Floats:
+    """Control points of a derivative by time, one point fewer each time, but at least one."""
+    for _ in range(times):
+        degree = len(control) - 1
+        control = np.diff(control, axis=0) * (degree / duration) if degree else np.zeros_like(control)
+    return control
+
+
+def bernstein(powers: Floats) -> Floats:
+    """Control points (degree + 1, nq) of polynomials in s from 0 to 1, by their coefficients of 1, s, s² and so on."""
+    # Summed as s → the polynomial about 0: b[j] = sum over i of C(j, i) / C(degree, i) * powers[i].
+    degree = len(powers) - 1
+    control = np.zeros_like(powers)
+    ratios = np.ones(degree + 1)
+    for i in range(degree + 1):
+        control += ratios[:, None] * powers[i]
+        ratios *= (np.arange(degree + 1) - i) / max(degree - i, 1)
+    return control
+
+
+def _de_casteljau(control: Floats, s: Floats) -> Floats:
+    """Values (n, nq) at parameters s (n,) from 0 to 1."""
+    points = np.repeat(control[:, None, :], len(s), axis=1)
+    s = s[None, :, None]
+    while len(points) > 1:
+        points = points[:-1] * (1 - s) + points[1:] * s
+    return np.asarray(points[0])

@@ -1,0 +1,128 @@
+"""Curves in the forms that libraries have them: powers, B-splines, Bézier curves.
+
+In: arrays, or objects of drake, ndcurves and SciPy by their methods. Out: `Curve`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import contiguous
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.trajectories.curve import Curve, bernstein
+
+# Highest degree of a piece.
+MOST_DEGREE = 20
+
+# How far pieces may be apart where they meet, relative to the largest coefficient: rounding of whoever made them.
+_JOINT = 1e-9
+
+
+def of_polynomials(breaks: ArrayLike, coefficients: ArrayLike) -> Curve:
+    """Pieces in powers of t − breaks[k].
+
+    Args:
+        breaks: (m + 1,) s, growing.
+        coefficients: (m, nq, degree + 1), of 1, t − breaks[k], its square and so on.
+    """
+    ends = checked_breaks(breaks)
+    powers = _checked(coefficients, "coefficients", ("m", "nq", "degree + 1"))
+    if len(powers) != len(ends) - 1:
+        raise PlannercheckError(f"{len(ends)} breaks are of {len(ends) - 1} pieces, but there are {len(powers)}")
+    _check_degree(powers.shape[2] - 1)
+    scales = np.diff(ends)[:, None] ** np.arange(powers.shape[2])
+    return joined(ends, [bernstein((row * scale).T) for row, scale in zip(powers, scales, strict=True)])
+
+
+def of_bezier(breaks: ArrayLike, points: ArrayLike) -> Curve:
+    """Bézier curves in a row.
+
+    Args:
+        breaks: (m + 1,) s, growing.
+        points: (m, degree + 1, nq) control points of each.
+    """
+    ends = checked_breaks(breaks)
+    control = _checked(points, "points", ("m", "degree + 1", "nq"))
+    if len(control) != len(ends) - 1:
+        raise PlannercheckError(f"{len(ends)} breaks are of {len(ends) - 1} pieces, but there are {len(control)}")
+    _check_degree(control.shape[1] - 1)
+    return joined(ends, list(control))
+
+
+def of_bspline(knots: ArrayLike, points: ArrayLike) -> Curve:
+    """A B-spline, from the first knot at which its basis is complete to the last.
+
+    Args:
+        knots: (n + degree + 1,) s, not falling.
+        points: (n, nq) control points.
+    """
+    places, control = _checked(knots, "knots", ("n + degree + 1",)), _checked(points, "points", ("n", "nq"))
+    degree = len(places) - len(control) - 1
+    if degree < 1 or len(control) <= degree:
+        raise PlannercheckError(
+            f"{len(places)} knots and {len(control)} points are no B-spline: with n points, there are n + degree + 1"
+            " knots, the degree is at least 1 and less than n"
+        )
+    _check_degree(degree)
+    if (np.diff(places) < 0).any():
+        raise PlannercheckError(f"knots must not fall, but knot {int(np.argmax(np.diff(places) < 0)) + 1} does")
+    spans = [k for k in range(degree, len(control)) if places[k] < places[k + 1]]
+    if not spans:
+        raise PlannercheckError("knots must span some time")
+    breaks = np.array([places[spans[0]], *(places[k + 1] for k in spans)])
+    return joined(breaks, [_bezier_of_span(places, control, k, degree) for k in spans])
+
+
+def checked_breaks(breaks: ArrayLike) -> Floats:
+    """(m + 1,) breaks that grow."""
+    ends = _checked(breaks, "breaks", ("m + 1",))
+    if len(ends) < 2 or not (np.diff(ends) > 0).all():
+        raise PlannercheckError("breaks must be at least two times that grow")
+    return ends
+
+
+def joined(breaks: Floats, pieces: list[Floats]) -> Curve:
+    """A curve without jumps; what rounding leaves between pieces goes into the later one."""
+    for k in range(1, len(pieces)):
+        before, after = pieces[k - 1][-1], pieces[k]
+        size = max(np.abs(pieces[k - 1]).max(), np.abs(after).max())
+        if (np.abs(before - after[0]) > _JOINT * size).any():
+            gap = float(np.abs(before - after[0]).max())
+            raise PlannercheckError(f"pieces {k - 1} and {k} are {gap:.3g} apart where they meet: no robot can jump")
+        pieces[k] = np.concatenate([before[None], after[1:]])
+    return Curve(breaks, tuple(pieces))
+
+
+def _bezier_of_span(knots: Floats, points: Floats, k: int, degree: int) -> Floats:
+    """Control points on the span from knot k: values of the polar form at its two ends."""
+    return np.stack(
+        [_polar_form(knots, points, k, [knots[k]] * (degree - j) + [knots[k + 1]] * j) for j in range(degree + 1)]
+    )
+
+
+def _polar_form(knots: Floats, points: Floats, k: int, arguments: list[float]) -> Floats:
+    """The B-spline's polar form on the span from knot k (de Boor's algorithm with an argument of its own each step)."""
+    degree = len(arguments)
+    d = [points[j] for j in range(k - degree, k + 1)]
+    for r, u in enumerate(arguments, 1):
+        for j in range(degree, r - 1, -1):
+            low, high = knots[k - degree + j], knots[k + 1 + j - r]
+            share = (u - low) / (high - low)
+            d[j] = (1 - share) * d[j - 1] + share * d[j]
+    return np.asarray(d[degree])
+
+
+def _check_degree(degree: int) -> None:
+    if not 0 <= degree <= MOST_DEGREE:
+        raise PlannercheckError(f"the degree must be at most {MOST_DEGREE}, not {degree}")
+
+
+def _checked(values: ArrayLike, name: str, shape: tuple[str, ...]) -> Floats:
+    array = contiguous(values)
+    if array.ndim != len(shape) or 0 in array.shape:
+        raise PlannercheckError(f"{name} must be ({', '.join(shape)}), not {array.shape}")
+    if not np.isfinite(array).all():
+        raise PlannercheckError(f"{name} must be finite")
+    return array

@@ -1,0 +1,203 @@
+"""A trajectory: what a robot executes, as a curve of configurations in time.
+
+In: points with a controller that interpolates them, or polynomials, Bézier curves, B-splines; or a file of a message.
+Out: `Trajectory`: positions, velocities, and the limits that it breaks.
+
+A trajectory that is slowed down, by speed scaling or by a pendant, runs through the same configurations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import contiguous, shown_array
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.robots.robot import Robot
+from plannercheck.trajectories.controllers import Controller, Points, curve_of
+from plannercheck.trajectories.curve import Curve
+from plannercheck.trajectories.forms import of_bezier, of_bspline, of_polynomials
+from plannercheck.trajectories.limits import Excess, Kind, broken_limits
+from plannercheck.trajectories.messages import read_points
+
+
+class Trajectory:
+    """A trajectory of a robot; it can't be changed.
+
+    Attributes:
+        curve: Its polynomials.
+        points: The points that a controller interpolates; None if the curve was given as such.
+        controller: Who interpolates them; None likewise.
+    """
+
+    def __init__(
+        self,
+        times: ArrayLike,
+        positions: ArrayLike,
+        velocities: ArrayLike | None = None,
+        accelerations: ArrayLike | None = None,
+        controller: Controller = "jtc",
+        start: ArrayLike | tuple[ArrayLike, ArrayLike] | None = None,
+        continuous: Sequence[int] = (),
+    ) -> None:
+        """A trajectory of points.
+
+        Args:
+            times: (n,) s, growing, from 0 on.
+            positions: (n, nq) rad and m.
+            velocities: (n, nq) rad/s and m/s; a point without velocities has NaN.
+            accelerations: (n, nq) rad/s² and m/s²; likewise.
+            controller: Who interpolates: "jtc", "jtc-upsampled", "ur", "motoros2" or "linear".
+            start: Where the robot stands at 0 s, (nq,), or q and velocities: the controller moves it from there to the
+                first point. None: the robot is at the first point.
+            continuous: Columns of joints that turn without end, from which the controller takes whole turns on the
+                way to the first point.
+
+        Raises:
+            PlannercheckError: If an array is malformed, times do not grow, or the controller refuses the points.
+        """
+        self.points: Points | None = _points(times, positions, velocities, accelerations)
+        self.controller: Controller | None = controller
+        width = self.points.positions.shape[1]
+        self.curve = curve_of(self.points, controller, _start(start, width), continuous)
+
+    @classmethod
+    def of_curve(cls, curve: Curve) -> Trajectory:
+        """A trajectory that is a curve."""
+        made = cls.__new__(cls)
+        made.points, made.controller, made.curve = None, None, curve
+        return made
+
+    @classmethod
+    def polynomials(cls, breaks: ArrayLike, coefficients: ArrayLike) -> Trajectory:
+        """A trajectory of polynomials, as drake's PiecewisePolynomial and SciPy's PPoly have them.
+
+        Args:
+            breaks: (m + 1,) s, growing.
+            coefficients: (m, nq, degree + 1), of 1, t − breaks[k], its square and so on.
+        """
+        return cls.of_curve(of_polynomials(breaks, coefficients))
+
+    @classmethod
+    def bezier(cls, breaks: ArrayLike, points: ArrayLike) -> Trajectory:
+        """A trajectory of Bézier curves: breaks (m + 1,) s, control points (m, degree + 1, nq)."""
+        return cls.of_curve(of_bezier(breaks, points))
+
+    @classmethod
+    def bspline(cls, knots: ArrayLike, points: ArrayLike) -> Trajectory:
+        """A trajectory that is a B-spline: knots (n + degree + 1,) s, control points (n, nq)."""
+        return cls.of_curve(of_bspline(knots, points))
+
+    @classmethod
+    def load(
+        cls,
+        path: str | Path,
+        robot: Robot,
+        controller: Controller = "jtc",
+        start: ArrayLike | tuple[ArrayLike, ArrayLike] | None = None,
+    ) -> Trajectory:
+        """Reads a JointTrajectory, also within a RobotTrajectory, DisplayTrajectory or FollowJointTrajectory goal.
+
+        Args:
+            path: A .yaml or .json file, e.g. of `ros2 topic echo --once`.
+            robot: Whose it is: its joints take one number each.
+            controller: Who interpolates.
+            start: Where the robot stands, as in the constructor.
+
+        Raises:
+            PlannercheckError: If the file is malformed, or its joints are not the robot's.
+        """
+        points = read_points(Path(path), robot)
+        turning = np.flatnonzero(robot.configuration_map.turning_columns()).tolist()
+        arrays = (points.times, points.positions, points.velocities, points.accelerations)
+        return cls(*arrays, controller, start, turning)
+
+    @property
+    def duration(self) -> float:
+        """How long it takes, s."""
+        return float(self.curve.breaks[-1] - self.curve.breaks[0])
+
+    def position(self, time: ArrayLike) -> Floats:
+        """Configurations (n, nq) at times (n,), or (nq,) at one; s, rad and m."""
+        return self.curve.at(time)
+
+    def velocity(self, time: ArrayLike) -> Floats:
+        """Velocities likewise; at a break those of the later piece."""
+        return self.curve.at(time, 1)
+
+    def acceleration(self, time: ArrayLike) -> Floats:
+        """Accelerations likewise."""
+        return self.curve.at(time, 2)
+
+    def limits(
+        self, robot: Robot, velocity: ArrayLike | None = None, acceleration: ArrayLike | None = None
+    ) -> list[Excess]:
+        """The limits that the trajectory breaks, also between its points.
+
+        Args:
+            robot: Whose position limits count.
+            velocity: (nq,) or a number, largest speed of each joint, rad/s and m/s; None: no limit. MoveIt's are in
+                joint_limits.yaml.
+            acceleration: Likewise, rad/s² and m/s².
+
+        Returns:
+            For each joint and kind the worst, with the instant; none if all are kept.
+        """
+        if robot.nq != self.curve.nq or len(robot.joint_names) != robot.nq:
+            columns = robot.configuration_map.described_columns()
+            raise PlannercheckError(f"the trajectory has {self.curve.nq} columns, one a joint, but {columns}")
+        found = broken_limits(self.curve, robot.joint_names, "position", robot.lower, robot.upper)
+        asked: tuple[tuple[Kind, ArrayLike | None], ...] = (("velocity", velocity), ("acceleration", acceleration))
+        for kind, given in asked:
+            if given is not None:
+                largest = np.broadcast_to(contiguous(given), self.curve.nq)
+                if not (largest >= 0).all():
+                    raise PlannercheckError(f"{kind} must be limits of at least 0, not {shown_array(given)}")
+                found += broken_limits(self.curve, robot.joint_names, kind, -largest, largest)
+        return found
+
+    def __repr__(self) -> str:
+        by = "" if self.controller is None else f" by {self.controller}"
+        return f"Trajectory({len(self.curve.pieces)} pieces{by}, {self.duration:.3g} s, nq={self.curve.nq})"
+
+
+def _points(
+    times: ArrayLike, positions: ArrayLike, velocities: ArrayLike | None, accelerations: ArrayLike | None
+) -> Points:
+    at, q = contiguous(times), contiguous(positions)
+    if at.ndim != 1 or not len(at) or q.ndim != 2 or len(q) != len(at) or not q.shape[1]:
+        raise PlannercheckError(f"a trajectory takes times (n,) and positions (n, nq), not {at.shape} and {q.shape}")
+    if not np.isfinite(at).all() or at[0] < 0 or not (np.diff(at) > 0).all():
+        wrong = int(np.argmin(np.concatenate([[at[0] >= 0], np.diff(at) > 0])))
+        raise PlannercheckError(f"times must grow from 0 s on, but point {wrong} is at {at[wrong]} s")
+    if not np.isfinite(q).all():
+        raise PlannercheckError(f"positions must be finite: point {int(np.argmin(np.isfinite(q).all(axis=1)))} is not")
+    return Points(at, q, _derivatives(velocities, "velocities", q), _derivatives(accelerations, "accelerations", q))
+
+
+def _derivatives(values: ArrayLike | None, name: str, positions: Floats) -> Floats:
+    """(n, nq) numbers whose rows are finite, or NaN throughout."""
+    if values is None:
+        return np.full_like(positions, np.nan)
+    rows = contiguous(values)
+    if rows.shape != positions.shape:
+        raise PlannercheckError(f"{name} must have the shape of positions, {positions.shape}, not {rows.shape}")
+    whole = np.isfinite(rows).all(axis=1) | np.isnan(rows).all(axis=1)
+    if not whole.all():
+        raise PlannercheckError(
+            f"{name} must be finite, or NaN for a whole point: point {int(np.argmin(whole))} is not"
+        )
+    return rows
+
+
+def _start(start: ArrayLike | tuple[ArrayLike, ArrayLike] | None, width: int) -> Points | None:
+    if start is None:
+        return None
+    q, v = start if isinstance(start, tuple) else (start, None)
+    if np.shape(q) != (width,) or (v is not None and np.shape(v) != (width,)):
+        raise PlannercheckError(f"start must be a configuration ({width},), or a tuple of one and its velocities")
+    return _points([0.0], [q], None if v is None else [v], None)

@@ -1,0 +1,261 @@
+"""Curves that controllers run, held against rational arithmetic, SciPy, and the numbers of the controllers' rules."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline, CubicSpline, PPoly
+
+import plannercheck as pc
+from plannercheck.trajectories.curve import bernstein
+
+TIMES = np.array([0.5, 1.25, 3.0])
+RNG = np.random.default_rng(4)
+Q, V, A = RNG.normal(size=(3, 3, 2))
+V[-1] = 0
+
+
+def exact_quintic(q, v, a, h, t):
+    """The quintic polynomial of six conditions at t, by its coefficients in rationals (Hermite interpolation)."""
+    p, r, v, w, a, b, h, t = map(Fraction, (*q, *v, *a, h, t))
+    c = [p, v, a / 2]
+    # The rest solves c3 h³ + c4 h⁴ + c5 h⁵ = d0 and its first two derivatives.
+    d0, d1, d2 = r - p - v * h - a * h * h / 2, w - v - a * h, b - a
+    c += [
+        (20 * d0 - 8 * d1 * h + d2 * h * h) / (2 * h**3),
+        (-30 * d0 + 14 * d1 * h - 2 * d2 * h * h) / (2 * h**4),
+        (12 * d0 - 6 * d1 * h + d2 * h * h) / (2 * h**5),
+    ]
+    return sum(x * t**i for i, x in enumerate(c))
+
+
+def test_both_ends_with_accelerations_are_quintic():
+    found = pc.Trajectory(TIMES, Q, V, A)
+    for k in (0, 1):
+        h = TIMES[k + 1] - TIMES[k]
+        for t in np.linspace(0, h, 7).tolist():
+            for j in range(2):
+                exact = exact_quintic(Q[k : k + 2, j], V[k : k + 2, j], A[k : k + 2, j], h, t)
+                assert found.position(TIMES[k] + t)[j] == pytest.approx(float(exact), abs=1e-13)
+
+
+def test_derivatives_at_the_points_are_those_given():
+    found = pc.Trajectory(TIMES, Q, V, A)
+    np.testing.assert_allclose(found.position(TIMES), Q, atol=1e-15)
+    np.testing.assert_allclose(found.velocity(TIMES), V, atol=1e-14)
+    np.testing.assert_allclose(found.acceleration(TIMES), A, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("velocities", "accelerations", "degrees"),
+    [
+        ([1, 1, 1], [1, 1, 1], (5, 5)),
+        ([1, 1, 1], [0, 1, 0], (3, 3)),
+        ([1, 1, 1], [0, 0, 0], (3, 3)),
+        ([1, 0, 1], [1, 0, 1], (1, 1)),
+        ([0, 1, 1], [0, 0, 1], (1, 3)),
+        ([0, 0, 0], [0, 0, 0], (1, 1)),
+    ],
+)
+def test_a_segment_has_what_both_ends_have(velocities, accelerations, degrees):
+    v = np.where(np.array(velocities)[:, None], V, np.nan)
+    a = np.where(np.array(accelerations)[:, None], A, np.nan)
+    assert tuple(len(piece) - 1 for piece in pc.Trajectory(TIMES, Q, v, a).curve.pieces) == degrees
+
+
+def test_accelerations_without_velocities_are_refused():
+    with pytest.raises(pc.PlannercheckError, match=r"points 0 and 1 have accelerations without velocities.*0 on every"):
+        pc.Trajectory(TIMES, Q, None, A)
+    with pytest.raises(pc.PlannercheckError, match="UR driver refuses"):
+        pc.Trajectory(TIMES, Q, None, A, "ur")
+
+
+def test_controllers_differ():
+    """UR runs positions alone at rest at each point, MotoROS2 ignores accelerations, linear all derivatives."""
+    ur, clamped = pc.Trajectory(TIMES, Q, controller="ur"), pc.Trajectory(TIMES, Q, 0 * V)
+    assert all(np.array_equal(a, b) for a, b in zip(ur.curve.pieces, clamped.curve.pieces, strict=True))
+    moto, cubic = pc.Trajectory(TIMES, Q, V, A, "motoros2"), pc.Trajectory(TIMES, Q, V)
+    assert all(np.array_equal(a, b) for a, b in zip(moto.curve.pieces, cubic.curve.pieces, strict=True))
+    assert [len(piece) for piece in pc.Trajectory(TIMES, Q, V, A, "linear").curve.pieces] == [2, 2]
+    with pytest.raises(pc.PlannercheckError, match="point 0 has no velocities"):
+        pc.Trajectory(TIMES, Q, controller="motoros2")
+    with pytest.raises(pc.PlannercheckError, match="'jtc'"):
+        pc.Trajectory(TIMES, Q, controller="jtx")
+
+
+def test_upsampling_is_the_clamped_spline_of_scipy():
+    times, q = np.cumsum(RNG.uniform(0.1, 1, 9)), RNG.normal(size=(9, 3))
+    spline = CubicSpline(times, q, bc_type="clamped")
+    found, at = pc.Trajectory(times, q, controller="jtc-upsampled"), np.linspace(times[0], times[-1], 100)
+    np.testing.assert_allclose(found.position(at), spline(at), atol=1e-12)
+
+
+def test_the_way_to_the_first_point_begins_where_the_robot_stands():
+    found = pc.Trajectory(TIMES, Q, V, A, start=(np.zeros(2), [0.3, 0.0]))
+    np.testing.assert_allclose(found.velocity(0), [0.3, 0], atol=1e-15)
+    assert [len(piece) - 1 for piece in found.curve.pieces] == [5, 5, 5]  # its acceleration is 0
+    assert [len(piece) for piece in pc.Trajectory(TIMES, Q, start=np.zeros(2)).curve.pieces] == [2, 2, 2]
+
+
+def test_whole_turns_are_taken_off_on_the_way_to_the_first_point_alone():
+    q = np.array([[0.1, 0.1], [7.0, 7.0]])
+    found = pc.Trajectory([1, 2], q, start=[6.2, 6.2], continuous=[1])
+    np.testing.assert_allclose(found.position(0), [6.2, 6.2 - 2 * np.pi], atol=1e-15)
+    np.testing.assert_allclose(found.position(2), [7, 7])
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_half_a_turn_goes_the_way_of_the_numbers(sign):
+    found = pc.Trajectory([1, 2], [[sign * np.pi], [sign * np.pi]], start=[0.0], continuous=[0])
+    assert found.position(0) == pytest.approx(0, abs=1e-15)
+
+
+def test_a_first_point_at_once_is_where_the_robot_stands():
+    at_once = (np.array([0.0, 1.0]), np.array([[0.0], [1.0]]))
+    assert pc.Trajectory(*at_once, start=[0.0]).duration == 1
+    with pytest.raises(pc.PlannercheckError, match=r"differs from start by 0\.1 in column 0: the robot would jump"):
+        pc.Trajectory(*at_once, start=[0.1])
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"times": [0.5, 0.5, 1]}, "times must grow from 0 s on, but point 1 is at 0.5 s"),
+        ({"times": [-1, 0.5, 1]}, "point 0 is at -1.0 s"),
+        ({"times": [0, np.nan, 1]}, "point 1 is at nan s"),
+        ({"times": [0, 1]}, r"not \(2,\) and \(3, 2\)"),
+        ({"positions": np.where(np.arange(6).reshape(3, 2) == 3, np.nan, Q)}, "point 1 is not"),
+        ({"velocities": np.where(np.arange(6).reshape(3, 2) == 3, np.nan, V)}, "NaN for a whole point: point 1"),
+        ({"velocities": V[:2]}, r"shape of positions, \(3, 2\), not \(2, 2\)"),
+        ({"velocities": V + np.array([[0], [0], [0.1]])}, "does not end at rest"),
+        ({"start": [1.0]}, r"start must be a configuration \(2,\)"),
+        ({"times": [1.0], "positions": Q[:1], "velocities": None}, "one point needs start="),
+    ],
+)
+def test_malformed_points_are_named(change, words):
+    with pytest.raises(pc.PlannercheckError, match=words):
+        pc.Trajectory(**{"times": TIMES, "positions": Q, "velocities": V, **change})
+
+
+def test_times_outside_are_refused():
+    for time in (0.4, 3.1, np.nan):
+        with pytest.raises(pc.PlannercheckError, match=r"times must be within 0\.5 and 3\.0 s"):
+            pc.Trajectory(TIMES, Q).position(time)
+
+
+@pytest.mark.parametrize("degree", [0, 1, 3, 5, 7])
+def test_polynomials_are_those_of_scipy(degree):
+    breaks, powers = np.array([1.0, 1.5, 4.0]), RNG.normal(size=(2, 3, degree + 1))
+    ends = [sum(powers[0, j, i] * 0.5**i for i in range(degree + 1)) for j in range(3)]
+    powers[1, :, 0] = ends
+    found, peer = pc.Trajectory.polynomials(breaks, powers), PPoly(powers.transpose(2, 0, 1)[::-1], breaks)
+    at = np.linspace(1, 4, 50)
+    for derivative, values in enumerate((found.position(at), found.velocity(at), found.acceleration(at))):
+        size = np.abs(peer(at, derivative)).max() + 1
+        np.testing.assert_allclose(values, peer(at, derivative), atol=1e-12 * size)
+
+
+def test_pieces_must_meet():
+    with pytest.raises(pc.PlannercheckError, match="pieces 0 and 1 are 1 apart where they meet"):
+        pc.Trajectory.polynomials([0, 1, 2], [[[0.0]], [[1.0]]])
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 5])
+@pytest.mark.parametrize("clamped", [True, False])
+def test_b_splines_are_those_of_scipy(degree, clamped):
+    knots = np.sort(RNG.uniform(0, 5, 8 + 2 * degree))
+    if degree > 1:
+        knots[degree + 3] = knots[degree + 2]  # a double knot
+    if clamped:
+        knots[: degree + 1], knots[-degree - 1 :] = 0, 5
+    points = RNG.normal(size=(len(knots) - degree - 1, 2))
+    found, peer = pc.Trajectory.bspline(knots, points), BSpline(knots, points, degree)
+    at = np.linspace(knots[degree], knots[-degree - 1], 200)
+    np.testing.assert_allclose(found.position(at), peer(at), atol=1e-12)
+
+
+def test_bezier_is_its_control_points():
+    found = pc.Trajectory.bezier([0, 2], [[[0.0], [1.0], [0.0]]])
+    assert found.position(1.0) == 0.5
+    assert found.velocity(0.0) == 1.0
+    np.testing.assert_allclose(bernstein(np.array([[0.0], [2.0], [-2.0]])), [[0], [1], [0]])
+
+
+def test_limits_between_the_points_are_found():
+    """A cubic that overshoots: from rest and to rest through a point that it passes fast."""
+    robot = pc.Robot.load("panda")
+    q = np.tile([0.0, 0, 0, -1.5, 0, 1.5, 0], (3, 1))
+    q[:, 0] = 2.7, 2.8, 2.7
+    v = np.zeros((3, 7))
+    v[1, 0] = 1.0
+    found = pc.Trajectory([0, 1, 2], q, v)
+    excess, *more = found.limits(robot, velocity=5.0)
+    assert not more
+    assert (excess.joint, excess.kind) == ("panda_joint1", "position")
+    sampled = found.position(np.linspace(0, 2, 20001))[:, 0]
+    assert excess.value == pytest.approx(sampled.max(), abs=1e-7)
+    assert excess.time == pytest.approx(np.linspace(0, 2, 20001)[sampled.argmax()], abs=1e-3)
+    kinds = [each.kind for each in found.limits(robot, velocity=0.5, acceleration=1.0)]
+    assert kinds == ["position", "velocity", "acceleration"]
+    with pytest.raises(pc.PlannercheckError, match="velocity must be limits of at least 0"):
+        found.limits(robot, velocity=-1.0)
+
+
+def message(names, points):
+    return {"header": {"frame_id": "base"}, "joint_names": names, "points": points}
+
+
+def point(q, at, **more):
+    return {"positions": q, "time_from_start": {"sec": int(at), "nanosec": round((at - int(at)) * 1e9)}, **more}
+
+
+@pytest.mark.parametrize("wrapped", ["alone", "joint_trajectory", "trajectory", "display"])
+def test_messages_are_read_in_the_robots_order(tmp_path: Path, wrapped: str):
+    robot = pc.Robot.load("panda")
+    names = list(reversed(robot.joint_names))
+    inner = message(names, [point([float(k)] * 7, 0.25 * k, velocities=[0.1 * k] * 7) for k in (2, 1, 0)][::-1])
+    inner["points"][2] |= {"velocities": [0.0] * 7, "positions": [0.0, 1, 2, 3, 4, 5, 6]}
+    document = {
+        "alone": inner,
+        "joint_trajectory": {"joint_trajectory": inner},
+        "trajectory": {"trajectory": inner, "goal_tolerance": []},
+        "display": {"trajectory": [{"joint_trajectory": inner}]},
+    }[wrapped]
+    (tmp_path / "t.json").write_text(json.dumps(document))
+    (tmp_path / "t.yaml").write_text(json.dumps(document) + "\n---\n")
+    for name in ("t.json", "t.yaml"):
+        found = pc.Trajectory.load(tmp_path / name, robot)
+        assert found.position(0.5).tolist() == [6, 5, 4, 3, 2, 1, 0]
+        assert [len(piece) - 1 for piece in found.curve.pieces] == [3, 3]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"joint_names": ["a"] * 7}, "has joint 'a', which panda has not"),
+        ({"joint_names": ["panda_joint1"] * 7}, "must have each joint of panda once: panda_joint2"),
+        ({"points": []}, "times"),
+        ({"points": [{"time_from_start": 1}]}, "point 0.*has no positions"),
+        ({"points": [point([0.0] * 6, 1)]}, "point 0.*positions"),
+        ({"points": [point([0.0] * 7, 1, velocity=[0])]}, "velocity"),
+        ({"points": [point([0.0] * 7, 1, effort=[1.0])], "stamp": 3}, "stamp"),
+    ],
+)
+def test_malformed_messages_are_named(tmp_path: Path, change: dict, words: str):
+    robot = pc.Robot.load("panda")
+    file = message(list(robot.joint_names), [point([0.0] * 7, 1), point([0.1] * 7, 2)]) | change
+    (tmp_path / "t.json").write_text(json.dumps(file))
+    with pytest.raises(pc.PlannercheckError, match=f"(?s){words}"):
+        pc.Trajectory.load(tmp_path / "t.json", robot)
+
+
+def test_several_trajectories_in_a_row_are_refused(tmp_path: Path):
+    robot = pc.Robot.load("panda")
+    one = {"joint_trajectory": message(list(robot.joint_names), [point([0.0] * 7, 1), point([0.1] * 7, 2)])}
+    (tmp_path / "t.json").write_text(json.dumps({"trajectory": [one, one]}))
+    with pytest.raises(pc.PlannercheckError, match="holds 2 JointTrajectory messages"):
+        pc.Trajectory.load(tmp_path / "t.json", robot)
