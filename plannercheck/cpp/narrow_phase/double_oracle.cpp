@@ -13,7 +13,7 @@ namespace {
 
 // Active sets that keep only the support cycle near contact (measured: 5 to 12 %).
 constexpr int kActives = IncrementalMatrixGame::kMost;
-// GJK needs fewer at 100,000 vertices; the exact stage decides the rest.
+// GJK needs fewer at 100,000 vertices.
 constexpr int kOracleRounds = 48;
 // Shorter searches are not worth a start of their own (measured).
 constexpr int kManyRounds = 4;
@@ -227,7 +227,8 @@ Certificate shared_at(Vec3 x) {
 
 }  // namespace
 
-Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, ActiveSet* last, PairCounters& counters) {
+std::optional<Certificate> double_oracle(const PairFrame& frame, std::int32_t guest_vertex, ActiveSet* last,
+                                         PairCounters& counters) {
   const Vec3 x = first_point(frame, guest_vertex);
   ++counters.host_queries;
   const std::int32_t k = extreme(frame.host().polar, x, counters.queries);
@@ -236,9 +237,10 @@ Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, Act
   oracle.start(guest_vertex, k);
   if (last != nullptr) oracle.join(*last);
   int rounds = 1;
-  while (!oracle.round() && rounds < kOracleRounds) ++rounds;
+  bool has_ended = oracle.round();
+  for (; !has_ended && rounds < kOracleRounds; ++rounds) has_ended = oracle.round();
   if (last != nullptr && rounds >= kManyRounds) *last = oracle.with_weight();
-  return oracle.certificate();
+  return has_ended ? std::optional(oracle.certificate()) : std::nullopt;
 }
 
 }  // namespace plannercheck
