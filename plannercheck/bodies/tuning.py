@@ -55,10 +55,7 @@ class Tuning:
         },
     )
     # Stages of the pair test, before exact arithmetic decides.
-    cached_plane: bool = _switch(
-        "First try the plane that separated the pair last time, also for an earlier motion; the oracle then begins "
-        "with the vertices and facets that it ended with, where it had taken long."
-    )
+    cached_plane: bool = _switch("First try the plane that separated the pair last time, also for an earlier motion.")
     box_face: bool = _switch("Try the face of a box around one body that comes nearest to separating both boxes.")
     centre_axis: bool = _switch("Try the axis between the centres, and balls around them, before the method.")
     turned_axis: bool = _switch("Turn that axis to where the bodies would face each other if they were ellipsoids.")

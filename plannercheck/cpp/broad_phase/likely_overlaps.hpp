@@ -16,13 +16,11 @@ namespace plannercheck {
 
 class LikelyOverlaps {
  public:
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-
   // Calls overlaps(pair) for pairs that are worth a try, the likeliest first, until it returns true.
   template <class Overlaps>
   void try_each(Overlaps overlaps) const {
     for (const Entry& entry : entries_) {
-      if (!entry.rate.is_at_least_one_in(kWorth) || entry.pair == kNone || overlaps(entry.pair)) return;
+      if (!entry.rate.is_at_least_one_in(kWorth) || overlaps(entry.pair)) return;
     }
   }
 
@@ -48,7 +46,7 @@ class LikelyOverlaps {
   static constexpr RecentRate kUnknown{32, 1, 16, 1};
 
   struct Entry {
-    std::size_t pair = kNone;
+    std::size_t pair = static_cast<std::size_t>(-1);  // none: its rate never rises
     RecentRate rate = kUnknown;
   };
 

@@ -138,7 +138,7 @@ class CheckerCore {
   bool parts_share(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool half_space_shared(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool is_free(Found& found, std::size_t state, Workspace& workspace) const;
-  [[gnu::noinline]] bool no_pair_collides(const std::vector<std::int32_t>& near, std::size_t state,
+  [[gnu::noinline]] bool no_pair_collides(std::vector<std::int32_t>& near, std::size_t state,
                                           Workspace& workspace) const;
   bool is_found_colliding(Found& found, std::size_t state, Workspace& workspace) const;
   std::int32_t first_collision(std::vector<std::int32_t>& near, std::size_t state, Workspace& workspace) const;

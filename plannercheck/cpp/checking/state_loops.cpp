@@ -4,6 +4,7 @@
 // In: rows of configurations, or posed links. Out: what is asked of each. Sets are posed in floats first, and only the
 // states that the filters leave open in doubles, in blocks of their own (open_states.hpp).
 #include <algorithm>
+#include <utility>
 
 #include "checking/checker_workspace.hpp"
 #include "math/interruption.hpp"
@@ -94,8 +95,15 @@ inline bool CheckerCore::is_free(Found& found, std::size_t state, Workspace& w) 
   return (found.overlapping >> state & 1U) == 0;
 }
 
-bool CheckerCore::no_pair_collides(const std::vector<std::int32_t>& near, std::size_t state, Workspace& w) const {
+// The pair that collides most often goes first.
+bool CheckerCore::no_pair_collides(std::vector<std::int32_t>& near, std::size_t state, Workspace& w) const {
   ++w.judged;
+  if (tuning_.learning) {
+    const auto is_below = [&](std::int32_t a, std::int32_t b) {
+      return w.collisions[at(b)].is_above(w.collisions[at(a)]);
+    };
+    std::swap(near.front(), *std::max_element(near.begin(), near.end(), is_below));
+  }
   for (std::size_t k = 0; k < near.size(); ++k) {
     if (!collides(at(near[k]), state, w)) continue;
     w.counters.skipped += static_cast<long>(near.size() - k - 1);

@@ -15,8 +15,6 @@ namespace {
 constexpr int kActives = IncrementalMatrixGame::kMost;
 // GJK needs fewer at 100,000 vertices.
 constexpr int kOracleRounds = 48;
-// Shorter searches are not worth a start of their own (measured).
-constexpr int kManyRounds = 4;
 
 // Unused places hold zeros.
 struct Actives {
@@ -60,34 +58,10 @@ class DoubleOracle {
 
   const Certificate& certificate() const { return certificate_; }
 
-  // Starts from a guest's vertex (all vertices of a box) and the host's facet that a point of it violates most. Boxes
-  // and small polars take part as a whole.
+  // Starts from a guest's vertex and the host's facet that a point of the guest violates most.
   void start(std::int32_t vertex, std::int32_t facet) {
-    if (takes_all_vertices()) {
-      for (std::int32_t v = 0; v < kActives; ++v) add_row(v, frame_.guest_vertex(v));
-    } else {
-      add_row(vertex, frame_.guest_vertex(vertex));
-    }
-    if (!takes_all_facets()) return add_column(facet, frame_.polar_point(facet));
-    const auto facets = static_cast<std::int32_t>(frame_.host().polar.points.size());
-    for (std::int32_t k = 0; k < facets; ++k) add_column(k, frame_.polar_point(k));
-  }
-
-  // Those that are not there yet take part as well.
-  void join(const ActiveSet& others) {
-    for (const std::uint16_t v : others.vertices) {
-      if (v != ActiveSet::kNone && !rows_.holds(v)) add_row(v, frame_.guest_vertex(v));
-    }
-    for (const std::uint16_t k : others.facets) {
-      if (k != ActiveSet::kNone && !columns_.holds(k)) add_column(k, frame_.polar_point(k));
-    }
-  }
-  // Those with weight, but for bodies that take part as a whole; none if the search has ended before it had a game.
-  ActiveSet with_weight() const {
-    ActiveSet out;
-    if (game_ && !takes_all_vertices()) out.vertices = with_weight(rows_, game_->row_weights());
-    if (game_ && !takes_all_facets()) out.facets = with_weight(columns_, game_->column_weights());
-    return out;
+    add_row(vertex, frame_.guest_vertex(vertex));
+    add_column(facet, frame_.polar_point(facet));
   }
 
   // Asks for one more vertex or facet; true if the search is over.
@@ -103,18 +77,6 @@ class DoubleOracle {
   std::optional<IncrementalMatrixGame> game_;  // most searches end before they need it
   bool afresh_ = false;                        // solved from the beginning since the last vertex or facet was added
   Certificate certificate_;
-
-  bool takes_all_vertices() const { return frame_.guest().is_box != 0; }
-  bool takes_all_facets() const { return frame_.host().polar.points.size() <= at(kActives); }
-
-  static ActiveSet::Numbers with_weight(const Actives& actives, const IncrementalMatrixGame::Numbers& weights) {
-    ActiveSet::Numbers out = ActiveSet{}.vertices;
-    std::size_t found = 0;
-    for (std::size_t i = 0; i < at(actives.count) && found < out.size(); ++i) {
-      if (weights[i] > 0 && actives.id[i] < ActiveSet::kNone) out[found++] = static_cast<std::uint16_t>(actives.id[i]);
-    }
-    return out;
-  }
 
   // An upper bound of |q·x| over the host's polar and the guest, with room for rounding.
   static double largest_payoff(const PairFrame& frame) {
@@ -227,19 +189,16 @@ Certificate shared_at(Vec3 x) {
 
 }  // namespace
 
-std::optional<Certificate> double_oracle(const PairFrame& frame, std::int32_t guest_vertex, ActiveSet* last,
-                                         PairCounters& counters) {
+std::optional<Certificate> double_oracle(const PairFrame& frame, std::int32_t guest_vertex, PairCounters& counters) {
   const Vec3 x = first_point(frame, guest_vertex);
   ++counters.host_queries;
   const std::int32_t k = extreme(frame.host().polar, x, counters.queries);
   if (bodies_hold(frame, x, dot(frame.polar_point(k), x), 0, counters)) return shared_at(x);
   DoubleOracle oracle(frame, counters);
   oracle.start(guest_vertex, k);
-  if (last != nullptr) oracle.join(*last);
   int rounds = 1;
   bool has_ended = oracle.round();
   for (; !has_ended && rounds < kOracleRounds; ++rounds) has_ended = oracle.round();
-  if (last != nullptr && rounds >= kManyRounds) *last = oracle.with_weight();
   return has_ended ? std::optional(oracle.certificate()) : std::nullopt;
 }
 

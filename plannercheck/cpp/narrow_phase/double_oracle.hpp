@@ -6,14 +6,11 @@
 #include <cstdint>
 #include <optional>
 
-#include "narrow_phase/active_set.hpp"
 #include "narrow_phase/pair_frame.hpp"
 
 namespace plannercheck {
 
-// The whole search from a guest's vertex; none if it has not ended after a constant number of rounds. `last`: what it
-// ends with for the next poses of the pair; may be null.
-std::optional<Certificate> double_oracle(const PairFrame& frame, std::int32_t guest_vertex, ActiveSet* last,
-                                         PairCounters& counters);
+// The whole search from a guest's vertex; none if it has not ended after a constant number of rounds.
+std::optional<Certificate> double_oracle(const PairFrame& frame, std::int32_t guest_vertex, PairCounters& counters);
 
 }  // namespace plannercheck

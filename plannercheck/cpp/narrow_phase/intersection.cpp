@@ -74,10 +74,9 @@ PairVerdict without_polar(const PosedPolytope& guest, const PosedPolytope& host,
 
 // In O(log n + log m) steps, whichever the solver: the oracle has a constant number of rounds, after which the walk
 // goes on. What both leave are gaps too small for the polar's bound, or within the inflation radius of separated hulls.
-Certificate solver_certificate(const PairFrame& frame, std::int32_t lowest, ActiveSet* last, Solver solver,
-                               PairCounters& counters) {
+Certificate solver_certificate(const PairFrame& frame, std::int32_t lowest, Solver solver, PairCounters& counters) {
   if (solver == Solver::kDoubleOracle) {
-    if (const std::optional<Certificate> found = double_oracle(frame, lowest, last, counters)) return *found;
+    if (const std::optional<Certificate> found = double_oracle(frame, lowest, counters)) return *found;
   }
   return coupled_walk(frame, counters);
 }
@@ -86,8 +85,7 @@ Certificate solver_certificate(const PairFrame& frame, std::int32_t lowest, Acti
 PairVerdict solved(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, std::int32_t lowest,
                    const CentreAxis& axis, const PairOptions& options, PairMemory* memory, PairCounters& counters) {
   if (!host.body->has_polar()) return without_polar(guest, host, axis.direction(), options, counters);
-  ActiveSet* const last = memory != nullptr && options.active_sets ? &memory->actives : nullptr;
-  const Certificate certificate = solver_certificate(frame, lowest, last, options.solver, counters);
+  const Certificate certificate = solver_certificate(frame, lowest, options.solver, counters);
   if (certificate.answer != Answer::kUndecided) return certified(certificate, memory);
   return without_polar(guest, host, host.pose.rotate(certificate.q), options, counters);
 }

@@ -3,7 +3,6 @@
 
 #include <optional>
 
-#include "narrow_phase/active_set.hpp"
 #include "narrow_phase/centre_axis.hpp"
 #include "narrow_phase/exact_stage.hpp"
 #include "narrow_phase/gjk.hpp"
@@ -26,9 +25,6 @@ struct PairOptions {
   bool warm_start = true;      // whether each stage begins with the vertices where the one before gave up
   bool trees_first = true;     // whether solids whose hulls met last are tested before their hulls
   bool dents = true;           // whether hulls that meet deeper than the dents of their solids are the last word
-  // With cached planes: whether the solver begins with what it ended with at the pair's last poses. Where poses are not
-  // alike, that is worse than nothing.
-  bool active_sets = true;
 };
 
 // The plane that separated a pair last time, in the host's frame.
@@ -41,7 +37,6 @@ struct CachedPlane {
 // What earlier poses of a pair have shown, which no verdict depends on.
 struct PairMemory {
   CachedPlane plane;
-  ActiveSet actives;
 };
 
 struct PairVerdict {

@@ -87,11 +87,9 @@ void test_half_spaces(std::size_t pairs, PairBatch& batch, PairCounters& counter
 
 }  // namespace
 
-void test_pairs(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& given,
+void test_pairs(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
                 PairBatch& batch, PairCounters& counters) {
   if (guest.half_space || host.half_space) return test_half_spaces(pairs, batch, counters);
-  PairOptions options = given;
-  options.active_sets = false;  // nobody knows whether the poses are alike
   PairMemory of_pair;
   PairMemory* const memory = options.cached_plane && host.has_polar() ? &of_pair : nullptr;
   if (guest.solid || host.solid || guest.parts || host.parts) {
