@@ -24,7 +24,8 @@ from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import read_only
 from plannercheck.common.core import core
 from plannercheck.robots.configurations import LARGEST_VALUE
-from plannercheck.robots.kinematics import SLIDE, TURNS, JointTable
+from plannercheck.robots.joints import KINDS, SLIDE, TURN
+from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.robot import Robot
 
 Cut = tuple[int, ...]
@@ -276,7 +277,7 @@ class Chains:
         for joint in reversed(branch[:known]):
             length += math.dist(following, self._moved_origins[joint])
             column, rate = self._column(joint), abs(float(self._table.multipliers[joint][0]))
-            slides = self._table.kinds[joint] == SLIDE
+            slides = KINDS[self._table.kinds[joint]] is SLIDE
             levers[column] += rate * (1.0 if slides else length)
             ball_levers[column] += rate * (1.0 if slides else length + radius)
             length += self._slides[joint]
@@ -328,10 +329,10 @@ def _rows(points: Sequence[Sequence[float]], wanted: Sequence[int]) -> Floats:
 
 def _most_slide(table: JointTable, joint: int, lower: Floats, upper: Floats) -> float:
     """How far a joint slides its frame at most, m; infinite if several numbers move it."""
-    kind, column = int(table.kinds[joint]), int(table.columns[joint][0])
-    if kind in TURNS:
+    kind, column = KINDS[table.kinds[joint]], int(table.columns[joint][0])
+    if kind is TURN:
         return 0.0
-    if kind != SLIDE:
+    if kind is not SLIDE:
         return np.inf
     ends = np.array([lower[column], upper[column]])
     if not np.isfinite(ends).all():

@@ -120,8 +120,9 @@ class MotionCertifier:
         """
         check_tolerance(tolerance)
         free = np.empty(len(motions.starts), dtype=bool)
-        by_error = self._errors.of_motions(motions)
-        for part, some in self._parts_of(motions):
+        ranges = motions.ranges()
+        by_error = self._errors.of_ranges(*ranges)
+        for part, some in self._parts_of(*ranges):
             for error, rows in by_error(some):
                 if part.touching:  # these pairs touch at every state, so no motion is free
                     free[rows] = False
@@ -131,15 +132,14 @@ class MotionCertifier:
                 free[rows] = verdicts(answers, tolerance, rows)
         return free
 
-    def _parts_of(self, motions: Motions) -> list[tuple[ChainedPairs, NDArray[np.int64]]]:
-        """The pairs by which motions are judged, and the rows of these motions: those within the limits, the others."""
-        if self._limits is None:
-            return [(self._pairs_within_limits, np.arange(len(motions.starts)))]
-        least, largest = motions.ranges()
-        within = ((least >= self._limits[0]) & (largest <= self._limits[1])).all(axis=1)
-        inside, beyond = np.flatnonzero(within), np.flatnonzero(~within)
-        parts = [(self._pairs_within_limits, inside)] if len(inside) else []
-        return [*parts, (self._all_pairs, beyond)] if len(beyond) else parts
+    def _parts_of(self, least: Floats, largest: Floats) -> list[tuple[ChainedPairs, NDArray[np.int64]]]:
+        """Pairs, and the rows of the motions that they judge: within the limits all the way, and the others."""
+        rows, limits = np.arange(len(least)), self._limits
+        within = None if limits is None else ((least >= limits[0]) & (largest <= limits[1])).all(axis=1)
+        if within is None or within.all():
+            return [(self._pairs_within_limits, rows)]
+        beyond = [(self._all_pairs, rows[~within])]
+        return [(self._pairs_within_limits, rows[within]), *beyond] if within.any() else beyond
 
     @cached_property
     def judge_rows(self) -> JudgeMotion:
@@ -225,11 +225,12 @@ class MotionCertifier:
             The result.
         """
         check_tolerance(tolerance)
-        motion = Motions(q0[None], q1[None], (q1 if given is None else given)[None])
-        ((part, row),) = self._parts_of(motion)
+        end = q1[None]
+        ranges = Motions(q0[None], end, end if given is None else given[None]).ranges()
+        ((part, row),) = self._parts_of(*ranges)
         if part.touching:
             return MotionResult(False, 0.0, 0.0, part.touching[0])
-        ((error, _),) = self._errors.of_motions(motion)(row)
+        ((error, _),) = self._errors.of_ranges(*ranges)(row)
         answer, until, near, pair = part.core.explain(self._kernel, q0, q1, tolerance, error, False)[:4]
         found = passage_of(answer, until, near, int(part.rows[pair]) if answer == REFUSED else -1, tolerance)
         if not proofs:

@@ -16,11 +16,8 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.joint_drives import split_joints
 from plannercheck.robots.configurations import ConfigurationMap
+from plannercheck.robots.joints import KINDS
 from plannercheck.robots.kinematics import JointTable, joint_placements
-
-# The kernel's kind of a prismatic joint (JointKind in cpp/robots/kinematics.hpp); kinds that take several numbers come
-# after it.
-_SLIDE = 8
 
 
 class JointAxis(NamedTuple):
@@ -73,8 +70,9 @@ class JointTree:
         self.table = table
         self.parents: list[int] = table.parents.tolist()
         self.moves: list[bool] = [bool(row.any()) for row in table.columns >= 0]
-        self.slides = [self.moves[j] and kind >= _SLIDE and kind != 10 for j, kind in enumerate(table.kinds.tolist())]
-        self.turns = [self.moves[j] and kind != _SLIDE for j, kind in enumerate(table.kinds.tolist())]
+        kinds = [KINDS[k] for k in table.kinds.tolist()]
+        self.slides = [moves and kind.lengths > 0 for moves, kind in zip(self.moves, kinds, strict=True)]
+        self.turns = [moves and kind.turn != "" for moves, kind in zip(self.moves, kinds, strict=True)]
         self.axes = [_axis(table, j, joints[j + 1]) for j in range(len(self.parents))]
         for joint, slides in split_joints(table, path):
             self._split(joint, slides)
@@ -134,8 +132,7 @@ def _at_rest(model: pin.Model, configurations: ConfigurationMap, table: JointTab
 
 
 def _axis(table: JointTable, joint: int, pose: pin.SE3) -> JointAxis:
-    kind = int(table.kinds[joint])
-    if kind > _SLIDE:
+    if not KINDS[table.kinds[joint]].has_axis:
         return JointAxis(pose.translation.copy(), None)
     direction = pose.rotation @ table.axes[joint]
     return JointAxis(pose.translation.copy(), direction / np.linalg.norm(direction))

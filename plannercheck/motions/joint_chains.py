@@ -1,7 +1,7 @@
 """Chains of joints with lever arms: they bound how far a motion moves two bodies relative to each other.
 
-In: a robot, bodies, pairs. Out: `MotionChains`: for each pair a frame between its bodies, and for each body the joints
-from that frame to it. Each joint has a bound on how far the body's points get from its axis at any configuration.
+In: a robot, bodies, pairs. Out: for each pair a frame between its bodies, and for each body the joints from that frame
+to it (`PairParts`). Each joint has a bound on how far the body's points get from its axis at any configuration.
 
 The arms. A point of a joint's axis is fixed on both links that the joint connects. So we go from the body outwards. The
 body's points are within D(c) of a point c on the first axis. A point c' on the next axis is on the same link as c, so
@@ -24,19 +24,13 @@ We choose the link with the least error if all joints turn at the same rate.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
-from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import GeometryObject, inflated_hull
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.motions.joint_axes import JointTree
-from plannercheck.motions.joint_drives import Spread, defect, drives, spread
-from plannercheck.robots.configurations import ConfigurationMap
-from plannercheck.robots.kinematics import JointTable
 
 # Poses of bodies differ from rigid ones by 3.6e-6 at most (robots/unit_lengths.py), which stretches lengths by half of
 # that; lengths are rounded as well.
@@ -61,60 +55,6 @@ class ChainJoint(NamedTuple):
     slides: tuple[int, ...]
 
 
-class ChainedPair(NamedTuple):
-    """Two bodies, and the chains along which they move relative to each other.
-
-    Attributes:
-        first: A body that moves.
-        second: The other body.
-        frame: Index of the link in whose frame both are seen, -1 for the world.
-        chains: Indices of the chains from the frame to the first and the second body; -1 for a body that is at rest in
-            the frame.
-    """
-
-    first: int
-    second: int
-    frame: int
-    chains: tuple[int, int]
-
-
-@dataclass(frozen=True)
-class MotionChains:
-    """The data about a robot's joints that the certifier needs.
-
-    Attributes:
-        pairs: One for each of the given pairs.
-        chains: Entries, from the frame to the body.
-        drives: (joints, 2) kind (turn, slide, or part) and column of each of the table's joints.
-        factors: (joints, 2) multiplier and offset of its value.
-        parts: (parts, 2) kind and first column of each group of several numbers.
-        defect: Bound of ||M^T M - 1|| for all placements and held joints together.
-        leverage: Sum of all multipliers.
-        depth: The largest number of quaternions, or cosines and sines, on one chain.
-        spread: How far from the world's origin joints and links may be.
-    """
-
-    pairs: tuple[ChainedPair, ...]
-    chains: tuple[tuple[ChainJoint, ...], ...]
-    drives: Ints
-    factors: Floats
-    parts: Ints
-    defect: float
-    leverage: float
-    depth: int
-    spread: Spread
-
-    def arrays(self) -> tuple[NDArray[np.generic], ...]:
-        """Pairs, drives, factors, first entries, entries, arms, slides, parts, as the core takes them."""
-        return (
-            np.array([(p.first, p.second, p.frame, *p.chains) for p in self.pairs], dtype=np.int32).reshape(-1, 5),
-            self.drives,
-            self.factors,
-            *chain_arrays(self.chains),
-            self.parts,
-        )
-
-
 def chain_arrays(chains: Sequence[tuple[ChainJoint, ...]]) -> tuple[Ints, Ints, Floats, Ints]:
     """First entries (chains + 1,), entries (k, 3), arms (k,) and slides of chains, as the core takes them."""
     entries = [entry for chain in chains for entry in chain]
@@ -125,44 +65,6 @@ def chain_arrays(chains: Sequence[tuple[ChainJoint, ...]]) -> tuple[Ints, Ints, 
         np.array(rows, dtype=np.int32).reshape(-1, 3),
         np.array([entry.arm for entry in entries], dtype=np.float64),
         np.array([joint for entry in entries for joint in entry.slides], dtype=np.int32),
-    )
-
-
-def motion_chains(
-    model: pin.Model,
-    configurations: ConfigurationMap,
-    table: JointTable,
-    frames: Sequence[int],
-    bodies: Sequence[GeometryObject],
-    links: Sequence[int],
-    pairs: NDArray[np.int64],
-    excess: float,
-) -> MotionChains:
-    """Makes the chains of a robot's pairs.
-
-    Args:
-        model: Pinocchio's.
-        configurations: Where the numbers in Pinocchio's q come from.
-        table: The kernel's.
-        frames: Pinocchio's frames of the links.
-        bodies: All bodies.
-        links: Each body's link, -1 if no joint moves the body.
-        pairs: (k, 2) indices of bodies, of which the first moves.
-        excess: How far polytopes of curved shapes stick out, as a part of the radius.
-
-    Returns:
-        The chains.
-    """
-    builder = ChainBuilder(JointTree(model, configurations, table, frames), bodies, links, excess)
-    chained = tuple(builder.pair(int(a), int(b)) for a, b in pairs)
-    return MotionChains(
-        chained,
-        tuple(builder.chains),
-        *drives(table),
-        defect(table),
-        float(max(1.0, np.abs(table.multipliers).sum())),
-        configurations.lengths.depth,
-        spread(table),
     )
 
 
@@ -189,20 +91,22 @@ class ChainBuilder:
     """
 
     def __init__(self, tree: JointTree, bodies: Sequence[GeometryObject], links: Sequence[int], excess: float) -> None:
-        """Arguments as for `motion_chains`; the tree is that of the robot's joints."""
+        """Takes the bodies.
+
+        Args:
+            tree: The robot's joints.
+            bodies: All bodies.
+            links: Each body's link, -1 if no joint moves the body.
+            excess: How far polytopes of curved shapes stick out, as a part of the radius.
+        """
         self.tree, self._bodies, self._links, self._excess = tree, bodies, links, excess
         self._arms: dict[tuple[int, tuple[int, ...]], tuple[ChainJoint, ...]] = {}
         self._index: dict[tuple[ChainJoint, ...], int] = {}
         self._points: dict[int, tuple[Floats, float]] = {}
         self.chains: list[tuple[ChainJoint, ...]] = []
 
-    def pair(self, first: int, second: int) -> ChainedPair:
-        """The frame and chains of a pair."""
-        parts = self.parts(first, second)
-        return ChainedPair(first, second, parts.frame, (self.index(parts.first), self.index(parts.second)))
-
     def parts(self, first: int, second: int) -> PairParts:
-        """The same, joint by joint."""
+        """The chains of a pair: of two bodies, of which the first moves, by their indices."""
         tree, links = self.tree, self._links
         start = tree.link_joints[links[first]]
         end = tree.link_joints[links[second]] if links[second] >= 0 else -1

@@ -13,28 +13,12 @@ import numpy as np
 
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.motion_paths import MotionPath
+from plannercheck.robots.joints import KINDS, SLIDE
 from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.unit_lengths import DEFECT_PARTS
 
-# The kernel's joint kinds (JointKind in cpp/robots/kinematics.hpp).
-_LAST_TURN, _LAST_UNIT_TURN, _SLIDE = 3, 7, 8
-
-# DriveKind in cpp/motions/motion_bounds.hpp and PartKind in cpp/motions/configuration_path.hpp, by the kernel's kind.
+# DriveKind in cpp/motions/motion_bounds.hpp.
 _TURN_DRIVE, _SLIDE_DRIVE, _PART_DRIVE = 0, 1, 2
-_CIRCLE = 0
-_PARTS = {9: 1 + 1, 10: 1, 11: 3}
-
-# By the kernel's kind of joints whose position and turn may move by themselves: how many numbers the position has, and
-# the part that the turn is.
-_SPLIT = {9: (2, _CIRCLE), 11: (3, 1)}
-
-# Which numbers of a joint form a unit vector, by the kernel's kind: cosine and sine, or a quaternion.
-_UNIT_NUMBERS = {**dict.fromkeys(range(_LAST_TURN + 1, _LAST_UNIT_TURN + 1), (0, 2)), 9: (2, 4), 10: (0, 4), 11: (3, 7)}
-
-# How many of a joint's first numbers are lengths, and how far from the origin a motion may go between two of them, as a
-# multiple of the larger one. A slide goes straight. A pose follows a screw of at most half a turn, on which the
-# distance from the start only grows, up to that of the ends; or its position goes straight.
-_LENGTHS = {_SLIDE: (1, 1.0), 9: (2, 3.0), 11: (3, 3.0)}
 
 
 class Spread(NamedTuple):
@@ -56,10 +40,10 @@ def spread(table: JointTable) -> Spread:
     extents, counts = [0.0], [0]  # the world's, at -1, comes first
     travel = np.zeros(table.width)
     lengths = np.linalg.norm(table.placements[:, :, 3], axis=1).tolist()
-    for j, (parent, kind) in enumerate(zip(table.parents.tolist(), table.kinds.tolist(), strict=True)):
-        count, part = _LENGTHS.get(kind, (0, 0.0))
+    for j, (parent, number) in enumerate(zip(table.parents.tolist(), table.kinds.tolist(), strict=True)):
+        kind, count = KINDS[number], KINDS[number].lengths
         columns, multipliers = table.columns[j, :count], np.abs(table.multipliers[j, :count])
-        np.add.at(travel, columns[columns >= 0], part * multipliers[columns >= 0])
+        np.add.at(travel, columns[columns >= 0], kind.stretch * multipliers[columns >= 0])
         extents.append(extents[parent + 1] + lengths[j] + float(np.abs(table.offsets[j, :count]).sum()))
         counts.append(counts[parent + 1] + 1)
     ends = np.linalg.norm(table.link_placements[:, :, 3], axis=1).tolist()
@@ -69,31 +53,27 @@ def spread(table: JointTable) -> Spread:
 
 def split_joints(table: JointTable, path: MotionPath) -> tuple[tuple[int, int], ...]:
     """The joints whose position and turn move by themselves on a path, and how many numbers the position has."""
-    kinds = enumerate(table.kinds.tolist() if path == "slerp" else ())
-    return tuple((j, _SPLIT[kind][0]) for j, kind in kinds if kind in _SPLIT and (table.columns[j] >= 0).any())
+    kinds = enumerate(KINDS[k] for k in (table.kinds.tolist() if path == "slerp" else ()))
+    return tuple((j, kind.lengths) for j, kind in kinds if kind.is_pose and (table.columns[j] >= 0).any())
 
 
 def drives(table: JointTable, path: MotionPath = "screw") -> tuple[Ints, Floats, Ints]:
-    """Kinds and columns (joints, 2), multipliers and offsets (joints, 2), and parts (parts, 2), see `MotionChains`.
+    """Kinds and columns (joints, 2), multipliers and offsets (joints, 2), and kinds and columns of parts (parts, 2).
 
     Where positions and turns move by themselves, the slides come after the table's joints, as in `JointTree`.
     """
     listed: list[tuple[int, int]] = []
-    parts: dict[int, int] = {}
+    parts: dict[int, int | None] = {}
     split = dict(split_joints(table, path))
     factors = [np.stack([table.multipliers[:, 0], table.offsets[:, 0]], axis=1)]
-    for joint, (kind, columns) in enumerate(zip(table.kinds.tolist(), table.columns.tolist(), strict=True)):
-        column = columns[0]
-        if kind <= _LAST_TURN or kind == _SLIDE or column < 0:
-            listed.append((_SLIDE_DRIVE if kind == _SLIDE else _TURN_DRIVE, column))
+    for joint, (number, columns) in enumerate(zip(table.kinds.tolist(), table.columns.tolist(), strict=True)):
+        kind, column = KINDS[number], columns[0]
+        if kind.part is None or column < 0:
+            listed.append((_SLIDE_DRIVE if kind is SLIDE else _TURN_DRIVE, column))
             continue
-        if joint in split:
-            count, part = _SPLIT[kind]
-            listed.append((_PART_DRIVE, column + count))
-            parts[column + count] = part
-            continue
-        listed.append((_PART_DRIVE, column))
-        parts[column] = _CIRCLE if kind <= _LAST_UNIT_TURN else _PARTS[kind]
+        first = column + split.get(joint, 0)
+        listed.append((_PART_DRIVE, first))
+        parts[first] = kind.turn_part if joint in split else kind.part
     for joint, count in split.items():
         listed += [(_SLIDE_DRIVE, int(column)) for column in table.columns[joint, :count]]
         factors.append(np.stack([table.multipliers[joint, :count], table.offsets[joint, :count]], axis=1))
@@ -117,7 +97,7 @@ def _held_defect(table: JointTable) -> float:
     """The defect of joints that are held at a unit vector whose length is not exactly 1."""
     total = 0.0
     for kind, columns, offsets in zip(table.kinds.tolist(), table.columns, table.offsets, strict=True):
-        start, stop = _UNIT_NUMBERS.get(kind, (0, 0))
+        start, stop = KINDS[kind].unit or (0, 0)
         if stop > start and columns[start] < 0:
             total += DEFECT_PARTS[stop - start] * abs(float(np.linalg.norm(offsets[start:stop])) - 1)
     return total

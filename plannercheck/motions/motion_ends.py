@@ -36,8 +36,10 @@ class Motions(NamedTuple):
 
         Numbers change linearly, so the ends bound them. Numbers of unit vectors do not, but are at most 1.
         """
-        ends = np.stack([*self[:2]] if self.given is self.ends else [*self])
-        return ends.min(axis=0), ends.max(axis=0)
+        least, largest = np.minimum(self.starts, self.ends), np.maximum(self.starts, self.ends)
+        if self.given is self.ends:
+            return least, largest
+        return np.minimum(least, self.given), np.maximum(largest, self.given)
 
 
 def checked_ends(robot: AnyRobot, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:

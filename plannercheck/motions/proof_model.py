@@ -25,13 +25,11 @@ from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import distinct
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.sampling import MotionSampler
-from plannercheck.proofs.data import JOINT_VALUES, WORLD, Joint, Link, Model, PosedBody
+from plannercheck.proofs.data import WORLD, Joint, Link, Model, PosedBody
 from plannercheck.proofs.parts import parts_of
+from plannercheck.robots.joints import KINDS
 from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.robot import Robot
-
-# Kinds of joints in a proof, by the kernel's kind (JointKind in cpp/robots/kinematics.hpp).
-_KINDS = ("turn",) * 4 + ("circle",) * 4 + ("slide", "planar", "ball", "free")
 
 # Rounds in which a ball's centre moves towards the furthest vertex, by a shrinking step.
 _BALL_ROUNDS = 200
@@ -81,11 +79,11 @@ def space_model(checker: PosedPairs) -> Model:
 
 
 def _joint(table: JointTable, k: int, name: str) -> Joint:
-    kind = _KINDS[int(table.kinds[k])]
-    count = JOINT_VALUES[kind]
+    kind = KINDS[table.kinds[k]]
+    count = kind.numbers
     return Joint(
         name,
-        kind,
+        kind.name,
         int(table.parents[k]),
         _rows(table.placements[k]),
         tuple(table.axes[k].tolist()),

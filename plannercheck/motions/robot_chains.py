@@ -1,8 +1,7 @@
 """Chains of joints of a robot's bodies, made once a robot: obstacles change none of them.
 
 In: a robot, its bodies, the links that move. Out: `RobotChains`, which gives the arrays that the core's certifier takes
-for any pairs of these bodies with each other and with bodies at rest. The numbers are those of
-`joint_chains.motion_chains`, which makes them anew: the plain way that tests hold this against.
+for any pairs of these bodies with each other and with bodies at rest.
 """
 
 from __future__ import annotations

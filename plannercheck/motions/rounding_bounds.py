@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import distinct_rows
-from plannercheck.motions.motion_ends import Motions
 from plannercheck.robots.robot import Robot
 
 Rows: TypeAlias = NDArray[np.int64]
@@ -43,14 +42,13 @@ class RoundingBounds:
         self._far: dict[bytes, float] = {}
         self.turning: tuple[int, ...] = tuple(np.flatnonzero(robot.configuration_map.turning_columns()).tolist())
 
-    def of_motions(self, motions: Motions) -> Callable[[Rows], list[tuple[float, Rows]]]:
-        """A function that groups rows of motions by their bound, m, which holds for both ends, as judged and as given.
+    def of_ranges(self, least: Floats, largest: Floats) -> Callable[[Rows], list[tuple[float, Rows]]]:
+        """A function that groups rows of motions, given by `Motions.ranges`, by their bound, m.
 
         A row's bound depends on the row only. Within the range around the limits it is the usual bound; else it is that
         of a range that reaches to the next powers of 2 in the columns that leave the usual range. It holds for the
         whole motion.
         """
-        least, largest = motions.ranges()
         near = (least >= self.low) & (largest <= self.high)
         if near.all():
             return lambda rows: [(self.usual, rows)]

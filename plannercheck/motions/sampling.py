@@ -22,6 +22,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.motion_ends import short_way
 from plannercheck.robots.configurations import NO_LIMIT
+from plannercheck.robots.joints import kind_of
 from plannercheck.robots.robot import Robot
 
 # Between two states no link point moves further than this, in m: far below the 3 to 11 cm that planners use by default.
@@ -126,7 +127,7 @@ class MotionSampler:
     def _placed(self) -> NDArray[np.int64]:
         """Columns that are positions of planar and floating joints, of a robot in Pinocchio's own numbers."""
         model = self._robot.model
-        joints = [joint for joint in range(1, model.njoints) if str(model.joints[joint].shortname()) in _SCREWS]
+        joints = [joint for joint in range(1, model.njoints) if _is_pose(model, joint)]
         return np.concatenate(
             [np.zeros(0, np.int64), *(np.arange(model.nq)[_sliding_part(model, joint)] for joint in joints)]
         )
@@ -212,23 +213,26 @@ def lever_arms(robot: Robot, positions: Floats, excess: float = DEFAULT_EXCESS) 
     )
 
 
-# Joints that turn as well as slide: how many of their first numbers are lengths. They move along a screw of at most
-# half a turn, so their origin stays within d/2 of the middle m of the ends, d being the ends' distance. And |m| + d/2
-# is at most the sum of the larger numbers of both ends. So levers are measured at the ends.
-_SCREWS = {"JointModelPlanar": 2, "JointModelFreeFlyer": 3}
+def _is_pose(model: pin.Model, joint: int) -> bool:
+    kind = kind_of(model.joints[joint])
+    return kind is not None and kind.is_pose
 
 
-def _slides(model: pin.Model, joint: int) -> bool:
-    """Whether a joint is prismatic, along an axis of its own or of the frame."""
-    name = str(model.joints[joint].shortname())
-    return name not in _SCREWS and name.startswith(("JointModelP", "JointModelMimicP"))
+def _lengths(model: pin.Model, joint: int) -> int:
+    """How many of a joint's first numbers are lengths.
+
+    A joint that turns as well moves along a screw of at most half a turn, so its origin stays within d/2 of the middle
+    m of the ends, d being the ends' distance. And |m| + d/2 is at most the sum of the larger numbers of both ends. So
+    levers are measured at the ends.
+    """
+    kind = kind_of(model.joints[joint])
+    return 0 if kind is None else kind.lengths
 
 
 def _sliding_part(model: pin.Model, joint: int) -> slice:
     """The numbers of Pinocchio's configurations that are lengths by which a joint slides; there may be none."""
     first = model.idx_qs[joint]
-    lengths = 1 if _slides(model, joint) else _SCREWS.get(str(model.joints[joint].shortname()), 0)
-    return slice(first, first + lengths)
+    return slice(first, first + _lengths(model, joint))
 
 
 def _sliding_columns(robot: Robot) -> NDArray[np.int64]:
@@ -249,9 +253,5 @@ def _limits(model: pin.Model) -> Floats:
 
 def _joint_levers(model: pin.Model, joint: int, lever: float) -> Floats:
     """(nv of the joint,) the levers, metres per unit of velocity."""
-    name, count = model.joints[joint].shortname(), model.nvs[joint]
-    if name == "JointModelFreeFlyer":
-        return np.array([1.0, 1.0, 1.0, lever, lever, lever])
-    if name == "JointModelPlanar":
-        return np.array([1.0, 1.0, lever])
-    return np.full(count, 1.0 if _slides(model, joint) else lever)
+    lengths = _lengths(model, joint)
+    return np.array([1.0] * lengths + [lever] * (model.nvs[joint] - lengths))

@@ -12,6 +12,7 @@ import numpy as np
 from plannercheck.bodies.shapes import GeometryObject, inflated_hull
 from plannercheck.common.array_types import Floats
 from plannercheck.motions.checker import Checker
+from plannercheck.robots.joints import JointKind, kind_of
 
 # So many times as far as the robot reaches, it has room on each side of the obstacles: it gets past them.
 _ROOM = 2.0
@@ -28,15 +29,14 @@ def default_bounds(checker: Checker, held: Sequence[Floats]) -> Floats | None:
         (2, 3) m; None for other robots, and if there is nothing to be around.
     """
     robot = checker.robot
-    kind = str(robot.model.joints[1].shortname())
-    count = {"JointModelFreeFlyer": 3, "JointModelPlanar": 2}.get(kind, 0)
-    if not count or robot.joint_names[0] != robot.model.names[1]:
+    kind = kind_of(robot.model.joints[1])
+    if kind is None or not kind.is_pose or robot.joint_names[0] != robot.model.names[1]:
         return None
     to_joint = robot.model.jointPlacements[1].inverse().homogeneous
     obstacles = checker.bodies[len(robot.bodies) :]
     points = [_corners(body, body.pose, checker.excess) for body in obstacles]
     inside = [rows @ to_joint[:3, :3].T + to_joint[:3, 3] for rows in points]
-    inside += [np.array([[*q[:count], *[0.0] * (3 - count)]]) for q in held]
+    inside += [_position(kind, q)[None] for q in held]
     if not inside:
         return None
     around = np.concatenate(inside)
@@ -60,11 +60,15 @@ def _size(checker: Checker) -> float:
 def _root(checker: Checker, q: Floats) -> Floats:
     """(3,) where the root's origin is, m."""
     robot = checker.robot
-    position = np.zeros(3)
-    count = 3 if str(robot.model.joints[1].shortname()) == "JointModelFreeFlyer" else 2
-    position[:count] = q[:count]
+    kind = kind_of(robot.model.joints[1])
+    assert kind is not None
     placed = robot.model.jointPlacements[1]
-    return np.asarray(placed.rotation @ position + placed.translation)
+    return np.asarray(placed.rotation @ _position(kind, q) + placed.translation)
+
+
+def _position(kind: JointKind, q: Floats) -> Floats:
+    """(3,) of a root in its placement, m."""
+    return np.array([*q[: kind.lengths], *[0.0] * (3 - kind.lengths)])
 
 
 def _corners(body: GeometryObject, pose: Floats, excess: float) -> Floats:

@@ -15,23 +15,17 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl.joint_space import free_range
 from plannercheck.robots.configurations import is_continuous, joint_by_name
+from plannercheck.robots.joints import CIRCLE, KINDS, Name, kind_of
 from plannercheck.robots.robot import Robot
 
-Kind = Literal["free", "planar", "ball", "circle", "angle", "number"]
+# Joints of one number are angles that whole turns do not change, or numbers.
+Kind = Name | Literal["angle", "number"]
 
 # How many numbers of a configuration and of an OMPL state a joint takes, and how many of these are a position.
 WIDTHS: dict[Kind, tuple[int, int, int]] = {
-    "free": (7, 7, 3),
-    "planar": (4, 3, 2),
-    "ball": (4, 4, 0),
-    "circle": (2, 1, 0),
+    **{kind.name: (kind.numbers, kind.state_numbers, kind.lengths) for kind in KINDS},
     "angle": (1, 1, 0),
     "number": (1, 1, 0),
-}
-_KINDS: dict[str, Kind] = {
-    "JointModelFreeFlyer": "free",
-    "JointModelPlanar": "planar",
-    "JointModelSpherical": "ball",
 }
 
 
@@ -60,7 +54,8 @@ class Part(NamedTuple):
 
 def has_free_bodies(robot: Robot) -> bool:
     """Whether a joint of a robot's configurations is floating, planar or a ball joint."""
-    return any(str(joint_by_name(robot.model, name).shortname()) in _KINDS for name in robot.joint_names)
+    kinds = (kind_of(joint_by_name(robot.model, name)) for name in robot.joint_names)
+    return any(kind is not None and not kind.has_axis for kind in kinds)
 
 
 def parts_of(robot: Robot) -> tuple[Part, ...]:
@@ -72,11 +67,12 @@ def parts_of(robot: Robot) -> tuple[Part, ...]:
     whole_turns, out, number = robot.configuration_map.turning_columns(), list[Part](), 0
     for name, column in zip(robot.joint_names, robot.configuration_map.starts, strict=True):
         joint = joint_by_name(robot.model, name)
-        kind = _KINDS.get(str(joint.shortname()))
-        if kind is None and is_continuous(joint):
-            kind = ("angle" if whole_turns[column] else "number") if robot.group is not None else "circle"
-        if kind is None and joint.nq == 1:
+        own = kind_of(joint)
+        kind: Kind | None = None if own is None else own.name
+        if joint.nq == 1:
             kind = "number"
+        elif own is CIRCLE and robot.group is not None:
+            kind = "angle" if whole_turns[column] else "number"
         if kind is None:
             raise PlannercheckError(
                 f"joint {name!r} of {robot.name} takes {joint.nq} numbers, of which OMPL has no space: choose a "

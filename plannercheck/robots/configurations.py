@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import OwnsArrays, contiguous, shown_array
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.robots.joints import CIRCLE, TURN, kind_of
 from plannercheck.robots.unit_lengths import UnitLengths, unit_lengths
 from plannercheck.robots.urdf import Mimic
 
@@ -245,7 +246,7 @@ def joint_width(joint: pin.JointModel) -> int:
 
 def is_continuous(joint: pin.JointModel) -> bool:
     """Whether Pinocchio keeps this joint as cosine and sine of one angle."""
-    return str(joint.shortname()).startswith("JointModelRUB") or "RevoluteUnbounded" in joint.shortname()
+    return kind_of(joint) is CIRCLE
 
 
 def joint_by_name(model: pin.Model, name: str) -> pin.JointModel:
@@ -269,7 +270,7 @@ def _plain_angles(joints: Iterable[pin.JointModel], starts: Sequence[int], width
     """(width,) columns that are the one number of a joint which turns about an axis."""
     angles = np.zeros(width, dtype=np.bool_)
     for joint, start in zip(joints, starts, strict=True):
-        if joint.nq == 1 and str(joint.shortname()).startswith("JointModelR"):
+        if kind_of(joint) is TURN:
             angles[start] = True
     return angles
 

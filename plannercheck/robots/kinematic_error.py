@@ -54,6 +54,7 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import Capsule, Cone, Cylinder, GeometryObject, Shape, Sphere
 from plannercheck.common.array_types import Floats
+from plannercheck.robots.joints import CIRCLE, KINDS, TURN
 from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.unit_lengths import UNIT_TOLERANCE
 
@@ -84,9 +85,6 @@ _LARGEST_TURN = 1e-10
 
 # Ranges of configurations whose errors of links are kept: a robot is asked for two of them again and again.
 _MOST_RANGES = 4
-
-# The kernel's joint kinds (JointKind in cpp/robots/kinematics.hpp).
-_TURN_AXIS, _UNIT_TURN_Z, _UNIT_TURN_AXIS, _SLIDE, _PLANAR, _BALL, _FREE = 3, 6, 7, 8, 9, 10, 11
 
 
 @dataclass(frozen=True)
@@ -306,20 +304,16 @@ def _value(multiplier: float, offset: float, lower: float, upper: float) -> Valu
 
 def _moved(pose: PoseError, kind: int, axis: Floats, values: Sequence[Value]) -> PoseError:
     """The error of a joint's pose after its motion."""
-    if kind <= _TURN_AXIS:
-        matrix = _TURN if kind < _TURN_AXIS else _of_axis(axis)
-        return _turned(pose, matrix + _SINCOS_PAIR, values[0].error)
-    if kind <= _UNIT_TURN_AXIS:
-        matrix = _TURN if kind <= _UNIT_TURN_Z else _of_axis(axis)
-        return _turned(pose, matrix, _error_of(values[:2]), _STRETCH)
-    if kind == _SLIDE:
-        return _slid(pose, axis, [values[0]] * 3)
-    if kind == _PLANAR:
-        return _turned(_slid(pose, np.ones(3), values[:2]), _TURN, _error_of(values[2:4]), _STRETCH)
-    if kind == _BALL:
-        return _turned(pose, _QUATERNION + _MULTIPLY, 0.0, _STRETCH)
-    assert kind == _FREE, f"unknown joint kind {kind}"
-    return _turned(_slid(pose, np.ones(3), values[:3]), _QUATERNION + _MULTIPLY, 0.0, _STRETCH)
+    joint = KINDS[kind]
+    if joint.lengths:
+        along = (axis, [values[0]] * 3) if joint.has_axis else (np.ones(3), values[: joint.lengths])
+        pose = _slid(pose, *along)
+    matrix = _of_axis(axis) if kind in (TURN.unaligned, CIRCLE.unaligned) else _TURN
+    if joint.turn == "angle":
+        return _turned(pose, matrix + _SINCOS_PAIR, values[joint.lengths].error)
+    if joint.turn == "pair":
+        return _turned(pose, matrix, _error_of(values[joint.lengths : joint.numbers]), _STRETCH)
+    return _turned(pose, _QUATERNION + _MULTIPLY, 0.0, _STRETCH) if joint.turn == "quaternion" else pose
 
 
 def _of_axis(axis: Floats) -> float:

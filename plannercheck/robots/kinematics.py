@@ -18,24 +18,13 @@ from plannercheck.common.arrays import read_only
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.configurations import COSINE, ConfigurationMap
-
-# The kernel's joint kinds (JointKind in cpp/robots/kinematics.hpp), by Pinocchio's name without "JointModel".
-_TURNS = {"RX": 0, "RY": 1, "RZ": 2, "RevoluteUnaligned": 3}
-_UNIT_TURNS = {"RUBX": 0, "RUBY": 1, "RUBZ": 2, "RevoluteUnboundedUnaligned": 3}
-_UNIT_TURN_OFFSET = 4
-_SLIDES = ("PX", "PY", "PZ", "PrismaticUnaligned")
-_SLIDE = 8
-_OTHERS = {"Planar": 9, "Spherical": 10, "FreeFlyer": 11}
-_UNALIGNED = 3
+from plannercheck.robots.joints import CIRCLE, KINDS, TURN, number_of
 
 # How far an axis's length may be from 1; Pinocchio normalises axes, so more is no rounding.
 _UNIT = 1e-6
 
-# How a moving joint of one number moves its frame: it turns it about its origin, or slides it.
-TURNS, SLIDE = frozenset(_TURNS.values()), _SLIDE
-
 # The largest number of values that a joint takes in Pinocchio's q.
-_MOST_VALUES = 7
+_MOST_VALUES = max(kind.numbers for kind in KINDS)
 
 # The largest difference from Pinocchio's poses that counts as rounding: of rotations, and of positions per metre of
 # reach.
@@ -52,7 +41,7 @@ class JointTable(NamedTuple):
     Attributes:
         width: How many numbers a configuration has.
         parents: (joints,) each joint's parent, which is an earlier joint, -1 for the world.
-        kinds: (joints,) JointKind of cpp/robots/kinematics.hpp.
+        kinds: (joints,) numbers of kinds, see `joints.KINDS`.
         axes: (joints, 3).
         placements: (joints, 3, 4) on the parents, m.
         columns: (joints, 7) column of the configuration for each number that the joint takes, -1 if held.
@@ -112,7 +101,7 @@ def _check_numbers(table: JointTable, model: pin.Model) -> None:
     """Raises for numbers that are none, and axes without length: a bound that is no number passes comparisons."""
     lengths = np.linalg.norm(table.axes, axis=1)
     faulty = ~np.isfinite(table.placements).all(axis=(1, 2))
-    faulty |= (table.kinds <= _SLIDE) & ~(np.abs(lengths - 1) <= _UNIT)
+    faulty |= np.array([KINDS[k].has_axis for k in table.kinds], dtype=bool) & ~(np.abs(lengths - 1) <= _UNIT)
     faulty |= ~(np.isfinite(table.multipliers) & np.isfinite(table.offsets)).all(axis=1)
     if faulty.any():
         name = model.names[int(np.argmax(faulty)) + 1]
@@ -206,26 +195,18 @@ def disagreement(
 
 def _joint_row(model: pin.Model, joint: pin.JointModel, configurations: ConfigurationMap) -> Any | None:
     """(kind, axis, columns, multipliers, offsets) of one joint, None if the kernel does not know it."""
-    kind = _kind_of(str(joint.shortname()).removeprefix("JointModel"))
+    kind = number_of(joint)
     if kind is None:
         return None
     axis = _axis_of(joint)
     entries = np.arange(joint.idx_q, joint.idx_q + joint.nq)
     if configurations.roles[entries[0]] == COSINE:  # one angle in place of its cosine and sine
-        kind, entries = kind - _UNIT_TURN_OFFSET, entries[:1]
+        kind, entries = kind - CIRCLE.first + TURN.first, entries[:1]
     padding = _MOST_VALUES - len(entries)
     columns = np.pad(configurations.columns[entries], (0, padding), constant_values=-1)
     multipliers = np.pad(configurations.multipliers[entries], (0, padding))
     offsets = np.pad(configurations.offsets[entries], (0, padding))
     return _aligned(kind, axis, columns, multipliers, offsets)
-
-
-def _kind_of(name: str) -> int | None:
-    if name in _TURNS:
-        return _TURNS[name]
-    if name in _UNIT_TURNS:
-        return _UNIT_TURNS[name] + _UNIT_TURN_OFFSET
-    return _SLIDE if name in _SLIDES else _OTHERS.get(name)
 
 
 def _axis_of(joint: pin.JointModel) -> Floats:
@@ -241,11 +222,11 @@ def _axis_of(joint: pin.JointModel) -> Floats:
 def _aligned(kind: int, axis: Floats, columns: Any, multipliers: Floats, offsets: Floats) -> Any:
     """Replaces turns about -x, -y or -z by turns about x, y or z by the opposite angle, which is cheaper."""
     negative = np.flatnonzero(axis == -1.0)
-    if kind % _UNIT_TURN_OFFSET != _UNALIGNED or kind >= _SLIDE or len(negative) == 0 or np.abs(axis).sum() != 1.0:
+    if kind not in (TURN.unaligned, CIRCLE.unaligned) or len(negative) == 0 or np.abs(axis).sum() != 1.0:
         return kind, axis, columns, multipliers, offsets
     sign = np.ones(_MOST_VALUES)
-    sign[0 if kind < _UNIT_TURN_OFFSET else 1] = -1.0  # the angle, or the sine
-    return kind - _UNALIGNED + int(negative[0]), -axis, columns, sign * multipliers, sign * offsets
+    sign[0 if KINDS[kind] is TURN else 1] = -1.0  # the angle, or the sine
+    return KINDS[kind].first + int(negative[0]), -axis, columns, sign * multipliers, sign * offsets
 
 
 def _placements(placements: Sequence[Any]) -> Floats:

@@ -30,6 +30,7 @@ import pinocchio as pin
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.robots.joints import kind_of
 
 # How far the length of a quaternion or of a (cosine, sine) may be from 1; values rounded to single precision pass.
 UNIT_TOLERANCE = 2e-7
@@ -107,17 +108,19 @@ def unit_lengths(model: pin.Model, columns: Sequence[int], offsets: Floats, angl
         parent = model.parents[joint]
         held[joint] = held[parent] + _defect(model.jointPlacements[joint].rotation)
         moving[joint] = moving[parent]
-        for start, stop in unit_parts(model.joints[joint]):
-            first, past = model.idx_qs[joint] + start, model.idx_qs[joint] + stop
-            part = DEFECT_PARTS[stop - start]
-            if angles[first]:
-                continue
-            if columns[first] < 0:
-                held[joint] += part * abs(float(np.linalg.norm(offsets[first:past])) - 1)
-                continue
-            found.append((int(columns[first]), int(columns[first]) + stop - start))
-            moving = np.hstack([moving, np.zeros((model.njoints, 1))])
-            moving[joint, -1] = part
+        kind = kind_of(model.joints[joint])
+        if kind is None or kind.unit is None:
+            continue
+        first, past = (model.idx_qs[joint] + k for k in kind.unit)
+        part = DEFECT_PARTS[past - first]
+        if angles[first]:
+            continue
+        if columns[first] < 0:
+            held[joint] += part * abs(float(np.linalg.norm(offsets[first:past])) - 1)
+            continue
+        found.append((int(columns[first]), int(columns[first]) + past - first))
+        moving = np.hstack([moving, np.zeros((model.njoints, 1))])
+        moving[joint, -1] = part
     if not held.max() <= LINK_DEFECT:
         joint = int(np.argmax(~(held <= LINK_DEFECT)))
         raise PlannercheckError(
@@ -143,15 +146,6 @@ def _off_unit(rows: Floats, start: int, stop: int) -> Floats:
             f"columns {start} to {stop - 1} are {kind}, of length 1; in row {row} it is {length[row]}"
         )
     return np.asarray(off)
-
-
-def unit_parts(joint: pin.JointModel) -> list[tuple[int, int]]:
-    """(start, stop) of a joint's numbers in Pinocchio's q that form a unit vector."""
-    name = str(joint.shortname())
-    if name.startswith("JointModelRUB") or "RevoluteUnbounded" in name:
-        return [(0, 2)]
-    kinds = {"JointModelFreeFlyer": (3, 7), "JointModelSpherical": (0, 4), "JointModelPlanar": (2, 4)}
-    return [kinds[name]] if name in kinds else []
 
 
 def _defect(rotation: Floats) -> float:

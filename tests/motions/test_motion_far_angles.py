@@ -12,7 +12,6 @@ from motion_contacts import HALF, robot_of
 from random_branches import Joint, Tree
 
 import plannercheck as pc
-from plannercheck.motions.motion_ends import Motions
 from plannercheck.motions.rounding_bounds import RoundingBounds
 from plannercheck.ompl.joint_space import JointSpace
 
@@ -169,9 +168,8 @@ def test_verdicts_of_near_motions_do_not_depend_on_far_ones_beside_them(tmp_path
     robot = robot_of(Tree((turn, other)).with_body("a1", 1e-3, np.array([1.0, 0, 0])), tmp_path)
     bounds = RoundingBounds(robot)
     q0, q1 = np.array([[0.1], [0.2], [0.3]]), np.array([[0.5], [1e5], [1e4]])
-    found = bounds.of_motions(Motions(q0, q1, q1))(np.arange(3))
-    rows = [(q0[k : k + 1], q1[k : k + 1]) for k in range(3)]
-    alone = [bounds.of_motions(Motions(start, end, end))(np.arange(1))[0][0] for start, end in rows]
+    found = bounds.of_ranges(q0, q1)(np.arange(3))
+    alone = [bounds.of_ranges(q0[k : k + 1], q1[k : k + 1])(np.arange(1))[0][0] for k in range(3)]
     assert {int(k): error for error, chosen in found for k in chosen} == dict(enumerate(alone))
     assert alone[0] == bounds.usual < alone[2] < alone[1]
 

@@ -23,13 +23,15 @@ def steps(page: Path) -> list[tuple[str, str]]:
 
 def bodies(source: str, is_python: bool) -> dict[str, str]:
     """The text of each function by its name; overloads are put together."""
-    name = r"^( *)def (\w+)\(" if is_python else r"^( *)\w[\w:<>&*,\[\] ]*?(\w+)\("
-    # Up to the next line of the same indentation; in C++, to the brace there, if that is not in the first line.
-    text = r"(.*?)(?=^\1\S|\Z)" if is_python else r"([^\n]*\}$|(?![^\n]*;$).*?(?:\{\}$|^\1\}))"
-    named = re.findall(name + text, source, re.MULTILINE | re.DOTALL)
+    if is_python:
+        found = re.findall(r"^( *)def (\w+)\((.*?)(?=^\1[^\s)]|\Z)", source, re.MULTILINE | re.DOTALL)
+        named = [(name, text) for _, name, text in found]
+    else:  # definitions end on their first line, or where a line is indented as they are, in classes as well
+        form = r"^( *)[\w:<>&*,\[\] ]*?(\w+)(\([^;{}]*\)[^;{}]*(?:\{[^\n]*\}$|\{.*?^\1\}))"
+        named = [(name, text) for _, name, text in re.findall(form, source, re.MULTILINE | re.DOTALL)]
     joined: dict[str, str] = {}
-    for _, own, body in named:
-        joined[own] = joined.get(own, "") + body
+    for name, text in named:
+        joined[name] = joined.get(name, "") + text
     return joined
 
 
@@ -78,5 +80,8 @@ def test_missing_functions_and_calls_are_found():
     assert faults(rows, texts | {"a.py": "def ask(q):\n    return q\n"}) == [
         "nothing before it calls core_ask of b.cpp"
     ]
-    through = "int own(int q) {\n  return last(q);\n}\n\n" + texts["b.cpp"]
+    through = (
+        "class Own {\n  int own(int q) { return far(q); }\n  int far(int q) {\n    return last(q);\n  }\n};\n\n"
+        + texts["b.cpp"]
+    )
     assert faults([*rows, ("c.cpp", "last")], texts | {"b.cpp": through, "c.cpp": "int last(int q) {\n}\n"}) == []

@@ -16,6 +16,7 @@ from plannercheck.bodies.shapes import Box, Cylinder, Hull, Sphere
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots import kinematics
 from plannercheck.robots.description import shipped_robots
+from plannercheck.robots.joints import CIRCLE, SLIDE, kind_of, number_of
 from plannercheck.robots.robot import Robot
 
 SHIPPED = {"panda", "ur3", "ur5", "ur10", "kinova", "baxter", "pr2", "tiago", "talos", "xarm7", "go2", "g1"}
@@ -303,7 +304,7 @@ def test_with_group_and_pickle_keep_the_robot(shipped):
 
 def test_pinocchio_poses_robots_that_the_kernel_does_not_know(monkeypatch, arm):
     truth = Robot.from_urdf(arm[0])
-    monkeypatch.setattr(kinematics, "_SLIDES", ())
+    monkeypatch.setattr(kinematics, "number_of", lambda joint: None if kind_of(joint) is SLIDE else number_of(joint))
     robot = Robot.from_urdf(arm[0])
     assert robot.kinematics is None
     q = robot.random_configurations(4, 0)
@@ -311,7 +312,8 @@ def test_pinocchio_poses_robots_that_the_kernel_does_not_know(monkeypatch, arm):
 
 
 def test_a_kernel_that_disagrees_is_not_used(monkeypatch, arm):
-    monkeypatch.setitem(kinematics._UNIT_TURNS, "RUBY", 0)
+    wrong = {"JointModelRUBY": CIRCLE.first}
+    monkeypatch.setattr(kinematics, "number_of", lambda joint: wrong.get(joint.shortname(), number_of(joint)))
     with pytest.warns(RuntimeWarning, match="differs from Pinocchio"):
         robot = Robot.from_urdf(arm[0])
     assert robot.kinematics is None

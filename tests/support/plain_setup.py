@@ -14,7 +14,9 @@ from plannercheck.bodies.shapes import inflated_hull
 from plannercheck.checking.compiled_pairs import body_placements
 from plannercheck.checking.pair_table import fixed_links
 from plannercheck.checking.unreachable_pairs import stays_apart, unreachable_pairs
-from plannercheck.motions.joint_chains import motion_chains
+from plannercheck.motions.joint_axes import JointTree
+from plannercheck.motions.joint_chains import ChainBuilder, chain_arrays
+from plannercheck.motions.joint_drives import defect, drives, spread
 from plannercheck.motions.robot_chains import chains_of_robot
 from plannercheck.robots.kinematic_error import KinematicRounding
 
@@ -71,20 +73,17 @@ def chains_both_ways(checker: pc.Checker):
     pairs = pairs[links[pairs[:, 0]] >= 0]
     known = chains_of_robot(robot, bodies, links, checker.excess)
     found = known.of(pairs)
-    made = motion_chains(
-        robot.model,
-        robot.configuration_map,
-        robot.joint_table,
-        robot.frames,
-        bodies,
-        links.tolist(),
-        pairs,
-        checker.excess,
-    )
+    table = robot.joint_table
+    tree = JointTree(robot.model, robot.configuration_map, table, robot.frames)
+    builder = ChainBuilder(tree, bodies, links.tolist(), checker.excess)
+    parts = [builder.parts(a, b) for a, b in pairs.tolist()]
+    rows = [(part.frame, builder.index(part.first), builder.index(part.second)) for part in parts]
+    made = np.hstack([pairs, np.reshape(rows, (-1, 3))]).astype(np.int32), *drives(table)[:2]
+    reach, leverage = spread(table), float(max(1.0, np.abs(table.multipliers).sum()))
     numbers = known.defect, known.leverage, known.depth, known.spread.extent, known.spread.joints
-    truth = made.defect, made.leverage, made.depth, made.spread.extent, made.spread.joints
+    truth = defect(table), leverage, robot.configuration_map.lengths.depth, reach.extent, reach.joints
     kept = (found.pairs, *known.drives[:2], *found[1:], known.drives[2], known.spread.travel, np.array(numbers))
-    return kept, (*made.arrays(), made.spread.travel, np.array(truth))
+    return kept, (*made, *chain_arrays(builder.chains), drives(table)[2], reach.travel, np.array(truth))
 
 
 def assert_as_computed_anew(checker: pc.Checker) -> None:

@@ -123,8 +123,8 @@ struct NumpyRows {
     if (!rows_.read(array, object) || rows_.dimensions != 2) return;
     if (static_cast<std::size_t>(rows_.shape[1]) != width) return;
     const auto step = static_cast<Py_ssize_t>(sizeof(double));
-    const bool in_order = rows_.strides[1] == step && rows_.strides[0] == step * rows_.shape[1];
-    if (!in_order || !is_aligned_for_doubles(rows_.data)) return;
+    const bool is_one = rows_.shape[0] == 1, in_order = is_one || rows_.strides[0] == step * rows_.shape[1];
+    if (rows_.strides[1] != step || !in_order || !is_aligned_for_doubles(rows_.data)) return;
     data = static_cast<const double*>(rows_.data);
     n = static_cast<std::size_t>(rows_.shape[0]);
   }

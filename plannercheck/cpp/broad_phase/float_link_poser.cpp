@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "math/vec.hpp"
-#include "robots/joint_motions.hpp"
+#include "robots/joints.hpp"
 #include "robots/pose_rows.hpp"
 #include "robots/posing_order.hpp"
 

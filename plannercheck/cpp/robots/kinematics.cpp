@@ -6,7 +6,7 @@
 #include <atomic>
 
 #include "math/interruption.hpp"
-#include "robots/joint_motions.hpp"
+#include "robots/joints.hpp"
 #include "robots/kinematics_lanes.hpp"
 #include "robots/lane_pose.hpp"
 #include "robots/state_poser.hpp"

@@ -11,26 +11,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "robots/joints.hpp"
+
 namespace plannercheck {
 
 struct Rigid {
   double m[12];  // row-major 3x4
-};
-
-// How a joint moves its child. Angles: rad, URDF's sense; quaternions are x, y, z, w, not normalised, as in Pinocchio.
-enum class JointKind : int {
-  kTurnX,         // angle
-  kTurnY,         // angle
-  kTurnZ,         // angle
-  kTurnAxis,      // angle
-  kUnitTurnX,     // cosine, sine
-  kUnitTurnY,     // cosine, sine
-  kUnitTurnZ,     // cosine, sine
-  kUnitTurnAxis,  // cosine, sine
-  kSlide,         // distance along the axis
-  kPlanar,        // x, y, cosine, sine (about z)
-  kBall,          // quaternion
-  kFree,          // x, y, z, quaternion
 };
 
 // One number that a joint needs: multiplier * q[column] + offset, or offset alone if column is -1 (held).

@@ -6,7 +6,7 @@
 
 #include "math/simd.hpp"
 #include "math/sincos.hpp"
-#include "robots/joint_motions.hpp"
+#include "robots/joints.hpp"
 #include "robots/kinematics.hpp"
 #include "robots/pose_rows.hpp"
 
@@ -16,6 +16,29 @@ inline constexpr std::size_t kPoseNumbers = 12;  // of a row-major 3x4 pose
 
 struct LanePose {
   Lanes m[kPoseNumbers];
+
+  // By a rotation, 3x3 and row-major.
+  void rotate(const std::array<Lanes, 9>& r) {
+#pragma GCC unroll 3
+    for (std::size_t row = 0; row < 3; ++row) {
+      const Lanes a = m[4 * row], b = m[4 * row + 1], c = m[4 * row + 2];
+#pragma GCC unroll 3
+      for (std::size_t col = 0; col < 3; ++col) m[4 * row + col] = a * r[col] + b * r[3 + col] + c * r[6 + col];
+    }
+  }
+
+  void slide(Lanes x, Lanes y, Lanes z) {
+#pragma GCC unroll 3
+    for (std::size_t k = 0; k < 3; ++k) {
+      Lanes* const row = m + 4 * k;
+      row[3] = row[0] * x + row[1] * y + row[2] * z + row[3];
+    }
+  }
+
+  template <std::size_t from, std::size_t to>
+  void turn(Lanes cos, Lanes sin) {
+    turn_columns<from, to>(m, cos, sin);
+  }
 };
 
 // The same number in all lanes: of zeros, only the positive one comes through.
@@ -36,54 +59,6 @@ inline LanePose load_pose(const Lanes* from) {
 inline void store_pose(Lanes* to, const LanePose& pose) {
 #pragma GCC unroll 12
   for (std::size_t k = 0; k < kPoseNumbers; ++k) to[k] = pose.m[k];
-}
-
-// ----- motions of joints
-
-// A pose times a rotation, 3x3 and row-major.
-inline void rotate(LanePose& pose, const std::array<Lanes, 9>& r) {
-#pragma GCC unroll 3
-  for (std::size_t row = 0; row < 3; ++row) {
-    const Lanes a = pose.m[4 * row], b = pose.m[4 * row + 1], c = pose.m[4 * row + 2];
-#pragma GCC unroll 3
-    for (std::size_t col = 0; col < 3; ++col) pose.m[4 * row + col] = a * r[col] + b * r[3 + col] + c * r[6 + col];
-  }
-}
-
-inline void slide(LanePose& pose, Lanes x, Lanes y, Lanes z) {
-#pragma GCC unroll 3
-  for (std::size_t k = 0; k < 3; ++k) {
-    Lanes* const row = pose.m + 4 * k;
-    row[3] = row[0] * x + row[1] * y + row[2] * z + row[3];
-  }
-}
-
-// Moves a pose by a joint. v: the joint's values, cosine and sine in place of an angle.
-[[gnu::always_inline]] inline void move(LanePose& pose, JointKind kind, const double* axis, const Lanes* v) {
-  switch (kind) {
-    case JointKind::kTurnX:
-    case JointKind::kUnitTurnX:
-      return turn_columns<1, 2>(pose.m, v[0], v[1]);
-    case JointKind::kTurnY:
-    case JointKind::kUnitTurnY:
-      return turn_columns<2, 0>(pose.m, v[0], v[1]);
-    case JointKind::kTurnZ:
-    case JointKind::kUnitTurnZ:
-      return turn_columns<0, 1>(pose.m, v[0], v[1]);
-    case JointKind::kTurnAxis:
-    case JointKind::kUnitTurnAxis:
-      return rotate(pose, turn_about_axis(axis, v[0], v[1]));
-    case JointKind::kSlide:
-      return slide(pose, v[0] * axis[0], v[0] * axis[1], v[0] * axis[2]);
-    case JointKind::kPlanar:
-      slide(pose, v[0], v[1], Lanes{});
-      return turn_columns<0, 1>(pose.m, v[2], v[3]);
-    case JointKind::kBall:
-      return rotate(pose, turn_of_quaternion(v));
-    case JointKind::kFree:
-      slide(pose, v[0], v[1], v[2]);
-      return rotate(pose, turn_of_quaternion(v + 3));
-  }
 }
 
 inline Lanes value_of(const JointValue& value, const Lanes* q) {

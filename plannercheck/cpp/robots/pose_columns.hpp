@@ -1,7 +1,8 @@
 // A pose by its columns: three of the rotation and the translation, each with a lane to spare, which holds no more than
-// what the same operations make of zeros.
+// what the same operations make of zeros; and what moves it, by the operations of lane_pose.hpp.
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 #include "math/double4.hpp"
@@ -14,6 +15,23 @@ struct PoseColumns {
   Double4 column[4];
 
   double at(std::size_t row, std::size_t col) const { return column[col][row]; }
+
+  // By a rotation, whose rows are `step` numbers apart.
+  void rotate(const double* r, std::size_t step) {
+    const Double4 a = column[0], b = column[1], c = column[2];
+    for (std::size_t k = 0; k < 3; ++k) column[k] = a * r[k] + b * r[step + k] + c * r[2 * step + k];
+  }
+  void rotate(const std::array<double, 9>& r) { rotate(r.data(), 3); }
+
+  void slide(double x, double y, double z) { column[3] = column[0] * x + column[1] * y + column[2] * z + column[3]; }
+
+  // By the angle of (cos, sin) that takes column `from` towards column `to`.
+  template <std::size_t from, std::size_t to>
+  void turn(double cos, double sin) {
+    const Double4 a = column[from], b = column[to];
+    column[from] = cos * a + sin * b;
+    column[to] = cos * b - sin * a;
+  }
 
   // The same by rows.
   Pose by_rows() const {

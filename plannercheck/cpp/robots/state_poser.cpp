@@ -4,7 +4,7 @@
 
 #include "math/sincos.hpp"
 #include "math/vec.hpp"
-#include "robots/joint_motions.hpp"
+#include "robots/joints.hpp"
 
 namespace plannercheck {
 namespace {
@@ -27,12 +27,6 @@ void place_turned(PoseColumns& pose, const double* p) {
   pose.column[kTranslation] = origin;
 }
 
-// A pose times a rotation, whose rows are `step` numbers apart.
-void rotate_columns(PoseColumns& pose, const double* r, std::size_t step) {
-  const Double4 a = pose.column[0], b = pose.column[1], c = pose.column[2];
-  for (std::size_t k = 0; k < 3; ++k) pose.column[k] = a * r[k] + b * r[step + k] + c * r[2 * step + k];
-}
-
 void place_columns(PoseColumns& pose, const double* p, PlacementForm form) {
   switch (form) {
     case PlacementForm::kIdentity:
@@ -48,23 +42,10 @@ void place_columns(PoseColumns& pose, const double* p, PlacementForm form) {
       return place_turned<2>(pose, p);
     case PlacementForm::kGeneral:
       const Double4 origin = placed_origin(pose, p);
-      rotate_columns(pose, p, 4);
+      pose.rotate(p, 4);
       pose.column[kTranslation] = origin;
       return;
   }
-}
-
-// A pose times the rotation by the angle of (cos, sin) that takes column `from` towards column `to`.
-template <std::size_t from, std::size_t to>
-void turn_pose(PoseColumns& pose, double cos, double sin) {
-  const Double4 a = pose.column[from], b = pose.column[to];
-  pose.column[from] = cos * a + sin * b;
-  pose.column[to] = cos * b - sin * a;
-}
-
-void slide_columns(PoseColumns& pose, double x, double y, double z) {
-  Double4* const c = pose.column;
-  c[kTranslation] = c[0] * x + c[1] * y + c[2] * z + c[kTranslation];
 }
 
 // As lanes are filled with a constant: of zeros, only the positive one comes through.
@@ -129,7 +110,7 @@ void StatePoser::take_turns(const double* q) {
   }
 }
 
-inline void StatePoser::move(const Step& step, const double* q, PoseColumns& pose) const {
+inline void StatePoser::move_by(const Step& step, const double* q, PoseColumns& pose) const {
   const Kinematics::Joint& joint = *step.joint;
   double values[7];
   if (step.turn >= 0) {
@@ -140,31 +121,7 @@ inline void StatePoser::move(const Step& step, const double* q, PoseColumns& pos
   } else {
     for (int k = 0; k < value_count(joint.kind); ++k) values[k] = number_of(joint.values[k], q);
   }
-  const double *const v = values, *const axis = joint.axis;
-  switch (joint.kind) {
-    case JointKind::kTurnX:
-    case JointKind::kUnitTurnX:
-      return turn_pose<1, 2>(pose, v[0], v[1]);
-    case JointKind::kTurnY:
-    case JointKind::kUnitTurnY:
-      return turn_pose<2, 0>(pose, v[0], v[1]);
-    case JointKind::kTurnZ:
-    case JointKind::kUnitTurnZ:
-      return turn_pose<0, 1>(pose, v[0], v[1]);
-    case JointKind::kTurnAxis:
-    case JointKind::kUnitTurnAxis:
-      return rotate_columns(pose, turn_about_axis(axis, v[0], v[1]).data(), 3);
-    case JointKind::kSlide:
-      return slide_columns(pose, v[0] * axis[0], v[0] * axis[1], v[0] * axis[2]);
-    case JointKind::kPlanar:
-      slide_columns(pose, v[0], v[1], 0);
-      return turn_pose<0, 1>(pose, v[2], v[3]);
-    case JointKind::kBall:
-      return rotate_columns(pose, turn_of_quaternion(v).data(), 3);
-    case JointKind::kFree:
-      slide_columns(pose, v[0], v[1], v[2]);
-      return rotate_columns(pose, turn_of_quaternion(v + 3).data(), 3);
-  }
+  move(pose, joint.kind, joint.axis, values);
 }
 
 // A chain's pose stays in registers from joint to joint.
@@ -179,7 +136,7 @@ const PoseColumns* StatePoser::pose(const double* q) {
       if (step.parent != posed) pose = poses_[at(step.parent)];
       place_columns(pose, step.placement.m, step.form);
     }
-    if (step.joint != nullptr) move(step, q, pose);
+    if (step.joint != nullptr) move_by(step, q, pose);
     poses_[at(step.to)] = pose;
     posed = step.to;
   }

@@ -55,7 +55,7 @@ class StatePoser {
   int add_angle(const JointValue& value);
   void add(int parent, int to, const Rigid& placement, PlacementForm form, const Kinematics::Joint* joint);
   void take_turns(const double* q);
-  [[gnu::always_inline]] void move(const Step& step, const double* q, PoseColumns& pose) const;
+  [[gnu::always_inline]] void move_by(const Step& step, const double* q, PoseColumns& pose) const;
 };
 
 }  // namespace plannercheck

@@ -18,6 +18,7 @@ from plannercheck.checking.protocols import AnyRobot
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.robots.configurations import PLAIN, ConfigurationMap
+from plannercheck.robots.joints import SLIDE, kind_of
 from plannercheck.robots.robot import Robot
 
 # Names of columns that an error lists.
@@ -213,14 +214,10 @@ def _angles(robot: Robot, used: ConfigurationMap) -> Bools:
     angles, model = np.zeros(used.width, dtype=bool), robot.model
     for joint in range(1, model.njoints):
         entry = model.idx_qs[joint]
-        turns = model.nqs[joint] == 1 and not model.joints[joint].shortname().startswith(_SLIDING)
+        turns = model.nqs[joint] == 1 and kind_of(model.joints[joint]) is not SLIDE
         if used.columns[entry] >= 0 and (turns or used.roles[entry] != PLAIN):
             angles[used.columns[entry]] = True
     return angles
-
-
-# How Pinocchio's names of prismatic joints begin.
-_SLIDING = ("JointModelP", "JointModelMimicP")
 
 
 def _listed(names: Sequence[str]) -> str:
