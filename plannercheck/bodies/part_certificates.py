@@ -17,6 +17,7 @@ import numpy as np
 
 from plannercheck.bodies.certificates import Separation, UnprovedVerdictError
 from plannercheck.bodies.exact_planes import PosedBody, separates_exactly
+from plannercheck.bodies.kinds import Kind
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
 from plannercheck.bodies.solid_certificates import PosedSurface
@@ -189,7 +190,7 @@ def _is_inside(outer: BodyInParts, inner: BodyInParts, pairs: list[tuple[Range, 
 
 def is_of_parts(p: Polytope, r: Polytope) -> bool:
     """Whether at least one of two bodies is a set of parts."""
-    return p.parts is not None or r.parts is not None
+    return "part_set" in (p.kind, r.kind)
 
 
 def parts_met(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> tuple[int, int] | None:
@@ -268,19 +269,33 @@ def _between(
 
 
 def _posed_parts(body: Polytope, pose: Floats) -> BodyInParts:
-    if body.half_space is not None:
-        normal, offset = body.half_space
-        return OnePart(PosedHalfSpace(np.array(normal), offset, pose, body.inflation_radius))
-    if body.solid is not None:
-        return PosedTriangles(surface_of(body, pose), body.inflation_radius)
-    if body.parts is None:
-        one = np.array([0, len(body.vertices)], dtype=np.int64)
-        return PosedParts(body.vertices, one, np.array([body.inflation_radius]), pose)
-    parts = [body.parts.part(place)[:2] for place in range(body.parts.places)]
+    return _POSED[body.kind](body, pose)
+
+
+def _plane_as_part(body: Polytope, pose: Floats) -> BodyInParts:
+    normal, offset = body.core.shape
+    return OnePart(PosedHalfSpace(np.array(normal), offset, pose, body.inflation_radius))
+
+
+def _hull_as_part(body: Polytope, pose: Floats) -> BodyInParts:
+    one = np.array([0, len(body.vertices)], dtype=np.int64)
+    return PosedParts(body.vertices, one, np.array([body.inflation_radius]), pose)
+
+
+def _parts_of_set(body: Polytope, pose: Floats) -> BodyInParts:
+    parts = [body.core.shape.part(place)[:2] for place in range(body.core.shape.places)]
     corners = [each for each, _ in parts if len(each)]
     radii = [radius + body.inflation_radius for each, radius in parts if len(each)]
     start = np.concatenate([[0], np.cumsum([len(each) for each in corners])]).astype(np.int64)
     return PosedParts(np.concatenate([np.zeros((0, 3)), *corners]), start, np.array(radii), pose)
+
+
+_POSED: dict[Kind, Callable[[Polytope, Floats], BodyInParts]] = {
+    "hull": _hull_as_part,
+    "solid": lambda body, pose: PosedTriangles(surface_of(body, pose), body.inflation_radius),
+    "part_set": _parts_of_set,
+    "half_space": _plane_as_part,
+}
 
 
 def _hull_of(body: BodyInParts, parts: Range, own: Polytope) -> Polytope:

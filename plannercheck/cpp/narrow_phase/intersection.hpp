@@ -26,6 +26,7 @@ struct PairOptions {
   bool warm_start = true;      // whether each stage begins with the vertices where the one before gave up
   bool trees_first = true;     // whether solids whose hulls met last are tested before their hulls
   bool dents = true;           // whether hulls that meet deeper than the dents of their solids are the last word
+  bool part_trees = true;      // of sets of parts; boxes around several bodies; looks at heights under them
   // With cached planes: whether the solver begins with what it ended with at the pair's last poses. Where poses are not
   // alike, that is worse than nothing.
   bool active_sets = true;
