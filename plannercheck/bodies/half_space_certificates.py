@@ -30,9 +30,9 @@ def is_of_half_space(p: Polytope, r: Polytope) -> bool:
 
 def certified_body(body: Polytope, pose: Floats) -> CertifiedBody:
     """A posed body as certificates have it."""
-    if body.half_space is None:
+    if body.kind != "half_space":
         return PosedBody(body.vertices, pose, body.inflation_radius)
-    normal, offset = body.half_space
+    normal, offset = body.core.shape
     return PosedHalfSpace(np.array(normal), offset, pose, body.inflation_radius)
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -54,6 +54,8 @@ class PosedParts:
         pose: (4, 4) in the world, m.
     """
 
+    has_parts: ClassVar[bool] = True
+
     corners: Floats
     start: np.ndarray[Any, np.dtype[np.int64]]
     radii: Floats
@@ -77,6 +79,8 @@ class OnePart:
         half_space: The body.
     """
 
+    has_parts: ClassVar[bool] = True
+
     half_space: PosedHalfSpace
 
     def __len__(self) -> int:
@@ -95,6 +99,8 @@ class PosedTriangles:
         surface: The triangles, in the order that ranges count.
         inflation_radius: m.
     """
+
+    has_parts: ClassVar[bool] = False
 
     surface: PosedSurface
     inflation_radius: float
@@ -201,9 +207,9 @@ def parts_met(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> tuple
 
 def part_of(body: Polytope, place: int) -> Polytope:
     """A part as a body of its own, with the inflation radius of the set; the body itself if it is no set."""
-    if body.parts is None:
+    if place < 0:
         return body
-    corners, radius, _ = body.parts.part(place)
+    corners, radius, _ = body.core.shape.part(place)
     return Polytope(corners, inflation_radius=radius + body.inflation_radius)
 
 
@@ -244,10 +250,7 @@ def certify_parts(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats, cert
         if isinstance(certificate, SolidSeparation):
             found += [_between(ranges, patch, bodies) for patch in certificate.patches]
             continue
-        sizes = [
-            0 if isinstance(body, PosedTriangles) else last - start
-            for body, (start, last) in zip(bodies, ranges, strict=True)
-        ]
+        sizes = [last - start if body.has_parts else 0 for body, (start, last) in zip(bodies, ranges, strict=True)]
         if max(sizes) <= 1:
             raise UnprovedVerdictError("no plane separates a part from the other body, which the core finds apart")
         if sizes[0] >= sizes[1]:
@@ -262,7 +265,7 @@ def _between(
 ) -> RangeSeparation:
     """A plane between ranges of parts and a patch of a solid, whose triangles count; the other body's do not."""
     first, second = (
-        of_patch if isinstance(body, PosedTriangles) else parts
+        parts if body.has_parts else of_patch
         for body, of_patch, parts in zip(bodies, (patch.first, patch.second), ranges, strict=True)
     )
     return RangeSeparation(first, second, patch.plane)
@@ -300,9 +303,10 @@ _POSED: dict[Kind, Callable[[Polytope, Floats], BodyInParts]] = {
 
 def _hull_of(body: BodyInParts, parts: Range, own: Polytope) -> Polytope:
     """A body around some parts; the body itself if it is no set."""
-    if own.parts is None or not isinstance(body, PosedParts):
+    if own.kind != "part_set":
         return own
     posed = body.body(parts)
+    assert isinstance(posed, PosedBody)
     corners = posed.vertices
     if parts[1] - parts[0] > _MOST_IN_HULL:
         low, high = corners.min(axis=0), corners.max(axis=0)

@@ -277,8 +277,8 @@ class Polytope:
         return _PICKLED[self.kind](self._core)
 
     def __repr__(self) -> str:
-        if self.half_space is not None:
-            return f"Polytope(half-space {self.half_space[0]} · x <= {self.half_space[1]})"
+        if self.kind == "half_space":
+            return f"Polytope(half-space {self._core.shape[0]} · x <= {self._core.shape[1]})"
         return f"Polytope({len(self.vertices)} vertices, {self._core.facets} facets)"
 
 

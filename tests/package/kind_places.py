@@ -27,6 +27,7 @@ _ASKED = {
         r"|\.(?:solid|parts|half_space) is (?:not )?None|\.is_solid\b"
     ),
 }
+_ROW = re.compile(r"kernel_of\(|\[kind_of\(|kind = kind_of\(|push_back\(kind_of\(|\[pair_kind\(|[A-Z]+\[\w+\.kind\]")
 _FOLDERS = {"plannercheck": ("bodies", "checking", "motions")}
 _LEFT_OUT = ("oracle/", "planar/")
 # Definitions, and what only stands in comments and assertions.
@@ -58,7 +59,11 @@ def main() -> None:
         for path, number, text in found:
             print(f"{path}:{number}: {text}")
     of_core = sum(path.startswith("plannercheck/cpp") for path, _, _ in found)
-    print(f"{len(found)} places: {of_core} in the core, {len(found) - of_core} in the package")
+    rows = sum(bool(_ROW.search(text)) for _, _, text in found)
+    print(
+        f"{len(found)} places: {of_core} in the core, {len(found) - of_core} in the package; of them {rows} choose a "
+        "row of a table"
+    )
 
 
 if __name__ == "__main__":
