@@ -96,7 +96,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   // ----- by the kind of a pair
 
-  // `near`, `open`, `gap`, `swept`, `touches`, `clear` and `settle` are the run's methods of these names or near them.
+  // What the methods of these names do.
   struct PairMotions {
     unsigned (MotionRun::*near)(std::int32_t index);
     DirectedPair (MotionRun::*found_open)(std::int32_t index, unsigned near);
@@ -112,7 +112,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   const PairMotions& of(const CertifiedPair& pair) const { return kPairMotions[pair.kind]; }
   static bool are_hulls(const CertifiedPair& pair) { return pair.kind == Kind::kHull; }
 
-  // Hulls, as most pairs are, without a call through a pointer.
+  // Two hulls, as most pairs are, without a call through a pointer where that counts.
   unsigned near(std::int32_t index) {
     const CertifiedPair& pair = pairs_[at(index)];
     return are_hulls(pair) ? filters_.near(pair) : (this->*of(pair).near)(index);
@@ -122,10 +122,11 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     return are_hulls(pair) ? hulls_open(index, near) : (this->*of(pair).found_open)(index, near);
   }
   double gap_at(const CertifiedPair& pair, const PosedPair& posed, Vec3 direction) {
-    return (this->*of(pair).gap_at)(pair, posed, direction);
+    return are_hulls(pair) ? hulls_gap(pair, posed, direction) : (this->*of(pair).gap_at)(pair, posed, direction);
   }
   SweptAnswer<Vec3> swept(const CertifiedPair& pair, const PosedPair* posed, int count, double limit, Vec3 hint) {
-    return (this->*of(pair).swept)(pair, posed, count, limit, hint);
+    return are_hulls(pair) ? swept_hulls(pair, posed, count, limit, hint)
+                           : (this->*of(pair).swept)(pair, posed, count, limit, hint);
   }
   // Whether the pair shares a point at a state; then no interval there can be settled.
   bool touches(PairState& s, std::size_t state) { return (this->*of(s.pair).touches)(s, state); }
