@@ -17,7 +17,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from plannercheck.bodies.integers import IntegerHull, Integers, in_common_unit, negated
+from plannercheck.bodies.integers import IntegerHull, Integers
 from plannercheck.bodies.integers import dot as product
 from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
 from plannercheck.common.array_types import Floats
@@ -43,6 +43,12 @@ class PosedBody(OwnsArrays):
     vertices: Floats
     pose: Floats
     inflation_radius: float = 0.0
+
+    def lowest(self, direction: Point) -> Fraction | None:
+        """The least product of a direction with its points, the radius left out."""
+        whole, denominator = in_integers(direction)
+        hull = IntegerHull(self.vertices, self.pose)
+        return product(whole, hull.point(hull.lowest(whole))) * Fraction(2) ** hull.unit / denominator
 
 
 CertifiedBody: TypeAlias = PosedBody | PosedHalfSpace
@@ -107,32 +113,11 @@ def _extents(direction: Point, bodies: Bodies) -> tuple[Fraction, Fraction, Frac
     None if a half-space reaches on and on along the direction.
     """
     first, second = bodies
-    if isinstance(first, PosedHalfSpace) or isinstance(second, PosedHalfSpace):
-        return _extents_of_half_space(direction, first, second)
-    whole, denominator = in_integers(direction)
-    p, r = in_common_unit(*(IntegerHull(body.vertices, body.pose, body.inflation_radius) for body in (first, second)))
-    low, high = product(whole, p.point(p.lowest(whole))), product(whole, r.point(r.lowest(negated(whole))))
-    unit = Fraction(2) ** p.unit
-    return low * unit / denominator, high * unit / denominator, p.inflation_radius * unit, r.inflation_radius * unit
-
-
-def _extents_of_half_space(
-    direction: Point, first: CertifiedBody, second: CertifiedBody
-) -> tuple[Fraction, Fraction, Fraction, Fraction] | None:
     x, y, z = direction
-    low, minus_high = _lowest(first, direction), _lowest(second, (-x, -y, -z))
+    low, minus_high = first.lowest(direction), second.lowest((-x, -y, -z))
     if low is None or minus_high is None:
         return None
     return low, -minus_high, Fraction(first.inflation_radius), Fraction(second.inflation_radius)
-
-
-def _lowest(body: CertifiedBody, direction: Point) -> Fraction | None:
-    """The least product of a direction with a body's points, its radius left out; None if there is none."""
-    if isinstance(body, PosedHalfSpace):
-        return body.lowest(direction)
-    whole, denominator = in_integers(direction)
-    hull = IntegerHull(body.vertices, body.pose)
-    return product(whole, hull.point(hull.lowest(whole))) * Fraction(2) ** hull.unit / denominator
 
 
 def in_integers(direction: Point) -> tuple[Integers, int]:

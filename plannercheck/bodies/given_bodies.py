@@ -11,12 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.given_shapes import GivenShape, given_shape, in_frame, is_geometry, points_given
-from plannercheck.bodies.half_spaces import HalfSpace
-from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.placed import Placed
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import checked_pose, checked_poses, inflated_hull
-from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
@@ -46,12 +43,8 @@ def given_polytope(value: GivenBody, pose: ArrayLike | None, name: str) -> tuple
             points = points_given(value)
         return Polytope(points, name=name), placed
     shape, own = given_shape(value, name)
-    if isinstance(shape, PartSet):
-        return Polytope.of_parts(shape), in_frame(placed, own, name)
-    if isinstance(shape, HalfSpace):
-        return Polytope.of_half_space(shape), in_frame(placed, own, name)
-    polytope = Polytope(*inflated_hull(shape), name=name)
-    return polytope.of_solid(shape) if isinstance(shape, Solid) else polytope, in_frame(placed, own, name)
+    body = Polytope.of_shape(shape, 0.0, lambda: Polytope(*inflated_hull(shape), name=name))
+    return body, in_frame(placed, own, name)
 
 
 def given_polytope_at_poses(value: GivenBody, poses: ArrayLike | None, name: str) -> tuple[Polytope, Floats]:

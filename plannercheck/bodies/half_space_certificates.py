@@ -13,10 +13,10 @@ import numpy as np
 from plannercheck.bodies.certificates import Certificate, SharedPoint, separation, shared_point_at
 from plannercheck.bodies.exact_planes import Bodies, CertifiedBody, PosedBody, in_integers
 from plannercheck.bodies.integers import IntegerHull
+from plannercheck.bodies.kinds import pair_kind
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.posed_half_spaces import PosedHalfSpace, Vector, dot
 from plannercheck.common.array_types import Floats
-from plannercheck.common.errors import PlannercheckError
 
 
 def is_of_half_space(p: Polytope, r: Polytope) -> bool:
@@ -25,16 +25,14 @@ def is_of_half_space(p: Polytope, r: Polytope) -> bool:
     Raises:
         PlannercheckError: If both are.
     """
-    if p.half_space is not None and r.half_space is not None:
-        raise PlannercheckError("P and R are two half-spaces: a half-space is tested against bodies that are bounded")
-    return p.half_space is not None or r.half_space is not None
+    return pair_kind(p, r) == "half_space"
 
 
 def certified_body(body: Polytope, pose: Floats) -> CertifiedBody:
     """A posed body as certificates have it."""
-    if body.half_space is None:
+    if body.kind != "half_space":
         return PosedBody(body.vertices, pose, body.inflation_radius)
-    normal, offset = body.half_space
+    normal, offset = body.core.shape
     return PosedHalfSpace(np.array(normal), offset, pose, body.inflation_radius)
 
 

@@ -11,12 +11,13 @@ import hashlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.circumscribed import BOX_SIGNS, prism_faces
+from plannercheck.bodies.kinds import Kind
 from plannercheck.bodies.sizes import numbers
 from plannercheck.common.array_types import Faces
 from plannercheck.common.errors import PlannercheckError
@@ -41,6 +42,8 @@ class HalfSpace:
         normal: Of any length but 0, in the shape's frame.
         offset: The plane is normal · x = offset; with a normal of length 1 in m. 0 is the plane through the origin.
     """
+
+    body_kind: ClassVar[Kind] = "half_space"
 
     normal: tuple[float, float, float]
     offset: float = 0.0

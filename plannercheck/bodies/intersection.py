@@ -6,7 +6,7 @@ cpp/narrow_phase/intersection: cached plane, centre axis, the coupled walk or th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
 
@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.certificates import Certificate, SharedPoint, UnprovedVerdictError, separation, shared_point
 from plannercheck.bodies.exact_planes import Bodies, Point, direction_of
 from plannercheck.bodies.given_bodies import GivenBody, are_poses, given_polytope, given_polytope_at_poses
-from plannercheck.bodies.half_space_certificates import certified_body, certify_half_space, is_of_half_space
+from plannercheck.bodies.half_space_certificates import certified_body, certify_half_space
+from plannercheck.bodies.kinds import Kind, pair_kind
 from plannercheck.bodies.pair_queries import queries
 from plannercheck.bodies.part_certificates import PartSeparation, certify_parts, is_of_parts
 from plannercheck.bodies.polytope import Polytope
@@ -24,7 +25,7 @@ from plannercheck.bodies.shapes import POSED_TOLERANCE, checked_pose
 from plannercheck.bodies.solid_certificates import Enclosure, contact_certificate
 from plannercheck.bodies.solid_separations import SolidSeparation, separate_solids
 from plannercheck.bodies.tuning import METHODS, Method, pair_options
-from plannercheck.common.array_types import Bools
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
@@ -80,9 +81,7 @@ def intersects_checked(
         return _intersects_at_poses(P, R, pose_p, pose_r, method)
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
-    if is_of_half_space(P, R):
-        return bool(core.solids_contact(P.core, pose_p, R.core, pose_r)[0] != "apart")
-    return bool(core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(method), False)["shared"])
+    return bool(_shared(P, R, pose_p[None], pose_r[None], method)[0])
 
 
 def _intersects_at_poses(
@@ -96,7 +95,11 @@ def _intersects_at_poses(
         )
     if counts == {0}:
         return np.zeros(0, dtype=bool)
-    is_of_half_space(p, r)  # which refuses two of them
+    return _shared(p, r, poses_p, poses_r, method)
+
+
+def _shared(p: Polytope, r: Polytope, poses_p: Floats, poses_r: Floats, method: Method) -> Bools:
+    pair_kind(p, r)  # which refuses two half-spaces
     shared, _, _ = core.intersect_batch(p.core, poses_p, r.core, poses_r, pair_options(method))
     return np.asarray(shared).view(bool)
 
@@ -137,15 +140,11 @@ def certify_posed(
 ) -> SolidCertificate:
     """`certify` of bodies on links, whose poses may be less rigid than given ones (robots/unit_lengths.py)."""
     pose_p, pose_r = (checked_pose(pose, "a body on a link", POSED_TOLERANCE) for pose in (pose_p, pose_r))
-    over_plane = is_of_half_space(P, R)
-    if is_of_parts(P, R):
-        of_parts: SolidCertificate = certify_parts(P, R, pose_p, pose_r, certify_posed)
-        return of_parts
-    if over_plane:
-        return certify_half_space(P, R, pose_p, pose_r)
+    return _CERTIFIED[pair_kind(P, R)](P, R, pose_p, pose_r, method)
+
+
+def _certify_hulls(P: Polytope, R: Polytope, pose_p: Floats, pose_r: Floats, method: Method) -> Certificate:
     bodies = certified_body(P, pose_p), certified_body(R, pose_r)
-    if P.solid is not None or R.solid is not None:
-        return _certify_solids(P, R, bodies)
     for stage in (method, METHODS[-1]):
         found = core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(stage), True)
         certificate = _shared_point(found, bodies) if found["shared"] else _separation(found, bodies)
@@ -155,11 +154,29 @@ def certify_posed(
     raise UnprovedVerdictError("the core finds two bodies to be apart, but its plane does not separate them")
 
 
-def _certify_solids(P: Polytope, R: Polytope, bodies: Bodies) -> SolidCertificate:
-    """The proof that solids share a point, or that they do not."""
-    poses = bodies[0].pose, bodies[1].pose
-    contact = contact_certificate(P, R, *poses)
-    return separate_solids(P, R, *poses, certify_posed) if contact is None else contact
+def _certify_solids(P: Polytope, R: Polytope, pose_p: Floats, pose_r: Floats, _: Method) -> SolidCertificate:
+    contact = contact_certificate(P, R, pose_p, pose_r)
+    return separate_solids(P, R, pose_p, pose_r, certify_posed) if contact is None else contact
+
+
+def _certify_parts(P: Polytope, R: Polytope, pose_p: Floats, pose_r: Floats, _: Method) -> SolidCertificate:
+    found: SolidCertificate = certify_parts(P, R, pose_p, pose_r, certify_posed)
+    return found
+
+
+def _certify_over_plane(P: Polytope, R: Polytope, pose_p: Floats, pose_r: Floats, method: Method) -> SolidCertificate:
+    if is_of_parts(P, R):
+        return _certify_parts(P, R, pose_p, pose_r, method)
+    return certify_half_space(P, R, pose_p, pose_r)
+
+
+# The proof of a verdict, by the kind of the pair.
+_CERTIFIED: dict[Kind, Callable[[Polytope, Polytope, Floats, Floats, Method], SolidCertificate]] = {
+    "hull": _certify_hulls,
+    "solid": _certify_solids,
+    "part_set": _certify_parts,
+    "half_space": _certify_over_plane,
+}
 
 
 def _separation(found: dict[str, Any], bodies: Bodies) -> Certificate | None:

@@ -11,12 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
 from plannercheck.bodies.certificates import Separation, UnprovedVerdictError
 from plannercheck.bodies.exact_planes import PosedBody, separates_exactly
+from plannercheck.bodies.kinds import Kind
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
 from plannercheck.bodies.solid_certificates import PosedSurface
@@ -53,6 +54,8 @@ class PosedParts:
         pose: (4, 4) in the world, m.
     """
 
+    has_parts: ClassVar[bool] = True
+
     corners: Floats
     start: np.ndarray[Any, np.dtype[np.int64]]
     radii: Floats
@@ -76,6 +79,8 @@ class OnePart:
         half_space: The body.
     """
 
+    has_parts: ClassVar[bool] = True
+
     half_space: PosedHalfSpace
 
     def __len__(self) -> int:
@@ -94,6 +99,8 @@ class PosedTriangles:
         surface: The triangles, in the order that ranges count.
         inflation_radius: m.
     """
+
+    has_parts: ClassVar[bool] = False
 
     surface: PosedSurface
     inflation_radius: float
@@ -189,7 +196,7 @@ def _is_inside(outer: BodyInParts, inner: BodyInParts, pairs: list[tuple[Range, 
 
 def is_of_parts(p: Polytope, r: Polytope) -> bool:
     """Whether at least one of two bodies is a set of parts."""
-    return p.parts is not None or r.parts is not None
+    return "part_set" in (p.kind, r.kind)
 
 
 def parts_met(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> tuple[int, int] | None:
@@ -200,9 +207,9 @@ def parts_met(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> tuple
 
 def part_of(body: Polytope, place: int) -> Polytope:
     """A part as a body of its own, with the inflation radius of the set; the body itself if it is no set."""
-    if body.parts is None:
+    if place < 0:
         return body
-    corners, radius, _ = body.parts.part(place)
+    corners, radius, _ = body.core.shape.part(place)
     return Polytope(corners, inflation_radius=radius + body.inflation_radius)
 
 
@@ -243,10 +250,7 @@ def certify_parts(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats, cert
         if isinstance(certificate, SolidSeparation):
             found += [_between(ranges, patch, bodies) for patch in certificate.patches]
             continue
-        sizes = [
-            0 if isinstance(body, PosedTriangles) else last - start
-            for body, (start, last) in zip(bodies, ranges, strict=True)
-        ]
+        sizes = [last - start if body.has_parts else 0 for body, (start, last) in zip(bodies, ranges, strict=True)]
         if max(sizes) <= 1:
             raise UnprovedVerdictError("no plane separates a part from the other body, which the core finds apart")
         if sizes[0] >= sizes[1]:
@@ -261,33 +265,48 @@ def _between(
 ) -> RangeSeparation:
     """A plane between ranges of parts and a patch of a solid, whose triangles count; the other body's do not."""
     first, second = (
-        of_patch if isinstance(body, PosedTriangles) else parts
+        parts if body.has_parts else of_patch
         for body, of_patch, parts in zip(bodies, (patch.first, patch.second), ranges, strict=True)
     )
     return RangeSeparation(first, second, patch.plane)
 
 
 def _posed_parts(body: Polytope, pose: Floats) -> BodyInParts:
-    if body.half_space is not None:
-        normal, offset = body.half_space
-        return OnePart(PosedHalfSpace(np.array(normal), offset, pose, body.inflation_radius))
-    if body.solid is not None:
-        return PosedTriangles(surface_of(body, pose), body.inflation_radius)
-    if body.parts is None:
-        one = np.array([0, len(body.vertices)], dtype=np.int64)
-        return PosedParts(body.vertices, one, np.array([body.inflation_radius]), pose)
-    parts = [body.parts.part(place)[:2] for place in range(body.parts.places)]
+    return _POSED[body.kind](body, pose)
+
+
+def _plane_as_part(body: Polytope, pose: Floats) -> BodyInParts:
+    normal, offset = body.core.shape
+    return OnePart(PosedHalfSpace(np.array(normal), offset, pose, body.inflation_radius))
+
+
+def _hull_as_part(body: Polytope, pose: Floats) -> BodyInParts:
+    one = np.array([0, len(body.vertices)], dtype=np.int64)
+    return PosedParts(body.vertices, one, np.array([body.inflation_radius]), pose)
+
+
+def _parts_of_set(body: Polytope, pose: Floats) -> BodyInParts:
+    parts = [body.core.shape.part(place)[:2] for place in range(body.core.shape.places)]
     corners = [each for each, _ in parts if len(each)]
     radii = [radius + body.inflation_radius for each, radius in parts if len(each)]
     start = np.concatenate([[0], np.cumsum([len(each) for each in corners])]).astype(np.int64)
     return PosedParts(np.concatenate([np.zeros((0, 3)), *corners]), start, np.array(radii), pose)
 
 
+_POSED: dict[Kind, Callable[[Polytope, Floats], BodyInParts]] = {
+    "hull": _hull_as_part,
+    "solid": lambda body, pose: PosedTriangles(surface_of(body, pose), body.inflation_radius),
+    "part_set": _parts_of_set,
+    "half_space": _plane_as_part,
+}
+
+
 def _hull_of(body: BodyInParts, parts: Range, own: Polytope) -> Polytope:
     """A body around some parts; the body itself if it is no set."""
-    if own.parts is None or not isinstance(body, PosedParts):
+    if own.kind != "part_set":
         return own
     posed = body.body(parts)
+    assert isinstance(posed, PosedBody)
     corners = posed.vertices
     if parts[1] - parts[0] > _MOST_IN_HULL:
         low, high = corners.min(axis=0), corners.max(axis=0)

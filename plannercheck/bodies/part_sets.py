@@ -11,13 +11,14 @@ import hashlib
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.bodies.circumscribed import BOX_SIGNS, prism_faces
 from plannercheck.bodies.core_polytopes import LARGEST_COORDINATE
+from plannercheck.bodies.kinds import Kind
 from plannercheck.common.array_types import Faces, Floats
 from plannercheck.common.arrays import distinct_rows, read_only, real_numbers, shown_array, unmasked
 from plannercheck.common.core import core
@@ -29,6 +30,8 @@ MOST_PARTS = 2**31 - 1
 
 class PartSet(ABC):
     """The union of many convex parts of one kind; a set without parts is empty, and collides with nothing."""
+
+    body_kind: ClassVar[Kind] = "part_set"
 
     @property
     @abstractmethod

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.distance import distance
 from plannercheck.bodies.given_bodies import GivenBody, given_polytope
+from plannercheck.bodies.kinds import Kind
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
@@ -34,6 +35,13 @@ _ROUNDING = 64 * 2.0**-53
 # A triangle's normal, the product of two of its edges, errs by less than 4 u of the longest edge's square; so does the
 # height over the triangle, a product with a corner, relative to the corner's length. Twice that is taken.
 _NORMAL_ROUNDING = 8 * 2.0**-53
+
+
+# Why there is none.
+_NO_DEPTHS: dict[Kind, str] = {
+    "solid": "depths are of convex bodies: take hulls, pc.Polytope(solid.vertices)",
+    "half_space": "depths are of bounded bodies: into a half-space, take -distance(...).lower_bound",
+}
 
 
 @set_module("plannercheck")
@@ -78,10 +86,9 @@ def depth(
     """
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
-    if P.solid is not None or R.solid is not None:
-        raise PlannercheckError("depths are of convex bodies: take hulls, pc.Polytope(solid.vertices)")
-    if P.half_space is not None or R.half_space is not None:
-        raise PlannercheckError("depths are of bounded bodies: into a half-space, take -distance(...).lower_bound")
+    for kind, reason in _NO_DEPTHS.items():
+        if kind in (P.kind, R.kind):
+            raise PlannercheckError(reason)
     count = len(P.vertices) * len(R.vertices)
     if count > MOST_DIFFERENCES:
         raise PlannercheckError(

@@ -7,6 +7,7 @@ the public names.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from plannercheck.bodies import polytope_files as body_files
 from plannercheck.bodies.circumscribed import BOX_SIGNS, prism_faces
 from plannercheck.bodies.core_polytopes import LARGEST_COORDINATE, core_polytope, fans, parsed_polytope
 from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.kinds import Kind, kind_of_shape
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.polytope_files import GivenFaces
 from plannercheck.bodies.solids import Solid
@@ -28,6 +30,8 @@ from plannercheck.common.errors import PlannercheckError, with_article
 from plannercheck.common.public_names import set_module
 
 _NO_ARRAYS: dict[str, NDArray[Any]] = {}
+
+_NO_HULLS: dict[Kind, str] = {"solid": "a solid's", "part_set": "a set of parts", "half_space": "a half-space"}
 
 
 @set_module("plannercheck")
@@ -79,15 +83,14 @@ class Polytope:
             if faces is not None or inflation_radius:
                 kind = with_article(type(vertices).__name__)
                 raise PlannercheckError(f"{name} is {kind}, which has its own faces and radius")
-            if isinstance(vertices, HalfSpace):
-                self._adopt(self.of_half_space(vertices).core)
-                return
-            vertices, inflation_radius = points_of_geometry(vertices, name)
-        self._adopt(core_polytope(vertices, faces, inflation_radius, name))
-        if isinstance(given, Solid):
-            self._core = self.of_solid(given).core
-        if isinstance(given, PartSet):
-            self._core = self.of_parts(given).core
+
+            def hull() -> Polytope:
+                points, radius = points_of_geometry(vertices, name)
+                return self._from_core(core_polytope(points, None, radius, name))
+
+            self._adopt(self.of_shape(vertices, 0.0, hull).core)
+        else:
+            self._adopt(core_polytope(vertices, faces, inflation_radius, name))
 
     def _adopt(self, body: Any) -> None:
         self._core = body
@@ -128,20 +131,45 @@ class Polytope:
         return self._core
 
     @property
+    def kind(self) -> Kind:
+        """What the body is: the hull of its vertices, or a solid, a set of parts or a half-space, as `of_…` make it."""
+        kind: Kind = self._core.kind
+        return kind
+
+    def _shape_if(self, kind: Kind) -> Any | None:
+        return self._core.shape if self._core.kind == kind else None
+
+    @property
     def solid(self) -> Any | None:
-        """The compiled solid whose set the body is; None if it is the hull of its vertices."""
-        return self._core.solid
+        """The compiled solid whose set the body is; None if it is none."""
+        return self._shape_if("solid")
 
     @property
     def parts(self) -> Any | None:
         """The compiled set of parts whose union the body is; None if it is none, see `PointCloud` and its like."""
-        return self._core.parts
+        return self._shape_if("part_set")
 
     @property
     def half_space(self) -> tuple[tuple[float, float, float], float] | None:
         """Normal and offset of the half-space that the body is, whose vertices are those of a cube; None if none."""
-        found: tuple[tuple[float, float, float], float] | None = self._core.half_space
-        return found
+        return self._shape_if("half_space")
+
+    @classmethod
+    def of_shape(cls, shape: Any, inflation_radius: float, hull: Callable[[], Polytope] | None = None) -> Polytope:
+        """The body of a shape.
+
+        Args:
+            shape: One of our shapes.
+            inflation_radius: Of a set of parts or a half-space, m.
+            hull: Makes the hull of any other shape, with its inflation radius; not needed for those two.
+        """
+        kind = kind_of_shape(shape)
+        if kind == "part_set":
+            return cls.of_parts(shape, inflation_radius)
+        if kind == "half_space":
+            return cls.of_half_space(shape, inflation_radius)
+        assert hull is not None
+        return hull() if kind == "hull" else hull().of_solid(shape)
 
     @classmethod
     def of_half_space(cls, half_space: HalfSpace, inflation_radius: float = 0.0) -> Polytope:
@@ -184,8 +212,7 @@ class Polytope:
     @property
     def nbytes(self) -> int:
         """Memory of the prepared body in bytes."""
-        inside = [0 if each is None else int(each.nbytes) for each in (self.solid, self.parts)]
-        return int(self._core.bytes()) + sum(inside)
+        return int(self._core.bytes()) + int(getattr(self._core.shape, "nbytes", 0))
 
     def statistics(self) -> dict[str, Any]:
         """Sizes of the hull, of both hierarchies (levels, longest chain, fans, bytes), and of the body."""
@@ -217,10 +244,8 @@ class Polytope:
 
     def save(self, path: str | Path) -> None:
         """Writes the prepared body, if it is a hull, to a file (magic, version, content hash, data)."""
-        kinds = {"a solid's": self.solid, "a set of parts": self.parts, "a half-space": self.half_space}
-        kind = next((kind for kind, value in kinds.items() if value is not None), None)
-        if kind is not None:
-            raise PlannercheckError(f"files of prepared bodies hold hulls, this is {kind}: pickle it")
+        if self.kind in _NO_HULLS:
+            raise PlannercheckError(f"files of prepared bodies hold hulls, this is {_NO_HULLS[self.kind]}: pickle it")
         body_files.write(Path(path), self._core.serialise())
 
     @classmethod
@@ -241,16 +266,11 @@ class Polytope:
         return cls._from_core(body.with_solid(core.Solid(*solid)) if solid else body)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        if self.parts is not None:
-            return _body_of_parts, (*self.parts.state(), self.inflation_radius)
-        if self.half_space is not None:
-            return _body_of_half_space, (*self.half_space, self.inflation_radius)
-        solid = () if self.solid is None else (self.solid.points(), self.solid.triangles())
-        return Polytope._from_bytes, (self._core.serialise(), *solid)
+        return _PICKLED[self.kind](self._core)
 
     def __repr__(self) -> str:
-        if self.half_space is not None:
-            return f"Polytope(half-space {self.half_space[0]} · x <= {self.half_space[1]})"
+        if self.kind == "half_space":
+            return f"Polytope(half-space {self._core.shape[0]} · x <= {self._core.shape[1]})"
         return f"Polytope({len(self.vertices)} vertices, {self._core.facets} facets)"
 
 
@@ -262,6 +282,15 @@ def _body_of_parts(kind: str, arrays: tuple[Any, ...], inflation_radius: float) 
 def _body_of_half_space(normal: tuple[float, float, float], offset: float, inflation_radius: float) -> Polytope:
     """A pickled body of a half-space."""
     return Polytope.of_half_space(HalfSpace(normal, offset), inflation_radius)
+
+
+# How bodies are pickled, given the core's.
+_PICKLED: dict[Kind, Callable[[Any], tuple[Any, ...]]] = {
+    "hull": lambda body: (Polytope._from_bytes, (body.serialise(),)),
+    "solid": lambda body: (Polytope._from_bytes, (body.serialise(), body.shape.points(), body.shape.triangles())),
+    "part_set": lambda body: (_body_of_parts, (*body.shape.state(), body.inflation_radius)),
+    "half_space": lambda body: (_body_of_half_space, (*body.shape, body.inflation_radius)),
+}
 
 
 def polytopes_of_boxes(sizes: Floats, inflation_radii: Floats) -> list[Polytope | None]:

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, get_args
+from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.bodies.caps import Caps, closing, open_edges
 from plannercheck.bodies.core_polytopes import core_polytope
 from plannercheck.bodies.hull_equality import is_hull
+from plannercheck.bodies.kinds import Kind
 from plannercheck.bodies.mesh_files import MeshUnits, checked_units, named_file, read_mesh, warn_of_mesh
 from plannercheck.common.array_types import Faces, Floats, Ints, Ints64
 from plannercheck.common.arrays import (
@@ -62,6 +63,8 @@ class Solid:
         triangles: (k, 3) indices of vertices as given, without caps, read-only.
         open: What an open mesh is taken as; it changes nothing about a closed one.
     """
+
+    body_kind: ClassVar[Kind] = "solid"
 
     vertices: Floats
     triangles: NDArray[np.integer[Any]] = None  # type: ignore[assignment]  # of a mesh, its faces

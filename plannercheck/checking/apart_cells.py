@@ -104,7 +104,7 @@ def _chunks(rows: Ints64) -> list[Ints64]:
 
 
 def _have_hulls(*bodies: Polytope) -> bool:
-    return all(body.parts is None and body.half_space is None for body in bodies)
+    return all(body.kind in ("hull", "solid") for body in bodies)
 
 
 def _in_a_block(part: Floats) -> Floats:

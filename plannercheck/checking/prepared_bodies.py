@@ -16,8 +16,7 @@ from weakref import WeakKeyDictionary, WeakValueDictionary
 
 import numpy as np
 
-from plannercheck.bodies.half_spaces import HalfSpace
-from plannercheck.bodies.part_sets import PartSet
+from plannercheck.bodies.kinds import kind_of_shape
 from plannercheck.bodies.polytope import Polytope, polytopes_of_boxes, prepared
 from plannercheck.bodies.shapes import (
     Box,
@@ -181,11 +180,9 @@ class Preparation:
 
     def _prepared(self, body: int) -> Polytope:
         """The prepared body, shared by equal hulls; a solid that is not its hull is shared by equal solids."""
-        shape = self._bodies[body].shape
-        if isinstance(shape, PartSet):
-            return Polytope.of_parts(shape, float(self.paddings[body]))
-        if isinstance(shape, HalfSpace):
-            return Polytope.of_half_space(shape, float(self.paddings[body]))
+        shape, padding = self._bodies[body].shape, float(self.paddings[body])
+        if kind_of_shape(shape) in ("part_set", "half_space"):
+            return Polytope.of_shape(shape, padding)
         points, faces, inflation_radius = self.hull(body)
         key = np.float64(inflation_radius).tobytes() + points.tobytes()
         if isinstance(shape, Solid) and not shape.equals_hull:
@@ -195,8 +192,9 @@ class Preparation:
             name = self._bodies[body].name
             prepare = Polytope if len(points) <= _FEW_POINTS else prepared
             with reported(f"preparing body {name}"):
-                found = prepare(points, faces, inflation_radius, f"body {name!r}")
-                found = found.of_solid(shape) if isinstance(shape, Solid) else found
+                found = Polytope.of_shape(
+                    shape, padding, lambda: prepare(points, faces, inflation_radius, f"body {name!r}")
+                )
             _POLYTOPES[key] = found
         return found
 

@@ -351,9 +351,10 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         p, r = self._preparation.polytope(a), self._preparation.polytope(b)
         met = parts_met(p, r, poses[a], poses[b]) if is_of_parts(p, r) else None
         for k, place in enumerate(met or ()):
-            shape, parts = shapes[k], (p, r)[k].parts
-            if isinstance(shape, PartSet) and parts is not None and place >= 0:
-                names[k] += f"[{shape.part_name(parts.part(place)[2])}]"
+            if place >= 0:
+                shape = shapes[k]
+                assert isinstance(shape, PartSet)
+                names[k] += f"[{shape.part_name((p, r)[k].core.shape.part(place)[2])}]"
         return names[0], names[1]
 
     def _certificate(self, a: int, b: int, poses: Floats) -> PairCertificate:

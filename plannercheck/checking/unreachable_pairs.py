@@ -29,7 +29,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plannercheck.bodies.half_space_certificates import is_of_half_space
+from plannercheck.bodies.kinds import pair_kind
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, InflatedHull
 from plannercheck.bodies.tuning import pair_options
@@ -110,8 +110,8 @@ def stays_apart(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> boo
     The core finds a direction; doubles are enough to see that it separates the bodies by more than the margin. Solids
     whose hulls meet have no such direction, and count as meeting.
     """
-    if is_of_half_space(p, r):
-        return _stays_over(p, r, pose_p, pose_r) if r.half_space else _stays_over(r, p, pose_r, pose_p)
+    if pair_kind(p, r) == "half_space":
+        return _stays_over(p, r, pose_p, pose_r) if r.kind == "half_space" else _stays_over(r, p, pose_r, pose_p)
     found = core.certify_pair(p.core, pose_p, r.core, pose_r, pair_options(), False)
     normal = np.asarray(found.get("normal", np.zeros(3)))
     if found["shared"] or not normal.any():
@@ -128,8 +128,7 @@ def stays_apart(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> boo
 
 def _stays_over(p: Polytope, half_space: Polytope, pose_p: Floats, pose: Floats) -> bool:
     """The same of a body and a half-space."""
-    assert half_space.half_space is not None
-    normal, offset = half_space.half_space
+    normal, offset = half_space.core.shape
     gap = float(core.distance_batch(p.core, pose_p[None], half_space.core, pose[None])[2][0])
     furthest = np.linalg.norm(p.vertices @ pose_p[:3, :3].T + pose_p[:3, 3], axis=1).max()
     plane = abs(offset) / np.linalg.norm(normal) + np.linalg.norm(pose[:3, 3]) + half_space.inflation_radius

@@ -7,20 +7,20 @@ parts has the numbers of its shape: points and radii, corners of cells, triangle
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.height_fields import HeightField
+from plannercheck.bodies.kinds import Kind
 from plannercheck.bodies.lattice_cells import LatticeCells
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject
-from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import distinct
 from plannercheck.common.errors import PlannercheckError
@@ -93,21 +93,38 @@ def _joint(table: JointTable, k: int, name: str) -> Joint:
     )
 
 
+_MadeOf: TypeAlias = tuple[Floats, NDArray[np.int64], dict[str, Any]]  # vertices, triangles, fields of its kind
+
+
+def _of_solid(shape: Any, polytope: Polytope) -> _MadeOf:
+    vertices, faces = shape.used
+    return vertices, faces.astype(np.int64)[spatial_order(vertices, faces)], {}
+
+
+def _of_part_set(shape: Any, polytope: Polytope) -> _MadeOf:
+    vertices, own = _parts(shape)
+    return vertices, _NO_TRIANGLES, own
+
+
+def _of_half_space(shape: Any, polytope: Polytope) -> _MadeOf:
+    normal, offset = shape.scaled
+    return np.zeros(0), _NO_TRIANGLES, {"half_space": (*normal, offset)}
+
+
+_MADE_OF: dict[Kind, Callable[[Any, Polytope], _MadeOf]] = {
+    "hull": lambda _, polytope: (polytope.vertices, _NO_TRIANGLES, {}),
+    "solid": _of_solid,
+    "part_set": _of_part_set,
+    "half_space": _of_half_space,
+}
+
+
 def _body(checker: PosedPairs, k: int) -> PosedBody:
     body, polytope = checker.bodies[k], checker.polytopes[k]
     assert polytope is not None
     shape, radius = body.shape, polytope.inflation_radius
     link = WORLD if body.link is None else checker.robot.link_index(body.link)
-    vertices, triangles, own = polytope.vertices, _NO_TRIANGLES, dict[str, Any]()
-    if isinstance(shape, PartSet):
-        vertices, own = _parts(shape)
-    elif isinstance(shape, HalfSpace):
-        normal, offset = shape.scaled
-        vertices, own = np.zeros(0), {"half_space": (*normal, offset)}
-    elif polytope.solid is not None:
-        assert isinstance(shape, Solid)
-        vertices, faces = shape.used
-        triangles = faces.astype(np.int64)[spatial_order(vertices, faces)]
+    vertices, triangles, own = _MADE_OF[polytope.kind](shape, polytope)
     made = PosedBody(
         body.name,
         body.label,

@@ -21,7 +21,7 @@
 #include "bindings/plain_floats.hpp"
 #include "narrow_phase/distance.hpp"
 #include "narrow_phase/given_poses.hpp"
-#include "narrow_phase/solid_pair.hpp"
+#include "narrow_phase/pair_kernels.hpp"
 
 namespace nb = nanobind;
 
@@ -51,10 +51,8 @@ class PairQueries {
     if (first.poses.are_many() || second.poses.are_many()) return intersect_many(first, second, threads);
     const PosedPolytope a = first.posed(), b = second.posed();
     PairCounters counters;
-    if (is_of_half_space(a, b)) return nb::bool_(half_space_contact(a, b, counters).shared);
     const bool a_hosts = choose_host(*a.body, *b.body) == 0;
-    return nb::bool_(
-        bodies_share(test_pair(a_hosts ? b : a, a_hosts ? a : b, options_, nullptr, counters), a, b, counters));
+    return nb::bool_(kernel_of(a, b).share(a_hosts ? b : a, a_hosts ? a : b, options_, counters));
   }
 
   // (distance, lower bound, points on p and r and the direction from r to p as rows).
@@ -62,7 +60,6 @@ class PairQueries {
     Side first, second;
     if (!read(p, pose_p, first) || !read(r, pose_r, second) || are_half_spaces(first, second)) return nb::none();
     if (first.poses.are_many() || second.poses.are_many()) return nb::none();
-    if (first.body->solid || second.body->solid) return nb::none();  // the caller's error says so
     PairCounters counters;
     const PairDistance found = pair_distance(first.posed(), second.posed(), kNoLimit, counters);
     std::vector<double> rows;
@@ -91,7 +88,9 @@ class PairQueries {
   double tolerance_;
   PairOptions options_;
 
-  static bool are_half_spaces(const Side& a, const Side& b) { return a.body->half_space && b.body->half_space; }
+  static bool are_half_spaces(const Side& a, const Side& b) {
+    return std::min(a.body->kind(), b.body->kind()) == Kind::kHalfSpace;
+  }
 
   bool read(nb::handle body, nb::handle pose, Side& side) const {
     const bool is_placed = body.type().is(placed_class_);

@@ -263,7 +263,7 @@ nb::dict certify_pair(const Polytope& a, InputArray<double, 4, 4> pose_a, const 
   const bool a_hosts = choose_host(a, b) == 0;
   PairCounters counters;
   const PosedPolytope &guest = a_hosts ? pb : pa, &host = a_hosts ? pa : pb;
-  if (is_of_half_space(guest, host)) throw nb::value_error("a half-space has certificates of its own");
+  if (kind_of(a, b) == Kind::kHalfSpace) throw nb::value_error("a half-space has certificates of its own");
   PairVerdict verdict = test_pair(guest, host, options, nullptr, counters);
   verdict.shared = bodies_share(verdict, guest, host, counters);
   if (explain && verdict.shared && !verdict.exact) {
@@ -272,6 +272,23 @@ nb::dict certify_pair(const Polytope& a, InputArray<double, 4, 4> pose_a, const 
     verdict.exact = decide_exactly(guest, host, nearest_points(guest, host, apart, counters));
   }
   return verdict_dict(verdict, guest, host, !a_hosts);
+}
+
+constexpr KindTable<const char*> kKindNames{"hull", "solid", "part_set", "half_space"};
+
+// What the body is besides its hull: a solid, a set of parts, or the normal and offset of a half-space; None for hulls.
+nb::object body_shape(const Polytope& body) {
+  const auto object = [](const auto& shape) -> nb::object {
+    using Shape = std::decay_t<decltype(shape)>;
+    if constexpr (std::is_same_v<Shape, std::monostate>) {
+      return nb::none();
+    } else if constexpr (std::is_same_v<Shape, std::shared_ptr<const HalfSpace>>) {
+      return nb::make_tuple(nb::make_tuple(shape->normal.x, shape->normal.y, shape->normal.z), shape->offset);
+    } else {
+      return nb::cast(std::const_pointer_cast<std::remove_const_t<typename Shape::element_type>>(shape));
+    }
+  };
+  return std::visit(object, body.shape);
 }
 
 }  // namespace
@@ -313,9 +330,8 @@ void bind_polytope(nb::module_& m) {
       .def(
           "surface", [](const Polytope& b) { return std::make_shared<Solid>(b.surface()); }, plain_floats)
       .def_prop_ro("dent", [](const Polytope& b) { return b.dents.deepest; })
-      .def_prop_ro("is_solid", [](const Polytope& b) { return b.solid != nullptr; })
-      .def_prop_ro("solid", [](const Polytope& b) { return std::const_pointer_cast<Solid>(b.solid); })
-      .def_prop_ro("parts", [](const Polytope& b) { return std::const_pointer_cast<PartSet>(b.parts); })
+      .def_prop_ro("kind", [](const Polytope& b) { return kKindNames[b.kind()]; })
+      .def_prop_ro("shape", &body_shape)
       .def_static(
           "of_half_space",
           [](InputArray<double, 3> normal, double offset, double inflation_radius) {
@@ -323,12 +339,6 @@ void bind_polytope(nb::module_& m) {
             return std::make_shared<Polytope>(polytope_of(half_space, inflation_radius));
           },
           plain_floats)
-      .def_prop_ro("half_space",
-                   [](const Polytope& b) -> nb::object {
-                     if (!b.half_space) return nb::none();
-                     const Vec3 n = b.half_space->normal;
-                     return nb::make_tuple(nb::make_tuple(n.x, n.y, n.z), b.half_space->offset);
-                   })
       .def("extremes", &extremes, plain_floats);
 
   m.def("intersect_batch", &intersect_batch, plain_floats);

@@ -16,7 +16,7 @@
 #include "bodies/hull.hpp"
 #include "bodies/polytope.hpp"
 #include "bodies/solid.hpp"
-#include "narrow_phase/solid_pair.hpp"
+#include "narrow_phase/pair_kernels.hpp"
 
 namespace nb = nanobind;
 
@@ -40,7 +40,7 @@ bool contains(const Solid& solid, InputArray<double, 3> point) {
   const Polytope of_solid = with_solid(Polytope{}, std::make_shared<Solid>(solid));
   const Polytope of_point = prepare_polytope(points);
   PairCounters counters;
-  return static_cast<bool>(solids_contact({&of_point, {}}, {&of_solid, {}}, {}, counters));
+  return static_cast<bool>(triangles_contact({&of_point, {}}, {&of_solid, {}}, {}, counters));
 }
 
 auto solid_points(const Solid& solid) {
@@ -102,8 +102,8 @@ nb::tuple contact_of(const Polytope& a, InputArray<double, 4, 4> pose_a, const P
   PairCounters counters;
   SolidCounters counted;
   const SolidOptions options{boxes, nearest_first, lanes, reaching_out};
-  const SolidContact found =
-      solids_contact({&a, pose_from(pose_a.data())}, {&b, pose_from(pose_b.data())}, {}, counters, options, &counted);
+  const PosedPolytope posed_a{&a, pose_from(pose_a.data())}, posed_b{&b, pose_from(pose_b.data())};
+  const SolidContact found = kernel_of(posed_a, posed_b).contact(posed_a, posed_b, {}, counters, options, &counted);
   const nb::tuple counts = nb::make_tuple(counted.boxes, counted.triangles, counted.exact, counted.points);
   switch (found.kind) {
     case SolidContact::Kind::kTriangles:

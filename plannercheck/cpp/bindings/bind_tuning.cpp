@@ -24,14 +24,14 @@ void bind_tuning(nb::module_& m) {
       .def_rw("double_double", &PairOptions::double_double)
       .def_rw("warm_start", &PairOptions::warm_start)
       .def_rw("trees_first", &PairOptions::trees_first)
-      .def_rw("dents", &PairOptions::dents);
+      .def_rw("dents", &PairOptions::dents)
+      .def_rw("part_trees", &PairOptions::part_trees);
   nb::class_<Tuning, PairOptions>(m, "Tuning")
       .def(nb::init<>(), plain_floats)
       .def_rw("bounds", &Tuning::bounds)
       .def_rw("boxes", &Tuning::boxes)
       .def_rw("overlaps", &Tuning::overlaps)
       .def_rw("learning", &Tuning::learning)
-      .def_rw("part_trees", &Tuning::part_trees)
       .def_rw("sorted_states", &Tuning::sorted_states)
       .def_rw("float_poses", &Tuning::float_poses);
 }

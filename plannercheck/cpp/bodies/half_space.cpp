@@ -1,5 +1,6 @@
 #include "bodies/half_space.hpp"
 
+#include <limits>
 #include <vector>
 
 namespace plannercheck {
@@ -25,9 +26,10 @@ Polytope polytope_of(const HalfSpace& half_space, double inflation_radius) {
   }
   Polytope body = prepare_polytope(corners);
   body.is_box = 0;
+  body.radius = std::numeric_limits<double>::infinity();  // poses may be further away than the cube reaches
   body.inflation_radius = inflation_radius;
   body.dents.deepest = kUnknownDent;
-  body.half_space = std::make_shared<const HalfSpace>(half_space);
+  body.shape = std::make_shared<const HalfSpace>(half_space);
   return body;
 }
 

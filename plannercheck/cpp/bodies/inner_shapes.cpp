@@ -128,9 +128,10 @@ std::vector<Vec3> spread_over(const std::vector<Vec3>& points, Vec3 middle, std:
   return chosen;
 }
 
-std::vector<SampleBlock> samples_of(const Polytope& body, const std::vector<InnerBall>& inner_balls) {
+// `points`: of the body.
+std::vector<SampleBlock> samples_of(const Polytope& body, const std::vector<Vec3>& points,
+                                    const std::vector<InnerBall>& inner_balls) {
   std::vector<InnerBall> balls = inner_balls;
-  const std::vector<Vec3>& points = body.solid ? body.solid->points : body.inner.points;
   for (const Vec3& p : spread_over(points, 0.5 * (body.low + body.high), kSampleBlocks * kSamples - balls.size()))
     balls.push_back({p, 0});
   std::vector<SampleBlock> blocks((balls.size() + kSamples - 1) / kSamples);
@@ -145,9 +146,21 @@ std::vector<SampleBlock> samples_of(const Polytope& body, const std::vector<Inne
 }  // namespace
 
 InnerShapes find_inner_shapes(const Polytope& body) {
-  if (body.parts || body.half_space) return {};
-  InnerShapes shapes = body.dents.are_known() ? shapes_in_hull(body) : inner_shapes_of(*body.solid);
-  shapes.samples = samples_of(body, shapes.balls);
+  const std::vector<Vec3>* points = &body.inner.points;
+  InnerShapes shapes;
+  switch (body.kind()) {
+    case Kind::kHull:
+      shapes = shapes_in_hull(body);
+      break;
+    case Kind::kSolid:
+      shapes = body.dents.are_known() ? shapes_in_hull(body) : inner_shapes_of(body.as<Solid>());
+      points = &body.as<Solid>().points;
+      break;
+    case Kind::kPartSet:
+    case Kind::kHalfSpace:
+      return {};
+  }
+  shapes.samples = samples_of(body, *points, shapes.balls);
   return shapes;
 }
 

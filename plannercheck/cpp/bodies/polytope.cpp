@@ -124,8 +124,8 @@ Polytope prepare_polytope(const ConvexMesh& mesh) {
 
 Polytope with_solid(const Polytope& hull, std::shared_ptr<const Solid> solid) {
   Polytope body = hull;
-  body.solid = std::move(solid);
-  body.dents = dents_of(hull, *body.solid);
+  body.dents = dents_of(hull, *solid);
+  body.shape = std::move(solid);
   body.is_box = 0;
   body.lazy_inner_shapes = {}, body.lazy_surface = {};
   return body;
@@ -145,7 +145,7 @@ Polytope polytope_around(std::shared_ptr<const PartSet> parts, double inflation_
   body.inflation_radius = inflation_radius;
   body.is_box = 0;
   body.dents.deepest = kUnknownDent;
-  body.parts = std::move(parts);
+  body.shape = std::move(parts);
   return body;
 }
 

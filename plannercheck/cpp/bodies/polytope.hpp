@@ -7,9 +7,12 @@
 // spheres, segments capsules.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "bodies/covering_balls.hpp"
@@ -33,6 +36,19 @@ inline constexpr int kPolytopeFormat = 11;
 
 struct HalfSpace;
 
+// What a body is. Tables of what a pair of bodies needs have a row for each kind: that of the later of both.
+enum class Kind : std::uint8_t { kHull, kSolid, kPartSet, kHalfSpace };
+template <class Row>
+class KindTable {
+ public:
+  constexpr KindTable(Row hulls, Row solids, Row part_sets, Row half_spaces)
+      : rows_{hulls, solids, part_sets, half_spaces} {}
+  constexpr const Row& operator[](Kind of_pair) const { return rows_[static_cast<std::size_t>(of_pair)]; }
+
+ private:
+  std::array<Row, 4> rows_;
+};
+
 struct Polytope {
   std::int32_t dimension = 3;        // of the hull: 0 point, 1 segment, 2 polygon, 3
   double inflation_radius = 0;       // m
@@ -53,13 +69,20 @@ struct Polytope {
   LazyValue<SmallBall> lazy_small_ball;
   LazyValue<std::vector<SmallBall>> lazy_covering_balls;  // only motions before sets of parts need them
   LazyValue<std::vector<SmallBall>> lazy_few_covering_balls;
-  std::shared_ptr<const Solid> solid;  // if the body is this solid, of which all above is the hull; not in files
-  LazyValue<Solid> lazy_surface;       // only tests with solids need it
-  HullDents dents;                     // of a solid or a set; not in files
-  // If the body is this set of parts, around which all above is a box; not in files.
-  std::shared_ptr<const PartSet> parts;
-  // If the body is this half-space, for which all above is a cube that holds everything; not in files.
-  std::shared_ptr<const HalfSpace> half_space;
+  LazyValue<Solid> lazy_surface;  // only tests with solids need it
+  HullDents dents;                // of a solid or a set; not in files
+  // By kind: nothing more than the hull; a solid, of which all above is the hull; a set of parts, around which it is a
+  // box; a half-space, for which it is a cube that holds everything. Not in files.
+  std::variant<std::monostate, std::shared_ptr<const Solid>, std::shared_ptr<const PartSet>,
+               std::shared_ptr<const HalfSpace>>
+      shape;
+
+  Kind kind() const { return static_cast<Kind>(shape.index()); }
+  // The shape of a body of this kind.
+  template <class Shape>
+  const Shape& as() const {
+    return **std::get_if<std::shared_ptr<const Shape>>(&shape);
+  }
 
   const InnerShapes& inner_shapes() const {
     return lazy_inner_shapes.get([this] { return find_inner_shapes(*this); });
@@ -78,13 +101,25 @@ struct Polytope {
   }
   // The solid, or the hull as one; without the inflation radius.
   const Solid& surface() const {
-    return solid ? *solid : lazy_surface.get([this] { return surface_of(*this); });
+    return kind() == Kind::kSolid ? as<Solid>() : lazy_surface.get([this] { return surface_of(*this); });
   }
 
   // False for bodies without volume, and for those thinner than the grid of doubles.
   bool has_polar() const { return !polar.points.empty(); }
   std::size_t bytes() const;
 };
+
+// Which bodies of a pair with a set of parts are one: the first, or both.
+struct Sets {
+  bool first, both;
+};
+inline Sets sets_of(const Polytope& a, const Polytope& b) {
+  const bool first = a.kind() == Kind::kPartSet;
+  return {first, first && b.kind() == Kind::kPartSet};
+}
+
+// The kind of a pair.
+inline Kind kind_of(const Polytope& a, const Polytope& b) { return std::max(a.kind(), b.kind()); }
 
 Polytope prepare_polytope(const ConvexMesh& mesh);
 

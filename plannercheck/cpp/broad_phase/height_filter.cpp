@@ -17,17 +17,19 @@ constexpr double kTiniest = 1e-37;  // what denormals lose
 }  // namespace
 
 bool HeightFilter::is_for(const GeometryObject& object) {
-  return object.link < 0 && object.body->parts && object.body->parts->kind() == PartSet::Kind::kColumns;
+  return object.link < 0 && object.body->kind() == Kind::kPartSet &&
+         object.body->as<PartSet>().kind() == PartSet::Kind::kColumns;
 }
 
 std::size_t HeightFilter::field_of(std::int32_t index, const GeometryObject& object) {
   const auto known = std::find_if(fields_.begin(), fields_.end(), [&](const Field& f) { return f.index == index; });
   if (known != fields_.end()) return static_cast<std::size_t>(known - fields_.begin());
-  const PartSet& parts = *object.body->parts;
+  const PartSet& parts = object.body->as<PartSet>();
   const Pose& pose = object.placement;
   const Vec3 origin = pose.translation(), low = parts.low(), high = parts.high(), corner = parts.ceilings().corner();
   Field field;
-  field.index = index, field.parts = object.body->parts, field.ceilings = parts.ceilings().values();
+  field.index = index, field.parts = std::get<std::shared_ptr<const PartSet>>(object.body->shape),
+  field.ceilings = parts.ceilings().values();
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<int>(i);
     for (std::size_t j = 0; j < 3; ++j) field.turn[3 * i + j] = static_cast<float>(pose.m[4 * j + i]);

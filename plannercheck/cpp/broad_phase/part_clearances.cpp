@@ -19,9 +19,11 @@ PartClearances::PartClearances(std::vector<GeometryObject> bodies, double reach)
     : bodies_(std::move(bodies)), reach_(reach), grids_(bodies_.size()), balls_(bodies_.size()) {}
 
 PartClearances::Look PartClearances::look(std::int32_t a, std::int32_t b) const {
-  const std::int32_t set = bodies_[at(a)].body->parts ? a : b, mover = set == a ? b : a;
+  if (kind_of(*bodies_[at(a)].body, *bodies_[at(b)].body) != Kind::kPartSet) return {};
+  const Sets sets = sets_of(*bodies_[at(a)].body, *bodies_[at(b)].body);
+  const std::int32_t set = sets.first ? a : b, mover = sets.first ? b : a;
   const GeometryObject &parts = bodies_[at(set)], &body = bodies_[at(mover)];
-  if (!parts.body->parts || parts.link >= 0 || body.link < 0 || body.body->parts || body.body->half_space) return {};
+  if (sets.both || parts.link >= 0 || body.link < 0) return {};
   const ClearanceGrid& found = grid(set);
   if (!found.is_fine()) return {};
   return {&found, &balls_on_link(mover), body.link};
@@ -29,7 +31,7 @@ PartClearances::Look PartClearances::look(std::int32_t a, std::int32_t b) const 
 
 const ClearanceGrid& PartClearances::grid(std::int32_t set) const {
   const GeometryObject& object = bodies_[at(set)];
-  return grids_[at(set)].get([&] { return ClearanceGrid(*object.body->parts, object.placement, reach_); });
+  return grids_[at(set)].get([&] { return ClearanceGrid(object.body->as<PartSet>(), object.placement, reach_); });
 }
 
 const std::vector<SmallBall>& PartClearances::balls_on_link(std::int32_t body) const {

@@ -8,7 +8,7 @@
 namespace plannercheck {
 
 void PlaneFilter::add(std::int32_t pair, std::size_t ball, const GeometryObject& half_space) {
-  const HalfSpace& shape = *half_space.body->half_space;
+  const HalfSpace& shape = half_space.body->as<HalfSpace>();
   const WorldPlane plane = world_plane(shape, half_space.placement);
   const double radius = half_space.body->inflation_radius;
   const double size =

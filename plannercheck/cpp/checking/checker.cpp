@@ -6,7 +6,7 @@
 #include "broad_phase/part_clearances.hpp"
 #include "checking/checker_workspace.hpp"
 #include "math/interruption.hpp"
-#include "narrow_phase/solid_pair.hpp"
+#include "narrow_phase/pair_kernels.hpp"
 
 namespace plannercheck {
 namespace {
@@ -21,9 +21,7 @@ std::vector<bool> permanent_collisions(const std::vector<GeometryObject>& bodies
     const GeometryObject &guest = bodies[at(pairs[k][0])], &host = bodies[at(pairs[k][1])];
     if (guest.link >= 0 || host.link >= 0) continue;
     const PosedPolytope a{guest.body.get(), guest.placement}, b{host.body.get(), host.placement};
-    out[k] = is_of_parts(a, b) || is_of_half_space(a, b)
-                 ? static_cast<bool>(solids_contact(a, b, {}, counters))
-                 : bodies_share(test_pair(a, b, options, nullptr, counters), a, b, counters);
+    out[k] = kernel_of(a, b).share(a, b, options, counters);
   }
   return out;
 }
@@ -93,8 +91,8 @@ CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::ar
     : bodies_(std::move(bodies)), pairs_(std::move(pairs)), links_(links), needed_(at(links), 0), tuning_(tuning) {
   for (auto& pair : pairs_) {
     if (choose_host(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body) == 0) std::swap(pair[0], pair[1]);
+    kinds_.push_back(kind_of(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body));
     for (const std::int32_t body : pair) {
-      has_solids_ |= bodies_[at(body)].body->solid != nullptr || bodies_[at(body)].body->parts != nullptr;
       const std::int32_t link = bodies_[at(body)].link;
       if (link >= 0) needed_[at(link)] = 1;
     }
@@ -113,7 +111,7 @@ std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
   w->broad_phase = broad_phase_->new_workspace();
   w->open = OpenStates(pairs_.size());
   w->memories.resize(pairs_.size());
-  if (has_solids_) {
+  if (std::any_of(kinds_.begin(), kinds_.end(), [](Kind kind) { return kind != Kind::kHull; })) {
     w->histories.resize(pairs_.size(), {{}, true, tuning_.cached_plane});
     w->clear.resize(pairs_.size());
   }
@@ -141,16 +139,10 @@ Pose CheckerCore::posed(std::size_t body, std::size_t state, const Workspace& w)
 // Whether filters have looked at boxes.
 bool CheckerCore::are_boxed(const Workspace& w) const { return tuning_.bounds && !w.links.are_of_one_state(); }
 
-bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) const {
-  const bool shared = shares_a_point(pair, state, w);
-  w.collisions[pair].add(1, shared ? 1 : 0);
-  return shared;
-}
-
-bool CheckerCore::shares_a_point(std::size_t pair, std::size_t state, Workspace& w) const {
+// `are_hulls`: else one is a solid at least.
+template <bool are_hulls>
+bool CheckerCore::hulls_share(std::size_t pair, std::size_t state, Workspace& w) const {
   const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
-  if (bodies_[guest].body->parts || bodies_[host].body->parts) return parts_share(pair, state, w);
-  if (bodies_[guest].body->half_space || bodies_[host].body->half_space) return half_space_shared(pair, state, w);
   const PosedPolytope a{bodies_[guest].body.get(), posed(guest, state, w)};
   const PosedPolytope b{bodies_[host].body.get(), posed(host, state, w)};
   const PairFrame frame(a, b, tuning_.dents);
@@ -161,12 +153,25 @@ bool CheckerCore::shares_a_point(std::size_t pair, std::size_t state, Workspace&
   const bool likely = tuning_.learning && !w.collisions[pair].is_at_most(0.5);
   HullsOfPair hulls(a, b, frame, likely, tuning_, w.memories[pair], w.counters);
   bool shared;
-  if (fill_their_hulls(a, b)) {
-    shared = hulls.share() && (hulls.settled() || between_dents_share(a, b, w.histories[pair], w.counters.pair));
+  if constexpr (are_hulls) {
+    shared = hulls.share();
   } else {
     shared = solids_share_with(a, b, hulls, tuning_.trees_first, w.histories[pair], w.counters.pair);
+    if (!hulls.was_asked()) ++w.counters.trees;
   }
-  if (!hulls.was_asked()) ++w.counters.trees;
+  return shared;
+}
+
+const KindTable<CheckerCore::PairTest> CheckerCore::kPairTests{
+    &CheckerCore::hulls_share<true>, &CheckerCore::hulls_share<false>, &CheckerCore::parts_share,
+    &CheckerCore::half_space_shared};
+
+// Two hulls, as most pairs are, without a call through a pointer.
+bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) const {
+  const Kind kind = kinds_[pair];
+  const bool shared =
+      kind == Kind::kHull ? hulls_share<true>(pair, state, w) : (this->*kPairTests[kind])(pair, state, w);
+  w.collisions[pair].add(1, shared ? 1 : 0);
   return shared;
 }
 

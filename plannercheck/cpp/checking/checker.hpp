@@ -40,7 +40,6 @@ struct Tuning : PairOptions {
   bool boxes = true;
   bool overlaps = true;       // of balls inside bodies with boxes inside others, where any collision decides
   bool learning = true;       // tests the pair that collided most often first, where any collision decides
-  bool part_trees = true;     // of sets of parts; boxes around several bodies; looks at heights under them
   bool sorted_states = true;  // like states of a set are judged together
   bool float_poses = true;    // for the filters of sets; those in doubles where a pair is left
 };
@@ -98,8 +97,8 @@ class CheckerCore {
   std::vector<GeometryObject> bodies_;
   std::vector<std::array<std::int32_t, 2>> pairs_;  // guest, host
   std::int32_t links_;
+  std::vector<Kind> kinds_;            // per pair
   std::vector<unsigned char> needed_;  // links that carry a body of some pair
-  bool has_solids_ = false;
   PartGroups part_groups_;
   Tuning tuning_;
   std::shared_ptr<const BroadPhase> broad_phase_;
@@ -129,7 +128,11 @@ class CheckerCore {
   bool are_boxed(const Workspace& workspace) const;
   Pose posed(std::size_t body, std::size_t state, const Workspace& workspace) const;
   bool collides(std::size_t pair, std::size_t state, Workspace& workspace) const;
-  bool shares_a_point(std::size_t pair, std::size_t state, Workspace& workspace) const;
+  // The same by the kind of the pair.
+  using PairTest = bool (CheckerCore::*)(std::size_t pair, std::size_t state, Workspace& workspace) const;
+  static const KindTable<PairTest> kPairTests;
+  template <bool are_hulls>
+  bool hulls_share(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool group_is_far(std::size_t group, std::size_t state, Workspace& workspace) const;
   bool is_clear_of_parts(std::size_t pair, std::size_t state, Workspace& workspace) const;
   double inflation(std::size_t pair) const;  // of both bodies

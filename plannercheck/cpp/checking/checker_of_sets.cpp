@@ -4,6 +4,8 @@
 #include "broad_phase/part_clearances.hpp"
 #include "checking/checker_workspace.hpp"
 #include "narrow_phase/height_look.hpp"
+#include "narrow_phase/pair_kernels.hpp"
+#include "narrow_phase/part_pair.hpp"
 
 namespace plannercheck {
 
@@ -49,10 +51,10 @@ std::uint32_t CheckerCore::clear_states(std::size_t pair, const Workspace& w) co
 // Of a body before a field of heights; any other pair is undecided.
 Answer CheckerCore::look_under(std::size_t pair, std::size_t state, const Workspace& w) const {
   auto [body, field] = pairs_[pair];
-  if (bodies_[at(body)].body->parts) std::swap(body, field);
+  const Sets sets = sets_of(*bodies_[at(body)].body, *bodies_[at(field)].body);
+  if (sets.first) std::swap(body, field);
   const Polytope &under = *bodies_[at(field)].body, &over = *bodies_[at(body)].body;
-  if (!under.parts || under.parts->kind() != PartSet::Kind::kColumns || over.parts || over.half_space)
-    return Answer::kUndecided;
+  if (sets.both || under.as<PartSet>().kind() != PartSet::Kind::kColumns) return Answer::kUndecided;
   return look_at_heights({&over, posed(at(body), state, w)}, {&under, posed(at(field), state, w)});
 }
 
@@ -78,7 +80,8 @@ bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w)
   const PosedPolytope b{bodies_[host].body.get(), posed(host, state, w)};
   SolidOptions options;
   options.part_trees = tuning_.part_trees;
-  const SolidContact found = solids_contact(a, b, w.histories[pair].contact, w.counters.pair, options);
+  const SolidContact found =
+      kPairKernels[kinds_[pair]].contact(a, b, w.histories[pair].contact, w.counters.pair, options, nullptr);
   ++w.counters.stages[static_cast<std::size_t>(Stage::kSolver)];
   if (found) w.histories[pair].contact = found;
   return static_cast<bool>(found);
@@ -87,9 +90,9 @@ bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w)
 bool CheckerCore::half_space_shared(std::size_t pair, std::size_t state, Workspace& w) const {
   const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
   ++w.counters.stages[static_cast<std::size_t>(Stage::kSolver)];
-  return half_space_contact({bodies_[guest].body.get(), posed(guest, state, w)},
-                            {bodies_[host].body.get(), posed(host, state, w)}, w.counters.pair)
-      .shared;
+  const PosedPolytope a{bodies_[guest].body.get(), posed(guest, state, w)};
+  const PosedPolytope b{bodies_[host].body.get(), posed(host, state, w)};
+  return kPairKernels[kinds_[pair]].share(a, b, tuning_, w.counters.pair);
 }
 
 }  // namespace plannercheck

@@ -84,7 +84,7 @@ unsigned near_solid(const PosedPolytope& solid, const PointBlock& block, std::si
     const auto k = static_cast<std::size_t>(__builtin_ctz(near_hull));
     const std::size_t i = PointBlock::start(run) + k;
     const PosedPolytope ball{&ball_with_surface_at(block.point(i), block.radius(i)), Pose{}};
-    if (solids_contact(ball, solid, {}, counters)) near |= 1U << k;
+    if (triangles_contact(ball, solid, {}, counters)) near |= 1U << k;
   }
   return near;
 }
@@ -94,13 +94,14 @@ unsigned near_body(const PosedPolytope& body, PointsNearHull& test, const PointB
                    PairCounters& counters) {
   if (std::isinf(block.radius(PointBlock::start(run)))) return (1U << block.count(run)) - 1;
   const unsigned near_hull = block.near(test, run, counters);
-  return body.body->solid ? near_solid(body, block, run, near_hull, counters) : near_hull;
+  return body.body->kind() == Kind::kHull ? near_hull : near_solid(body, block, run, near_hull, counters);
 }
 
 // Lowers the bounds of a point's distance from a group to those of one of its bodies.
 void take_distance(const PosedPolytope& body, Vec3 point, double& upper, double& lower, PairCounters& counters) {
   if (upper == 0) return;
-  const PosedPolytope guest{body.body->solid ? &ball_with_surface_at(point, 0) : &ball_at(point, 0), Pose{}};
+  const bool is_hull = body.body->kind() == Kind::kHull;
+  const PosedPolytope guest{is_hull ? &ball_at(point, 0) : &ball_with_surface_at(point, 0), Pose{}};
   const PairDistance found = pair_distance(guest, body, upper, counters);
   upper = found.overlap ? 0 : smaller(upper, found.upper);
   lower = found.overlap ? 0 : smaller(lower, found.lower);

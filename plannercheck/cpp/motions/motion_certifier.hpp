@@ -28,9 +28,10 @@
 namespace plannercheck {
 
 // Two bodies; the first one moves. Frame: the link whose rotation the frame has, −1 for the world. Chains: from the
-// frame to each body, −1 if the body stands still in the frame.
+// frame to each body, −1 if the body stands still in the frame. A half-space is the second body.
 struct CertifiedPair {
   std::int32_t a, b, frame, chain_a, chain_b;
+  Kind kind = Kind::kHull;
 };
 
 struct MotionModel {

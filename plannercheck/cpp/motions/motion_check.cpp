@@ -2,7 +2,8 @@
 //
 // In: a certifier, a workspace, a motion. Out: a report. The bounds of the motion determine the first grid, and boxes
 // around whole paths choose the pairs for it. A pair passes spheres, boxes along the plane found last, and hulls along
-// planes of earlier motions, which are hints. Gaps and descents are those of swept_distance.hpp.
+// planes of earlier motions, which are hints. Gaps and descents are those of swept_distance.hpp. What differs by the
+// kind of a pair is a table.
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -19,7 +20,9 @@
 #include "motions/part_separation.hpp"
 #include "motions/solid_separation.hpp"
 #include "narrow_phase/distance.hpp"
-#include "narrow_phase/solid_pair.hpp"
+#include "narrow_phase/half_space_pair.hpp"
+#include "narrow_phase/pair_kernels.hpp"
+#include "narrow_phase/part_pair.hpp"
 
 namespace plannercheck {
 namespace {
@@ -91,6 +94,55 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   MotionFilters filters_;
   MotionGrid::Choice* posed_ = nullptr;  // what the grids pose
 
+  // ----- by the kind of a pair
+
+  // What the methods of these names do.
+  struct PairMotions {
+    unsigned (MotionRun::*near)(std::int32_t index);
+    DirectedPair (MotionRun::*found_open)(std::int32_t index, unsigned near);
+    double (MotionRun::*gap_at)(const CertifiedPair& pair, const PosedPair& posed, Vec3 direction);
+    SweptAnswer<Vec3> (MotionRun::*swept)(const CertifiedPair& pair, const PosedPair* posed, int count, double limit,
+                                          Vec3 hint);
+    bool (MotionRun::*touches)(PairState& s, std::size_t state);
+    bool (MotionRun::*proves_clear)(PairState& s, std::size_t state, double limit);
+    bool (MotionRun::*parts_settle)(PairState& s, std::size_t i);
+  };
+  static const KindTable<PairMotions> kPairMotions;
+
+  const PairMotions& of(const CertifiedPair& pair) const { return kPairMotions[pair.kind]; }
+  static bool are_hulls(const CertifiedPair& pair) { return pair.kind == Kind::kHull; }
+
+  // Two hulls, as most pairs are, without a call through a pointer where that counts.
+  unsigned near(std::int32_t index) {
+    const CertifiedPair& pair = pairs_[at(index)];
+    return are_hulls(pair) ? filters_.near(pair) : (this->*of(pair).near)(index);
+  }
+  DirectedPair found_open(std::int32_t index, unsigned near) {
+    const CertifiedPair& pair = pairs_[at(index)];
+    return are_hulls(pair) ? hulls_open(index, near) : (this->*of(pair).found_open)(index, near);
+  }
+  double gap_at(const CertifiedPair& pair, const PosedPair& posed, Vec3 direction) {
+    return are_hulls(pair) ? hulls_gap(pair, posed, direction) : (this->*of(pair).gap_at)(pair, posed, direction);
+  }
+  SweptAnswer<Vec3> swept(const CertifiedPair& pair, const PosedPair* posed, int count, double limit, Vec3 hint) {
+    return are_hulls(pair) ? swept_hulls(pair, posed, count, limit, hint)
+                           : (this->*of(pair).swept)(pair, posed, count, limit, hint);
+  }
+  // Whether the pair shares a point at a state; then no interval there can be settled.
+  bool touches(PairState& s, std::size_t state) { return (this->*of(s.pair).touches)(s, state); }
+  bool proves_clear(PairState& s, std::size_t state) {
+    return (this->*of(s.pair).proves_clear)(s, state, tolerance_ - 2 * filters_.slack());
+  }
+  // The proofs that are recorded are of hulls alone.
+  bool parts_settle(PairState& s, std::size_t i) {
+    return !are_hulls(s.pair) && proofs_ == nullptr && (this->*of(s.pair).parts_settle)(s, i);
+  }
+  bool share_a_point(const PairState& s, const PosedPair& pose) {
+    return kPairKernels[s.pair.kind].share(posed_a(s, pose), posed_b(s, pose), certifier_.tuning_, w_.counters.pair);
+  }
+  // Whether hulls along planes tell anything: of a set of parts in no proof it would be in vain to try them.
+  bool has_planes(const PairState& s) const { return proofs_ != nullptr || s.pair.kind != Kind::kPartSet; }
+
   // ----- the first grid
 
   void begin_motion(const Segment& motion) {
@@ -133,15 +185,14 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   // ----- what filters leave open
 
-  unsigned near(std::int32_t index) {
-    const CertifiedPair& pair = pairs_[at(index)];
-    if (is_of_half_space(pair)) return filters_.near_plane(pair, plane_of(pair));
-    // Most sets of parts reach around the robot.
-    return is_of_parts(pair) ? near_parts(index, filters_.all_intervals()) : filters_.near(pair);
+  unsigned near_hulls(std::int32_t index) { return filters_.near(pairs_[at(index)]); }
+  unsigned near_plane(std::int32_t index) {
+    return filters_.near_plane(pairs_[at(index)], plane_of(pairs_[at(index)]));
   }
 
-  // By twice the tolerance, as what bounds of speed leave out.
-  unsigned near_parts(std::int32_t index, unsigned near) {
+  // By twice the tolerance, as what bounds of speed leave out. Most sets of parts reach around the robot.
+  unsigned near_parts(std::int32_t index) {
+    unsigned near = filters_.all_intervals();
     if (proofs_ != nullptr || !certifier_.tuning_.part_trees) return near;
     if (certifier_.tuning_.bounds) {
       near = near_by_clearances(*certifier_.clearances_, pairs_[at(index)], filters_, w_.grid, 2 * tolerance_, near);
@@ -161,12 +212,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   }
 
   // What boxes leave open of a pair: along the plane found last, and along a direction taken from the boxes.
-  DirectedPair found_open(std::int32_t index, unsigned near) {
+  DirectedPair hulls_open(std::int32_t index, unsigned near) {
     const CertifiedPair& pair = model_.pairs[at(index)];
-    // In no other direction bodies keep away from a half-space, which stands still.
-    if (is_of_half_space(pair)) return {{index, near, 0, 0}, plane_of(pair).normal};
-    // No plane is one of all parts.
-    if (is_of_parts(pair) && proofs_ == nullptr) return {{index, open_parts(index, near), 0, 0}, {}};
     const Plane<Vec3>& plane = w_.planes[at(index)];
     DirectedPair found{{index, near, 0, 0}, {}};
     if (proofs_ == nullptr && plane.motion != 0) {
@@ -182,6 +229,17 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     found.direction = filters_.between(pair, static_cast<std::size_t>((first + last) / 2));
     if (proofs_ == nullptr) filters_.boxes_settle(found, found.direction);
     return found;
+  }
+
+  // In no other direction bodies keep away from a half-space, which stands still.
+  DirectedPair plane_open(std::int32_t index, unsigned near) {
+    return {{index, near, 0, 0}, plane_of(model_.pairs[at(index)]).normal};
+  }
+
+  // No plane is one of all parts.
+  DirectedPair parts_open(std::int32_t index, unsigned near) {
+    if (proofs_ != nullptr) return hulls_open(index, near);
+    return {{index, open_parts(index, near), 0, 0}, {}};
   }
 
   // Of the intervals `near` those left open by one look at all of them together, or else by boxes.
@@ -238,27 +296,25 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   PosedPair poses(const CertifiedPair& pair, std::size_t state) { return filters_.posed(pair, state); }
 
   WorldPlane plane_of(const CertifiedPair& pair) const {
-    return world_plane(*filters_.body(pair.b).half_space, model_.bodies[at(pair.b)].placement);
+    return world_plane(filters_.body(pair.b).as<HalfSpace>(), model_.bodies[at(pair.b)].placement);
   }
-  double height_at(const CertifiedPair& pair, const PosedPair& posed) {
+  double height_at(const CertifiedPair& pair, const PosedPair& posed, Vec3) {
     return height_over({&filters_.body(pair.b), posed.b}, {&filters_.body(pair.a), posed.a}, w_.counters.pair);
   }
 
-  double gap_at(const CertifiedPair& pair, const PosedPair& posed, Vec3 direction) {
-    if (is_of_half_space(pair)) return height_at(pair, posed);
+  double hulls_gap(const CertifiedPair& pair, const PosedPair& posed, Vec3 direction) {
     return gap_along(filters_.body(pair.a), filters_.body(pair.b), posed, direction, w_.counters.pair);
   }
 
-  SweptAnswer<Vec3> swept(const CertifiedPair& pair, const PosedPair* posed, int count, double limit, Vec3 hint) {
-    if (is_of_half_space(pair)) return swept_over_plane(pair, posed, count, limit, hint);
+  SweptAnswer<Vec3> swept_hulls(const CertifiedPair& pair, const PosedPair* posed, int count, double limit, Vec3 hint) {
     return swept_distance(filters_.body(pair.a), filters_.body(pair.b), posed, count, limit, hint, w_.counters.pair);
   }
 
   SweptAnswer<Vec3> swept_over_plane(const CertifiedPair& pair, const PosedPair* posed, int count, double limit,
                                      Vec3 normal) {
     SweptAnswer<Vec3> answer;
-    answer.direction = normal, answer.gap = height_at(pair, posed[0]);
-    for (int p = 1; p < count; ++p) answer.gap = smaller(answer.gap, height_at(pair, posed[p]));
+    answer.direction = normal, answer.gap = height_at(pair, posed[0], normal);
+    for (int p = 1; p < count; ++p) answer.gap = smaller(answer.gap, height_at(pair, posed[p], normal));
     answer.apart = answer.gap > limit;
     return answer;
   }
@@ -284,55 +340,50 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     return way + filters_.chord_deviation(s.pair) + 4 * filters_.slack() <= tolerance_;
   }
 
-  bool proves_clear(PairState& s, std::size_t state) {
-    const double limit = tolerance_ - 2 * filters_.slack();
-    if (!is_of_parts(s.pair) && is_apart(s, state, limit)) return true;
-    if (is_of_half_space(s.pair)) return is_further(s, state, limit);
-    return is_of_solids(s.pair) ? solids_clear(s, state, limit) : is_further(s, state, limit);
+  bool hulls_clear(PairState& s, std::size_t state, double limit) {
+    return is_apart(s, state, limit) || is_further(s, state, limit);
   }
 
-  // Of a half-space, no more than the hull of the other body counts.
-  bool is_of_solids(const CertifiedPair& pair) const {
-    if (is_of_half_space(pair)) return false;
-    return filters_.body(pair.a).solid || filters_.body(pair.b).solid || is_of_parts(pair);
-  }
-  bool is_of_half_space(const CertifiedPair& pair) const { return filters_.body(pair.b).half_space != nullptr; }
-  bool is_of_parts(const CertifiedPair& pair) const {
-    return !is_of_half_space(pair) && (filters_.body(pair.a).parts || filters_.body(pair.b).parts);
-  }
-
-  // Whether two solids are more than the limit apart at a state: their triangles, and neither is in the other one; or
-  // all parts of a set.
+  // Whether two solids are more than the limit apart at a state: their triangles, and neither is in the other one.
   bool solids_clear(PairState& s, std::size_t state, double limit) {
+    if (is_apart(s, state, limit)) return true;
     const PosedPair pose = filters_.posed(s.pair, state);
-    if (is_of_parts(s.pair)) {
-      const double further = limit + filters_.inflation_radii(s.pair);
-      if (certifier_.tuning_.part_trees && parts_stay_further(s.pair, &pose, 1, further)) return true;
-      const PosedPolytope a = posed_a(s, pose), b = posed_b(s, pose);
-      return !share_a_point(s, pose) &&
-             parts_distance(a, b, limit, 0, w_.counters.pair, certifier_.tuning_.part_trees).lower > limit;
-    }
-    return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), &pose, 1,
-                          limit + filters_.inflation_radii(s.pair)) &&
-           !are_nested(posed_a(s, pose), posed_b(s, pose));
+    return solids_stay_further(s, &pose, 1, limit + filters_.inflation_radii(s.pair));
   }
 
-  // Of a set of parts in no proof, planes and descents against all of it would be in vain.
-  bool has_planes(const PairState& s) const { return proofs_ != nullptr || !is_of_parts(s.pair); }
+  // The same of all parts of a set.
+  bool parts_clear(PairState& s, std::size_t state, double limit) {
+    const PosedPair pose = filters_.posed(s.pair, state);
+    const double further = limit + filters_.inflation_radii(s.pair);
+    const bool trees = certifier_.tuning_.part_trees;
+    if (trees && parts_stay_further(s.pair, &pose, 1, further)) return true;
+    return !share_a_point(s, pose) &&
+           parts_distance(posed_a(s, pose), posed_b(s, pose), limit, 0, w_.counters.pair, trees).lower > limit;
+  }
+
   bool planes_settle(PairState& s, std::size_t i) { return has_planes(s) && plane_settles(s, i); }
   bool hulls_settle(PairState& s, std::size_t i) {
     return has_planes(s) && (plane_settles(s, i) || sweep_settles(s, i));
   }
 
   // The triangles of two solids keep apart on an interval if the same holds for each pair of them as for hulls. Then
-  // neither body can get into the other one between the ends. The proofs that are recorded are of hulls alone.
-  bool parts_settle(PairState& s, std::size_t i) {
-    if (!is_of_solids(s.pair) || proofs_ != nullptr || goes_beyond_dents(s)) return false;
+  // neither body can get into the other one between the ends.
+  bool solids_settle(PairState& s, std::size_t i) {
+    if (goes_beyond_dents(s)) return false;
     const std::array<PosedPair, 2> ends{filters_.posed(s.pair, i), filters_.posed(s.pair, i + 1)};
-    if (is_of_parts(s.pair)) return parts_stay_further(s.pair, ends.data(), 2, s.apart);
-    return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), ends.data(), 2, s.apart) &&
-           !are_nested(posed_a(s, ends[0]), posed_b(s, ends[0]));
+    return solids_stay_further(s, ends.data(), 2, s.apart);
   }
+  bool solids_stay_further(const PairState& s, const PosedPair* poses, int count, double limit) {
+    return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), poses, count, limit) &&
+           !are_nested(posed_a(s, poses[0]), posed_b(s, poses[0]));
+  }
+
+  bool sets_settle(PairState& s, std::size_t i) {
+    const std::array<PosedPair, 2> ends{filters_.posed(s.pair, i), filters_.posed(s.pair, i + 1)};
+    return parts_stay_further(s.pair, ends.data(), 2, s.apart);
+  }
+
+  bool nothing_settles(PairState&, std::size_t) { return false; }
 
   // Whether the bodies go so far on an interval that their dents hardly matter: then triangles tell no more than hulls
   // (of Talos' torso 0 of 17 intervals of 0.01 to 0.3 radii, by which a motion took 5 percent longer).
@@ -342,7 +393,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   }
   // How far points of hulls are at most from points of the bodies, in m; infinite where that is not known.
   double dents(const CertifiedPair& pair) const {
-    if (!certifier_.tuning_.dents && is_of_solids(pair)) return kUnknownDent;
+    if (!certifier_.tuning_.dents && !are_hulls(pair)) return kUnknownDent;
     return reach_of_dents(filters_.body(pair.a), filters_.body(pair.b));
   }
 
@@ -356,29 +407,18 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     return true;
   }
 
-  // Whether the pair shares a point at a state; then no interval there can be settled.
-  bool touches(PairState& s, std::size_t state) {
-    if (is_of_parts(s.pair) || is_of_half_space(s.pair)) return share_a_point(s, filters_.posed(s.pair, state));
+  bool share_at(PairState& s, std::size_t state) { return share_a_point(s, filters_.posed(s.pair, state)); }
+
+  bool hulls_touch(PairState& s, std::size_t state) {
     const SweptAnswer<Vec3> answer = sweep_at(s, state, filters_.slack() + filters_.inflation_radii(s.pair));
     if (answer.apart) return false;
     // The descent ends in differences of the hulls around the origin, each of which errs by less than the slack. Dents
     // move them by what they reach.
-    return answer.inside > filters_.slack() + dents(s.pair) || share_a_point(s, filters_.posed(s.pair, state));
+    return answer.inside > filters_.slack() + dents(s.pair) || share_at(s, state);
   }
 
   PosedPolytope posed_a(const PairState& s, const PosedPair& pose) { return {&filters_.body(s.pair.a), pose.a}; }
   PosedPolytope posed_b(const PairState& s, const PosedPair& pose) { return {&filters_.body(s.pair.b), pose.b}; }
-
-  bool share_a_point(const PairState& s, const PosedPair& pose) {
-    const PosedPolytope a = posed_a(s, pose), b = posed_b(s, pose);
-    if (is_of_half_space(s.pair)) return half_space_contact(a, b, w_.counters.pair).shared;
-    SolidOptions options;
-    options.part_trees = certifier_.tuning_.part_trees;
-    if (is_of_parts(s.pair)) return static_cast<bool>(solids_contact(a, b, {}, w_.counters.pair, options));
-    PairOptions of_pair;
-    of_pair.dents = certifier_.tuning_.dents;
-    return bodies_share(test_pair(a, b, of_pair, nullptr, w_.counters.pair), a, b, w_.counters.pair);
-  }
 
   bool is_apart(PairState& s, std::size_t state, double limit) {
     return sweep_at(s, state, limit + filters_.inflation_radii(s.pair)).apart;
@@ -397,6 +437,17 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     posed_ = &w_.chosen;
   }
 };
+
+const KindTable<MotionRun::PairMotions> MotionRun::kPairMotions{
+    {&MotionRun::near_hulls, &MotionRun::hulls_open, &MotionRun::hulls_gap, &MotionRun::swept_hulls,
+     &MotionRun::hulls_touch, &MotionRun::hulls_clear, &MotionRun::nothing_settles},
+    {&MotionRun::near_hulls, &MotionRun::hulls_open, &MotionRun::hulls_gap, &MotionRun::swept_hulls,
+     &MotionRun::hulls_touch, &MotionRun::solids_clear, &MotionRun::solids_settle},
+    {&MotionRun::near_parts, &MotionRun::parts_open, &MotionRun::hulls_gap, &MotionRun::swept_hulls,
+     &MotionRun::share_at, &MotionRun::parts_clear, &MotionRun::sets_settle},
+    // Of a half-space, no more than the hull of the other body counts.
+    {&MotionRun::near_plane, &MotionRun::plane_open, &MotionRun::height_at, &MotionRun::swept_over_plane,
+     &MotionRun::share_at, &MotionRun::hulls_clear, &MotionRun::nothing_settles}};
 
 std::shared_ptr<MotionCertifier::Workspace> MotionCertifier::new_workspace() const {
   auto workspace = std::make_shared<Workspace>(model_);

@@ -36,7 +36,8 @@ bool PartScreen::group_is_far(std::int32_t index, std::uint64_t motion, std::vec
 
 unsigned PartScreen::near(const CertifiedPair& pair, unsigned near) const {
   if (near == 0 || !filters_.stands_still(pair.b)) return near;
-  const std::int32_t set = filters_.body(pair.a).parts ? pair.a : pair.b, mover = set == pair.a ? pair.b : pair.a;
+  const bool first = sets_of(filters_.body(pair.a), filters_.body(pair.b)).first;
+  const std::int32_t set = first ? pair.a : pair.b, mover = first ? pair.b : pair.a;
   if (!filters_.stands_still(set)) return near;
   const Polytope& body = filters_.body(mover);
   const SweptBoxes boxes(grid_, mover, {body.low, body.high}, middle());

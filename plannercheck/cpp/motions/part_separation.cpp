@@ -45,7 +45,7 @@ class PartSeparation {
  public:
   PartSeparation(const Polytope& set, const Polytope& body, bool set_is_first, const PosedPair* poses, int count,
                  double limit, PairCounters& counters, bool trees)
-      : set_(*set.parts),
+      : set_(set.as<PartSet>()),
         body_(body),
         set_is_first_(set_is_first),
         poses_(poses),
@@ -333,8 +333,8 @@ class PartSeparation {
 // Each part of the smaller set against the larger one.
 bool sets_further(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit,
                   PairCounters& counters, bool trees) {
-  const bool first = a.parts->part_count() >= b.parts->part_count();
-  const PartSet& smaller_set = first ? *b.parts : *a.parts;
+  const bool first = a.as<PartSet>().part_count() >= b.as<PartSet>().part_count();
+  const PartSet& smaller_set = (first ? b : a).as<PartSet>();
   thread_local PartBody mover;
   for (std::size_t place = 0; place < kPartsInLeaf * smaller_set.leaf_count(); ++place) {
     const PartShape part = smaller_set.shape(place);
@@ -350,8 +350,8 @@ bool sets_further(const Polytope& a, const Polytope& b, const PosedPair* poses, 
 
 bool parts_further(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit,
                    PairCounters& counters, bool trees) {
-  if (a.parts && b.parts) return sets_further(a, b, poses, count, limit, counters, trees);
-  const bool first = a.parts != nullptr;
+  const auto [first, both] = sets_of(a, b);
+  if (both) return sets_further(a, b, poses, count, limit, counters, trees);
   return PartSeparation(first ? a : b, first ? b : a, first, poses, count, limit, counters, trees).run();
 }
 

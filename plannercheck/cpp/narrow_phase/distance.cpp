@@ -1,9 +1,5 @@
 #include "narrow_phase/distance.hpp"
 
-#include "narrow_phase/half_space_pair.hpp"
-#include "narrow_phase/solid_distance.hpp"
-#include "narrow_phase/solid_pair.hpp"
-
 namespace plannercheck {
 namespace {
 
@@ -93,7 +89,6 @@ DistanceGoal goal_for(const PosedPolytope& guest, const PosedPolytope& host, dou
 }  // namespace
 
 double ball_gap(const PosedPolytope& guest, const PosedPolytope& host) {
-  if (is_of_half_space(guest, host)) return -kNoLimit;  // the distance is as cheap
   const Vec3 a = posed_centre(guest), b = posed_centre(host);
   const double radii =
       (guest.body->radius + host.body->radius) * kDistanceStretch + total_inflation_radius(guest, host);
@@ -101,8 +96,7 @@ double ball_gap(const PosedPolytope& guest, const PosedPolytope& host) {
   return norm(a - b) - radii - (kBallRounding * reach + kTrustedLength);
 }
 
-double distance_bound(const PosedPolytope& guest, const PosedPolytope& host, int rounds, PairCounters& counters) {
-  if (is_of_half_space(guest, host)) return half_space_distance(guest, host, counters).lower;
+double convex_bound(const PosedPolytope& guest, const PosedPolytope& host, int rounds, PairCounters& counters) {
   DistanceGoal goal = goal_for(guest, host, std::numeric_limits<double>::infinity());
   goal.rounds = rounds;
   const HullDistance found = hull_distance(guest, host, posed_centre(guest) - posed_centre(host), goal, counters);
@@ -126,16 +120,6 @@ PairDistance convex_distance(const PosedPolytope& guest, const PosedPolytope& ho
   if (in_doubt) found = hull_distance_double_double(guest, host, found, goal, counters);
   if (overlap && !(found.lower > 0)) return hulls_overlap(guest, host, goal.inflation_radius, counters);
   return between_hulls(guest, host, found, overlap);
-}
-
-PairDistance pair_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit,
-                           PairCounters& counters) {
-  if (is_of_half_space(guest, host)) return half_space_distance(guest, host, counters);
-  const PairDistance hulls = convex_distance(guest, host, limit, counters);
-  if (!is_of_solids(guest, host) || hulls.lower > limit) return hulls;
-  if (hulls.overlap && solids_contact(guest, host, {}, counters)) return hulls;
-  if (is_of_parts(guest, host)) return parts_distance(guest, host, limit, hulls.lower, counters);
-  return solid_distance(guest, host, limit, hulls.lower, counters);
 }
 
 }  // namespace plannercheck

@@ -34,6 +34,7 @@ PairDistance convex_distance(const PosedPolytope& guest, const PosedPolytope& ho
 
 // A lower bound after a few steps; for bodies that overlap, that of the balls around them.
 double distance_bound(const PosedPolytope& guest, const PosedPolytope& host, int rounds, PairCounters& counters);
+double convex_bound(const PosedPolytope& guest, const PosedPolytope& host, int rounds, PairCounters& counters);
 
 // The gap of the balls around two bodies, negative if they meet: a lower bound of the signed distance.
 double ball_gap(const PosedPolytope& guest, const PosedPolytope& host);

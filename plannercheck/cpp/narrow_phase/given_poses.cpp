@@ -139,8 +139,7 @@ class Lookout {
       : guest_(guest),
         host_(host),
         tolerance_(tolerance),
-        tells_far_(options.centre_axis && options.solver != Solver::kExact && !guest.body->half_space &&
-                   !host.body->half_space),
+        tells_far_(options.centre_axis && options.solver != Solver::kExact),
         far_(*guest.body, *host.body),
         shared_(shared) {}
 

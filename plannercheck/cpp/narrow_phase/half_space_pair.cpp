@@ -34,9 +34,9 @@ class Heights {
   Heights(const PosedPolytope& half_space, const PosedPolytope& body)
       : half_space_(half_space),
         body_(body),
-        plane_(posed_plane<double, Vec3>(*half_space.body->half_space, half_space.pose)) {
+        plane_(posed_plane<double, Vec3>(half_space.body->as<HalfSpace>(), half_space.pose)) {
     const Vec3 t = half_space.pose.translation();
-    const HalfSpace& h = *half_space.body->half_space;
+    const HalfSpace& h = half_space.body->as<HalfSpace>();
     const double reach = body.body->origin_radius + norm_1(body.pose.translation()) + norm_1(t);
     error_ = kHeightError * (norm_1(h.normal) * reach + std::fabs(h.offset)) + kDenormalError;
     length_ = norm(plane_.normal);
@@ -102,7 +102,7 @@ class Heights {
   double error_, length_, radius_;
 
   ExactPlane exact_plane() const {
-    return posed_plane<Dyadic, DyadicVec3>(*half_space_.body->half_space, half_space_.pose);
+    return posed_plane<Dyadic, DyadicVec3>(half_space_.body->as<HalfSpace>(), half_space_.pose);
   }
 
   Dyadic exactly(Vec3 point, const ExactPlane& plane) const {
@@ -150,10 +150,14 @@ double more_radius(const PosedPolytope& part, const PosedPolytope& body) {
   return more * (1 + kPlaneReachRounding) + kPlaneReachRounding * part.body->inflation_radius;
 }
 
-// Hands all parts to a function, with their places, until it returns true.
+bool is_half_space(const PosedPolytope& body) { return body.body->kind() == Kind::kHalfSpace; }
+
+// Hands the parts of a set to a function, with their places, until it returns true; of another body its hull, whose
+// place is −1.
 template <class Visit>
 void each_part(const PosedPolytope& body, Visit visit) {
-  const PartSet& parts = *body.body->parts;
+  if (body.body->kind() != Kind::kPartSet) return static_cast<void>(visit(body, -1));
+  const PartSet& parts = body.body->as<PartSet>();
   PartBody filled;
   for (std::size_t place = 0; place < parts.leaf_count() * kPartsInLeaf; ++place) {
     const PartShape shape = parts.shape(place);
@@ -164,7 +168,6 @@ void each_part(const PosedPolytope& body, Visit visit) {
 }
 
 PlaneContact body_meets_half_space(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters) {
-  if (!body.body->parts) return {hull_meets_half_space(half_space, body, counters), -1};
   PlaneContact found;
   if (Heights(half_space, body).ball_is_over()) return found;
   each_part(body, [&](const PosedPolytope& part, std::int32_t place) {
@@ -198,7 +201,6 @@ PairDistance hull_distance_over(const PosedPolytope& half_space, const PosedPoly
 }
 
 PairDistance distance_over(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters) {
-  if (!body.body->parts) return hull_distance_over(half_space, body, counters);
   PairDistance least{false, kNoLimit, kNoLimit, {}, {}, {}};
   each_part(body, [&](const PosedPolytope& part, std::int32_t) {
     const PairDistance found = hull_distance_over(half_space, part, counters);
@@ -213,12 +215,12 @@ PairDistance distance_over(const PosedPolytope& half_space, const PosedPolytope&
 }  // namespace
 
 PlaneContact half_space_contact(const PosedPolytope& a, const PosedPolytope& b, PairCounters& counters) {
-  if (a.body->half_space && b.body->half_space) return {true, -1};
-  return a.body->half_space ? body_meets_half_space(a, b, counters) : body_meets_half_space(b, a, counters);
+  if (!is_half_space(a)) return body_meets_half_space(b, a, counters);
+  return is_half_space(b) ? PlaneContact{true, -1} : body_meets_half_space(a, b, counters);
 }
 
 PairDistance half_space_distance(const PosedPolytope& guest, const PosedPolytope& host, PairCounters& counters) {
-  if (host.body->half_space) return distance_over(host, guest, counters);
+  if (is_half_space(host)) return distance_over(host, guest, counters);
   PairDistance out = distance_over(guest, host, counters);
   std::swap(out.on_guest, out.on_host);
   out.direction = -out.direction;
@@ -226,10 +228,9 @@ PairDistance half_space_distance(const PosedPolytope& guest, const PosedPolytope
 }
 
 double height_over(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters) {
-  if (!body.body->parts) return hull_height(half_space, body, counters);
   double least = kNoLimit;
-  each_part(body, [&](const PosedPolytope& part, std::int32_t) {
-    least = smaller(least, hull_height(half_space, part, counters) - more_radius(part, body));
+  each_part(body, [&](const PosedPolytope& part, std::int32_t place) {
+    least = smaller(least, hull_height(half_space, part, counters) - (place < 0 ? 0 : more_radius(part, body)));
     return false;
   });
   return least;

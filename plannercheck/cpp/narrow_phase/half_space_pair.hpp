@@ -13,10 +13,6 @@
 
 namespace plannercheck {
 
-inline bool is_of_half_space(const PosedPolytope& a, const PosedPolytope& b) {
-  return a.body->half_space || b.body->half_space;
-}
-
 // Whether a half-space shares a point with another body, of which a solid counts as its hull, as the same vertex
 // decides, and a set of parts as all its parts; and the place of the first part that does, −1 for other bodies. Two
 // half-spaces are never asked about: as neither moves, no checker has such a pair.

@@ -37,7 +37,7 @@ class Look {
   Look(const PosedPolytope& body, const PosedPolytope& field)
       : body_(body),
         field_(field),
-        lattice_(field.body->parts->lattice()),
+        lattice_(field.body->as<PartSet>().lattice()),
         inflated_(body.body->inflation_radius + field.body->inflation_radius),
         error_((norm_1(body.pose.translation()) + norm_1(field.pose.translation()) + 2 * body.body->origin_radius +
                 inflated_) *
@@ -76,7 +76,7 @@ class Look {
   // How high any prism is that is less than `length` from the centre along x and along y, by the finest cells that are
   // as wide (height_ceilings.hpp).
   double ceiling(const Reach& reach) const {
-    const HeightCeilings& all = field_.body->parts->ceilings();
+    const HeightCeilings& all = field_.body->as<PartSet>().ceilings();
     auto level = all.levels().begin();
     while (level + 1 != all.levels().end() && !(smaller(level->width[0], level->width[1]) > reach.length)) ++level;
     std::array<std::int32_t, 2> cell;

@@ -44,7 +44,7 @@ bool part_meets(const PartShape& shape, const PosedPolytope& set, const PosedPol
   const PairVerdict hulls = convex_contact({&filled.body(), set.pose}, body, counters);
   if (!hulls.shared || hulls.settles) return hulls.shared;
   const Polytope part = polytope_of(shape, set.body->inflation_radius);
-  return static_cast<bool>(solids_contact({&part, set.pose}, body, {}, counters));
+  return static_cast<bool>(triangles_contact({&part, set.pose}, body, {}, counters));
 }
 
 // The balls of leaves against one hull, eight at once.
@@ -55,7 +55,7 @@ class BallsOfLeaves {
   // Those of a leaf's balls, a bit each, that share a point with the hull.
   unsigned met(std::size_t leaf, PairCounters& counters) {
     static_assert(kPartsInLeaf == kMostPoints);
-    const PartSet& parts = *set_.body->parts;
+    const PartSet& parts = set_.body->as<PartSet>();
     const EightPoints& points = parts.points(leaf);
     const std::size_t first = leaf * kPartsInLeaf, count = std::min(kPartsInLeaf, parts.part_count() - first);
     std::array<double, kPartsInLeaf> radii;
@@ -73,10 +73,11 @@ class BallsOfLeaves {
 // The place of a part that shares a point with a body that is no set, or −1. `inner`: see PartWalk.
 std::int32_t place_met(const PosedPolytope& set, const PosedPolytope& body, const InnerBall* inner, std::int32_t guess,
                        PairCounters& counters) {
-  const PartSet& parts = *set.body->parts;
+  const PartSet& parts = set.body->as<PartSet>();
   PartBody& filled = part_bodies().a;
   PartWalk walk(body, set, set.body->inflation_radius + body.body->inflation_radius, inner);
-  const bool is_solid = body.body->solid != nullptr, are_balls = parts.kind() == PartSet::Kind::kBalls && !is_solid;
+  const bool is_hull = body.body->kind() == Kind::kHull;
+  const bool are_balls = parts.kind() == PartSet::Kind::kBalls && is_hull;
   std::optional<BallsOfLeaves> balls;  // made when it is first needed
   std::int32_t met = -1;
   const auto found = [&](std::size_t place) { return met = static_cast<std::int32_t>(place), true; };
@@ -95,8 +96,7 @@ std::int32_t place_met(const PosedPolytope& set, const PosedPolytope& body, cons
       const std::size_t place = first + static_cast<std::size_t>(__builtin_ctz(near));
       const PartShape shape = parts.shape(place);
       if (shape.corners == 0) continue;
-      if ((!is_solid && walk.surely_shares(shape)) || part_meets(shape, set, body, filled, counters))
-        return found(place);
+      if ((is_hull && walk.surely_shares(shape)) || part_meets(shape, set, body, filled, counters)) return found(place);
     }
     return false;
   };
@@ -110,7 +110,7 @@ std::int32_t place_met(const PosedPolytope& set, const PosedPolytope& body, cons
 
 // The same without the tree, and without what is inside of the body: each part by the test of pairs.
 std::int32_t first_place_met(const PosedPolytope& set, const PosedPolytope& body, PairCounters& counters) {
-  const PartSet& parts = *set.body->parts;
+  const PartSet& parts = set.body->as<PartSet>();
   PartBody& filled = part_bodies().a;
   for (std::size_t place = 0; place < parts.leaf_count() * kPartsInLeaf; ++place) {
     if (part_meets(parts.shape(place), set, body, filled, counters)) return static_cast<std::int32_t>(place);
@@ -138,7 +138,7 @@ PartShape box_of(const PartSet& set, const PartNode& node, std::size_t child) {
 class SetsContact {
  public:
   SetsContact(const PosedPolytope& a, const PosedPolytope& b, PairCounters& counters)
-      : a_(a), b_(b), parts_(*a.body->parts), counters_(counters) {}
+      : a_(a), b_(b), parts_(a.body->as<PartSet>()), counters_(counters) {}
 
   PartContact run() {
     descend(parts_.levels().size(), 0);
@@ -206,7 +206,12 @@ void take(const PairDistance& found, PairDistance& least) {
 class PartsDistance {
  public:
   PartsDistance(const PosedPolytope& set, const PosedPolytope& body, double limit, PairCounters& counters)
-      : set_(set), body_(body), parts_(*set.body->parts), walk_(body, set, 0), limit_(limit), counters_(counters) {}
+      : set_(set),
+        body_(body),
+        parts_(set.body->as<PartSet>()),
+        walk_(body, set, 0),
+        limit_(limit),
+        counters_(counters) {}
 
   // `guest` is the set or the body: the way in which directions and points are given.
   PairDistance run(bool set_is_guest, bool trees = true) {
@@ -268,7 +273,7 @@ class PartsDistance {
   }
 
   PairDistance of_part(const PartShape& shape, PartBody& filled, double limit) {
-    if (body_.body->solid) {
+    if (body_.body->kind() != Kind::kHull) {
       const Polytope part = polytope_of(shape, set_.body->inflation_radius);
       const PosedPolytope posed{&part, set_.pose};
       return set_is_guest_ ? pair_distance(posed, body_, limit, counters_)
@@ -284,7 +289,7 @@ class PartsDistance {
 // Of two sets: the least over the parts of the first one, one after another.
 PairDistance sets_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, PairCounters& counters,
                            bool trees) {
-  const PartSet& parts = *guest.body->parts;
+  const PartSet& parts = guest.body->as<PartSet>();
   PairDistance best = nothing_near();
   for (std::size_t place = 0; place < parts.leaf_count() * kPartsInLeaf; ++place) {
     const PartShape shape = parts.shape(place);
@@ -301,13 +306,14 @@ PairDistance sets_distance(const PosedPolytope& guest, const PosedPolytope& host
 
 PartContact parts_contact(const PosedPolytope& a, const PosedPolytope& b, const PartContact& guess,
                           PairCounters& counters, bool trees) {
-  if (a.body->parts && b.body->parts) {
-    const bool first = a.body->parts->part_count() <= b.body->parts->part_count();
-    SetsContact sets(first ? a : b, first ? b : a, counters);
-    const PartContact found = trees ? sets.run() : sets.run_without_trees();
+  const Sets sets = sets_of(*a.body, *b.body);
+  if (sets.both) {
+    const bool first = a.body->as<PartSet>().part_count() <= b.body->as<PartSet>().part_count();
+    SetsContact search(first ? a : b, first ? b : a, counters);
+    const PartContact found = trees ? search.run() : search.run_without_trees();
     return first ? found : PartContact{found.shared, found.b, found.a};
   }
-  const bool first = a.body->parts != nullptr;
+  const bool first = sets.first;
   const PosedPolytope &set = first ? a : b, &body = first ? b : a;
   const std::int32_t met =
       trees ? place_met(set, body, nullptr, first ? guess.a : guess.b, counters) : first_place_met(set, body, counters);
@@ -321,14 +327,11 @@ bool parts_are_far(const PosedBox& box, const PosedPolytope& set, double limit) 
 
 PairDistance parts_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, double least,
                             PairCounters& counters, bool trees) {
-  PairDistance found;
-  if (guest.body->parts && host.body->parts) {
-    found = sets_distance(guest, host, limit, counters, trees);
-  } else if (guest.body->parts) {
-    found = PartsDistance(guest, host, limit, counters).run(true, trees);
-  } else {
-    found = PartsDistance(host, guest, limit, counters).run(false, trees);
-  }
+  const Sets sets = sets_of(*guest.body, *host.body);
+  PairDistance found =
+      sets.both
+          ? sets_distance(guest, host, limit, counters, trees)
+          : PartsDistance(sets.first ? guest : host, sets.first ? host : guest, limit, counters).run(sets.first, trees);
   found.lower = larger(found.lower, least);
   return found;
 }

@@ -13,8 +13,6 @@
 
 namespace plannercheck {
 
-inline bool is_of_parts(const PosedPolytope& a, const PosedPolytope& b) { return a.body->parts || b.body->parts; }
-
 // Places of parts in their sets that share a point; −1 for a body that is no set, and where nothing is shared.
 struct PartContact {
   bool shared = false;

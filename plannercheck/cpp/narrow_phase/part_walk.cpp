@@ -44,7 +44,7 @@ RigidTurn::RigidTurn(const Pose& body, const Pose& set) {
 double RigidTurn::error(double reach) const { return kTurnError * (reach + distance_) + kDenormalError; }
 
 PartWalk::PartWalk(const PosedBox& box, const PosedPolytope& set, double margin)
-    : set_(*set.body->parts), turn_(box.pose, set.pose), margin_(margin * kRadiusStretch) {
+    : set_(set.body->as<PartSet>()), turn_(box.pose, set.pose), margin_(margin * kRadiusStretch) {
   const Vec3 reach = box_reach(box), parts = set_.reach();
   box_centre_ = 0.5 * (box.low + box.high), box_half_ = 0.5 * (box.high - box.low);
   const double both = norm_1(reach) + norm_1(parts) + margin_;

@@ -240,37 +240,19 @@ class ContactSearch {
 
 }  // namespace
 
-SolidContact solids_contact(const PosedPolytope& a, const PosedPolytope& b, const SolidContact& guess,
-                            PairCounters& counters, const SolidOptions& options, SolidCounters* counted) {
-  if (is_of_half_space(a, b)) {
-    const PlaneContact found = half_space_contact(a, b, counters);
-    if (!found.shared) return {};
-    return {SolidContact::Kind::kHalfSpace, a.body->parts ? found.part : -1, b.body->parts ? found.part : -1};
-  }
-  if (is_of_parts(a, b)) {
-    const bool known = guess.kind == SolidContact::Kind::kParts;
-    const PartContact from = known ? PartContact{true, guess.a, guess.b} : PartContact{};
-    const PartContact found = parts_contact(a, b, from, counters, options.part_trees);
-    return found.shared ? SolidContact{SolidContact::Kind::kParts, found.a, found.b} : SolidContact{};
-  }
+SolidContact triangles_contact(const PosedPolytope& a, const PosedPolytope& b, const SolidContact& guess,
+                               PairCounters& counters, const SolidOptions& options, SolidCounters* counted) {
   SolidCounters own;
   return ContactSearch(a, b, options, counters, counted == nullptr ? own : *counted).run(guess);
-}
-
-bool between_dents_share(const PosedPolytope& a, const PosedPolytope& b, SolidHistory& history,
-                         PairCounters& counters) {
-  const SolidContact found = solids_contact(a, b, history.contact, counters);
-  if (found) history.contact = found;
-  return static_cast<bool>(found);
 }
 
 bool solids_share_with(const PosedPolytope& a, const PosedPolytope& b, HullTest& hulls, bool trees_first,
                        SolidHistory& history, PairCounters& counters) {
   SolidContact found;
-  if (is_of_parts(a, b)) {  // whose hulls say nothing
-    found = solids_contact(a, b, history.contact, counters);
-  } else if (fill_their_hulls(a, b)) {
-    return hulls.share() && (hulls.settled() || between_dents_share(a, b, history, counters));
+  if (fill_their_hulls(a, b)) {
+    if (!hulls.share()) return false;
+    if (hulls.settled()) return true;
+    found = triangles_contact(a, b, history.contact, counters);
   } else if (trees_first && history.hulls_met) {
     SolidCounters counted;
     ContactSearch search(a, b, {}, counters, counted);
@@ -283,7 +265,7 @@ bool solids_share_with(const PosedPolytope& a, const PosedPolytope& b, HullTest&
     }
   } else {
     history.hulls_met = hulls.share();
-    if (history.hulls_met) found = solids_contact(a, b, history.contact, counters);
+    if (history.hulls_met) found = triangles_contact(a, b, history.contact, counters);
   }
   if (found) history.contact = found;
   return static_cast<bool>(found);

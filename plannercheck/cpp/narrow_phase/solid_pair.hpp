@@ -13,10 +13,8 @@
 
 #include <cstdint>
 
-#include "narrow_phase/half_space_pair.hpp"
 #include "narrow_phase/intersection.hpp"
 #include "narrow_phase/pair_frame.hpp"
-#include "narrow_phase/part_pair.hpp"
 #include "narrow_phase/posed_solid.hpp"
 
 namespace plannercheck {
@@ -44,8 +42,9 @@ struct SolidOptions {
 };
 
 // `guess`: where the pair met last; it only saves time.
-SolidContact solids_contact(const PosedPolytope& a, const PosedPolytope& b, const SolidContact& guess,
-                            PairCounters& counters, const SolidOptions& options = {}, SolidCounters* counted = nullptr);
+SolidContact triangles_contact(const PosedPolytope& a, const PosedPolytope& b, const SolidContact& guess,
+                               PairCounters& counters, const SolidOptions& options = {},
+                               SolidCounters* counted = nullptr);
 
 // Tells whether two bodies' hulls share a point.
 class HullTest {
@@ -75,21 +74,13 @@ struct SolidHistory {
 bool solids_share_with(const PosedPolytope& a, const PosedPolytope& b, HullTest& hulls, bool trees_first,
                        SolidHistory& history, PairCounters& counters);
 
-// The same of bodies that fill their hulls, which share a point and leave it open whether the bodies do.
-bool between_dents_share(const PosedPolytope& a, const PosedPolytope& b, SolidHistory& history, PairCounters& counters);
-
-// Whether hulls do not tell all about a pair: one body is a solid, a set of parts, or a half-space.
-inline bool is_of_solids(const PosedPolytope& a, const PosedPolytope& b) {
-  return a.body->solid || b.body->solid || is_of_parts(a, b) || is_of_half_space(a, b);
-}
-
 // Whether two bodies, no triangles of which meet, share a point: a part of one of them lies in the other one.
 bool are_nested(const PosedPolytope& a, const PosedPolytope& b);
 
 // Whether two bodies share a point, given the verdict on their hulls.
 inline bool bodies_share(const PairVerdict& hulls, const PosedPolytope& a, const PosedPolytope& b,
                          PairCounters& counters) {
-  return hulls.shared && (hulls.settles || solids_contact(a, b, {}, counters));
+  return hulls.shared && (hulls.settles || triangles_contact(a, b, {}, counters));
 }
 
 }  // namespace plannercheck

@@ -1,0 +1,83 @@
+#include "narrow_phase/pair_kernels.hpp"
+
+#include "narrow_phase/half_space_pair.hpp"
+#include "narrow_phase/part_pair.hpp"
+#include "narrow_phase/solid_distance.hpp"
+
+namespace plannercheck {
+namespace {
+
+using Contact = SolidContact (*)(const PosedPolytope& a, const PosedPolytope& b, const SolidContact& guess,
+                                 PairCounters& counters, const SolidOptions& options, SolidCounters* counted);
+
+bool hulls_share(const PosedPolytope& a, const PosedPolytope& b, const PairOptions& options, PairCounters& counters) {
+  return test_pair(a, b, options, nullptr, counters).shared;
+}
+
+bool solids_share(const PosedPolytope& a, const PosedPolytope& b, const PairOptions& options, PairCounters& counters) {
+  return bodies_share(test_pair(a, b, options, nullptr, counters), a, b, counters);
+}
+
+SolidContact sets_contact(const PosedPolytope& a, const PosedPolytope& b, const SolidContact& guess,
+                          PairCounters& counters, const SolidOptions& options, SolidCounters*) {
+  const bool known = guess.kind == SolidContact::Kind::kParts;
+  const PartContact from = known ? PartContact{true, guess.a, guess.b} : PartContact{};
+  const PartContact found = parts_contact(a, b, from, counters, options.part_trees);
+  return found.shared ? SolidContact{SolidContact::Kind::kParts, found.a, found.b} : SolidContact{};
+}
+
+SolidContact plane_contact(const PosedPolytope& a, const PosedPolytope& b, const SolidContact&, PairCounters& counters,
+                           const SolidOptions&, SolidCounters*) {
+  const PlaneContact found = half_space_contact(a, b, counters);
+  if (!found.shared) return {};
+  const bool first = sets_of(*a.body, *b.body).first;
+  return {SolidContact::Kind::kHalfSpace, first ? found.part : -1, first ? -1 : found.part};
+}
+
+template <Contact contact>
+bool shares(const PosedPolytope& a, const PosedPolytope& b, const PairOptions& options, PairCounters& counters) {
+  SolidOptions of_contact;
+  of_contact.part_trees = options.part_trees;
+  return static_cast<bool>(contact(a, b, {}, counters, of_contact, nullptr));
+}
+
+PairDistance sets_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, double least,
+                           PairCounters& counters) {
+  return parts_distance(guest, host, limit, least, counters);
+}
+
+// That of the hulls is a lower bound; where the bodies share a point, it is the depth.
+template <Contact contact, auto distance>
+PairDistance past_hulls(const PosedPolytope& guest, const PosedPolytope& host, double limit, PairCounters& counters) {
+  const PairDistance hulls = convex_distance(guest, host, limit, counters);
+  if (hulls.lower > limit || (hulls.overlap && contact(guest, host, {}, counters, {}, nullptr))) return hulls;
+  return distance(guest, host, limit, hulls.lower, counters);
+}
+
+PairDistance distance_over_plane(const PosedPolytope& guest, const PosedPolytope& host, double,
+                                 PairCounters& counters) {
+  return half_space_distance(guest, host, counters);
+}
+
+double bound_over_plane(const PosedPolytope& guest, const PosedPolytope& host, int, PairCounters& counters) {
+  return half_space_distance(guest, host, counters).lower;
+}
+
+}  // namespace
+
+const KindTable<PairKernel> kPairKernels{
+    {hulls_share, triangles_contact, convex_distance, convex_bound},
+    {solids_share, triangles_contact, past_hulls<triangles_contact, solid_distance>, convex_bound},
+    {shares<sets_contact>, sets_contact, past_hulls<sets_contact, sets_distance>, convex_bound},
+    {shares<plane_contact>, plane_contact, distance_over_plane, bound_over_plane}};
+
+PairDistance pair_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit,
+                           PairCounters& counters) {
+  return kernel_of(guest, host).distance(guest, host, limit, counters);
+}
+
+double distance_bound(const PosedPolytope& guest, const PosedPolytope& host, int rounds, PairCounters& counters) {
+  return kernel_of(guest, host).bound(guest, host, rounds, counters);
+}
+
+}  // namespace plannercheck
