@@ -78,7 +78,6 @@ class Polytope:
         # Here, since points alone need no readers of meshes and YAML.
         from plannercheck.bodies.given_shapes import is_geometry, points_of_geometry
 
-        given = vertices
         if not isinstance(vertices, np.ndarray | list | tuple) and is_geometry(vertices):
             if faces is not None or inflation_radius:
                 kind = with_article(type(vertices).__name__)
