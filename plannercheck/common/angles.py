@@ -63,8 +63,12 @@ def nearest_turns(starts: Floats, ends: Floats) -> Floats:
     if not (np.abs(ways) > np.pi).any():
         return ends
     turns = _turns_too_many(ways)
-    turns = turns + _turns_too_many(unwound(ends, turns) - starts)  # far from 0 the ways are rounded
-    return np.where(turns == 0, ends, unwound(ends, turns))
+    near = unwound(ends, turns)
+    more = _turns_too_many(near - starts)  # far from 0 the ways are rounded
+    if more.any():
+        turns = turns + more
+        near = unwound(ends, turns)
+    return np.where(turns == 0, ends, near)
 
 
 def nearest_turn(start: float, end: float) -> float:

@@ -42,6 +42,10 @@ class RoundingBounds:
         self._far: dict[bytes, float] = {}
         self.turning: tuple[int, ...] = tuple(np.flatnonzero(robot.configuration_map.turning_columns()).tolist())
 
+    def are_usual(self, least: Floats, largest: Floats) -> bool:
+        """Whether the usual bound holds on all motions, given by `Motions.ranges`."""
+        return bool((least >= self.low).all() and (largest <= self.high).all())
+
     def of_ranges(self, least: Floats, largest: Floats) -> Callable[[Rows], list[tuple[float, Rows]]]:
         """A function that groups rows of motions, given by `Motions.ranges`, by their bound, m.
 

@@ -18,7 +18,7 @@ from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.robots.robot import Robot
 
-# The kernel's joint kinds (JointKind in cpp/robots/kinematics.hpp): unit turns, and joints of several numbers.
+# The kernel's joint kinds (JointKind in cpp/robots/joints.hpp): unit turns, and joints of several numbers.
 _CIRCLES = range(4, 8)
 _PLANAR, _BALL, _FREE = 9, 10, 11
 # Numbers of a configuration and of a tangent vector that a part takes.
