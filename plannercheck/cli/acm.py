@@ -23,7 +23,7 @@ from plannercheck.checking.collision_matrix import (
 from plannercheck.checking.collision_matrix_files import srdf_text, yaml_text
 from plannercheck.cli.common import check_folder, table, table_of
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, described, given_options
-from plannercheck.cli.unheeded_options import check_heeded
+from plannercheck.cli.unused_options import check_used
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.records import write_record
@@ -116,9 +116,9 @@ def run(options: argparse.Namespace) -> int:
     if options.states < 1 or options.seed < 0 or options.meshes < 0:
         raise PlannercheckError("--states must be at least 1, --seed and --meshes at least 0")
     if options.audit and not of_all:
-        check_heeded(options, ("--output",), "without --audit, which proposes nothing")
+        check_used(options, ("--output",), "without --audit, which proposes nothing")
     elif not options.audit:
-        check_heeded(options, ("--meshes",), "with --audit")
+        check_used(options, ("--meshes",), "with --audit")
     if options.robot is None and not options.audit:
         raise PlannercheckError("acm needs --robot; without one, --audit audits all shipped robots")
     if options.robot is not None and is_planar(options.robot, "robots"):

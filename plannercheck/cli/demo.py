@@ -8,7 +8,7 @@ import tempfile
 from pathlib import Path
 
 from plannercheck.cli.main import main
-from plannercheck.cli.unheeded_options import check_heeded
+from plannercheck.cli.unused_options import check_used
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import shipped_folder
 from plannercheck.robots.robot import Robot
@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
     """Runs the command; some samples collide, so that only errors count."""
     if options.camera:
         return _moving_camera(options)
-    check_heeded(options, ("--frames", "--points"), "with --camera")
+    check_used(options, ("--frames", "--points"), "with --camera")
     samples = shipped_folder("configs") / f"{_SCENE}_{_ROBOT}.npy"
     where = ["--robot", _ROBOT, "--scene", _SCENE]
     with tempfile.TemporaryDirectory() as folder:

@@ -63,8 +63,8 @@ STAGES = {
 PAIR_TEST = {
     "blocks": ("vertex blocks", "read on the way down a hierarchy, four vertices each"),
     "exact_comparisons": ("exact comparisons", "of vertices whose order doubles leave open"),
-    "guest_queries": ("support queries on A", "the vertex of the one body that is deepest beyond a plane"),
-    "host_queries": ("support queries on B", "the facet of the other, in whose frame both are, that a point is beyond"),
+    "queries_a": ("support queries on A", "the vertex of the one body that is deepest beyond a plane"),
+    "queries_b": ("support queries on B", "the facet of the other, in whose frame both are, that a point is beyond"),
     "games": ("matrix games", "of the vertices and facets found so far: the next plane and point"),
     "rounds": ("rounds", "steps of the search for a separating plane or a common point"),
     "vertices": ("vertices", "of polygons that were read"),

@@ -20,7 +20,7 @@ from plannercheck.cli.common import (
     table,
     vector,
 )
-from plannercheck.cli.unheeded_options import check_heeded
+from plannercheck.cli.unused_options import check_used
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
@@ -128,7 +128,7 @@ def run(options: argparse.Namespace) -> int:
     check_folder(options.output)
     if options.problems:
         return problem_sets.run(options)
-    check_heeded(options, ("--first", "--each"), "with --problems")
+    check_used(options, ("--first", "--each"), "with --problems")
     if options.scene is None and (options.start is None or options.goal is None):
         raise PlannercheckError("has no start or no goal: needs --scene, or --problems, or both --start and --goal")
     if options.output is not None:

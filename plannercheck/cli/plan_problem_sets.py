@@ -16,7 +16,7 @@ from typing import Any
 from plannercheck.cli.checked_paths import show_checks
 from plannercheck.cli.common import percentage, save_json, table
 from plannercheck.cli.robot_options import robot_of
-from plannercheck.cli.unheeded_options import check_heeded
+from plannercheck.cli.unused_options import check_used
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl import LONGEST_MOTION
 from plannercheck.robots.robot import Robot
@@ -66,7 +66,7 @@ def _check(options: argparse.Namespace) -> None:
     for name in ("scene", "start", "goal"):
         if getattr(options, name) is not None:
             raise PlannercheckError(f"--{name} and --problems exclude each other: a problem has its own")
-    check_heeded(options, _OF_ONE, "for one problem, not with --problems")
+    check_used(options, _OF_ONE, "for one problem, not with --problems")
     if options.output is not None and options.output.suffix != ".json":
         raise PlannercheckError(f"the results of problem sets are written as .json, not {str(options.output)!r}")
     if options.first is not None and options.first < 1:

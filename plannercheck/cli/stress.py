@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from plannercheck.cli.common import check_folder
-from plannercheck.cli.unheeded_options import check_heeded
+from plannercheck.cli.unused_options import check_used
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.evaluation.campaign.campaign import Campaign
 from plannercheck.evaluation.campaign.campaign import run as run_campaign
@@ -75,7 +75,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Runs the command."""
     name = next((each for each in _OF_CAMPAIGNS if getattr(options, each[2:]) is not None), "--pairs")
-    _check_heeded(options, name)
+    _check_used(options, name)
     wanted: int = getattr(options, name[2:])
     for each, value, least in ((name, wanted, 1), ("--seed", options.seed, 0), ("--verified", options.verified, 0)):
         if value < least:
@@ -97,17 +97,17 @@ def run(options: argparse.Namespace) -> int:
     return 1 if tally.failures else 0
 
 
-def _check_heeded(options: argparse.Namespace, name: str) -> None:
+def _check_used(options: argparse.Namespace, name: str) -> None:
     """Raises if options are given that would change nothing."""
     if options.case is not None:
         others = ("--pairs", *_OF_CAMPAIGNS, *itertools.chain(*_OF_CAMPAIGNS.values()), "--peers", *_OF_RUNS)
-        check_heeded(options, others, "without --case, which is one motion or pair")
-    check_heeded(options, [each for each in ("--pairs", *_OF_CAMPAIGNS) if each != name], f"without {name}")
+        check_used(options, others, "without --case, which is one motion or pair")
+    check_used(options, [each for each in ("--pairs", *_OF_CAMPAIGNS) if each != name], f"without {name}")
     for other, those in _OF_CAMPAIGNS.items():
         if other != name:
-            check_heeded(options, those, f"with {other}")
+            check_used(options, those, f"with {other}")
     if name in ("--motions", "--parts"):
-        check_heeded(options, ["--peers"], f"without {name}")
+        check_used(options, ["--peers"], f"without {name}")
 
 
 def _run_case(options: argparse.Namespace) -> int:

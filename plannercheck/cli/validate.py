@@ -21,7 +21,7 @@ from pathlib import Path
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli import validate_paths as validated_paths
 from plannercheck.cli.common import check_folder, load_checker, save_json
-from plannercheck.cli.unheeded_options import check_heeded
+from plannercheck.cli.unused_options import check_used
 from plannercheck.cli.validate_options import add_set_arguments, check_options
 from plannercheck.cli.validate_proofs import Verification, check_proofs
 from plannercheck.cli.validate_summary import Outcome, as_json, show_table
@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
         check_output(options.output)
     options.files = files_of(options.files)
     if not any(path.suffix.lower() in KEYED_SUFFIXES for path in options.files):
-        check_heeded(options, ("--key",), f"for {', '.join(KEYED_SUFFIXES)} files, which hold several arrays")
+        check_used(options, ("--key",), f"for {', '.join(KEYED_SUFFIXES)} files, which hold several arrays")
     _check_names(options)
     checker, judge = load_checker(options), _judge(options)
     with _journal(options, checker, judge) as journal:
@@ -76,7 +76,7 @@ def run(options: argparse.Namespace) -> int:
             save_json(options.summary, as_json(outcome))
         if journal is not None:
             journal.remove()
-    return _told(options, outcome, judge)
+    return _report(options, outcome, judge)
 
 
 def _check_names(options: argparse.Namespace) -> None:
@@ -190,7 +190,7 @@ def _engine(options: argparse.Namespace, checker: AnyChecker, judge: Judge) -> I
         yield engine
 
 
-def _told(options: argparse.Namespace, outcome: Outcome, judge: Judge) -> int:
+def _report(options: argparse.Namespace, outcome: Outcome, judge: Judge) -> int:
     """Shows the summary; the exit code."""
     if options.format == "json":
         print(json.dumps(as_json(outcome), indent=1))

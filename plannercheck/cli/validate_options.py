@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from plannercheck.cli.common import add_checker_arguments, add_robot_argument, add_scene_argument
-from plannercheck.cli.unheeded_options import check_heeded
+from plannercheck.cli.unused_options import check_used
 from plannercheck.common.atomic_files import is_stream
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
@@ -220,7 +220,7 @@ def check_options(options: argparse.Namespace) -> None:
     if options.path:
         _check_path_options(options)
     else:
-        check_heeded(options, ("--straight", "--motion-path", "--tolerance"), "with --path, not for sets")
+        check_used(options, ("--straight", "--motion-path", "--tolerance"), "with --path, not for sets")
     with error_context("--threads"):
         checked_threads(options.threads, options.threads)
     if options.proof is not None:
@@ -256,4 +256,4 @@ def _check_proof_option(options: argparse.Namespace) -> None:
 
 
 def _check_path_options(options: argparse.Namespace) -> None:
-    check_heeded(options, _OF_SETS, "for sets, not with --path")
+    check_used(options, _OF_SETS, "for sets, not with --path")

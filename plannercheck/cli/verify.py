@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, described, given_options
-from plannercheck.cli.unheeded_options import check_heeded
+from plannercheck.cli.unused_options import check_used
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs import Proof, Verification, load_proofs
 from plannercheck.proofs.claims import held_joints, least_padding, motion_of, sentence_of
@@ -55,11 +55,11 @@ def run(options: argparse.Namespace) -> int:
     if options.scene is not None and options.robot is None:
         raise PlannercheckError("--scene needs --robot: a proof is of a robot in a scene")
     if options.robot is None and given_options(options):
-        check_heeded(options, given_options(options), "with --robot")
+        check_used(options, given_options(options), "with --robot")
     if options.scene is None:
-        check_heeded(options, ("--scene-meshes",), "with --scene")
+        check_used(options, ("--scene-meshes",), "with --scene")
     if options.path is None:
-        check_heeded(options, ("--straight",), "with --path")
+        check_used(options, ("--straight",), "with --path")
     elif len(options.files) > 1:
         raise PlannercheckError(f"--path is of one proof file, and {len(options.files)} are given")
     results = [_verified(path, options) for path in options.files]

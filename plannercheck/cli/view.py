@@ -22,7 +22,7 @@ from plannercheck.cli.common import (
     load_checker,
 )
 from plannercheck.cli.robot_options import described
-from plannercheck.cli.unheeded_options import check_heeded
+from plannercheck.cli.unused_options import check_used
 from plannercheck.common.array_types import Floats
 from plannercheck.common.atomic_files import is_stream
 from plannercheck.common.errors import PlannercheckError
@@ -139,11 +139,11 @@ def _check(options: argparse.Namespace) -> None:
     if sum(given is not None for given in (options.file, options.q, options.path)) > 1:
         raise PlannercheckError("FILE, --q and --path exclude each other: give one")
     if options.path is None:
-        check_heeded(options, ("--frames", "--motion-path"), "with --path")
+        check_used(options, ("--frames", "--motion-path"), "with --path")
     if options.file is None:
-        check_heeded(options, ("--first", "--only-invalid"), "with FILE, a set")
+        check_used(options, ("--first", "--only-invalid"), "with FILE, a set")
     if options.html is not None:
-        check_heeded(options, ("--port", "--host"), "without --html, which serves nothing")
+        check_used(options, ("--port", "--host"), "without --html, which serves nothing")
     if options.frames < 1 or options.first < 1 or (options.planes or 0) < 0:
         raise PlannercheckError("--frames and --first must be at least 1, --planes at least 0")
     if not 0 < options.port <= _LAST_PORT:

@@ -42,7 +42,7 @@ def write_atomically(path: Path, write: Callable[[Path], object]) -> None:
     Raises:
         PlannercheckError: If it can't be written; then a file at `path` is as it was.
     """
-    with _told_of(path):
+    with _naming_errors(path):
         before = _found(path)
         if is_stream(path):
             _copy(write, path)
@@ -61,7 +61,7 @@ def replace_atomically(path: Path, write: Callable[[Path], object], mode: int) -
     Raises:
         PlannercheckError: If the file can't be written; then `path` is as it was.
     """
-    with _told_of(path):
+    with _naming_errors(path):
         _replace(path, write, None, mode)
 
 
@@ -77,7 +77,7 @@ def is_stream(path: Path) -> bool:
 
 
 @contextlib.contextmanager
-def _told_of(path: Path) -> Iterator[None]:
+def _naming_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:

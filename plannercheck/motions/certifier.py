@@ -35,7 +35,7 @@ from plannercheck.motions.certifier_answers import (
     MotionResult,
     Proof,
     check_tolerance,
-    passage_of,
+    motion_result_of,
     proofs_of,
     verdicts,
 )
@@ -236,7 +236,7 @@ class MotionCertifier:
             return MotionResult(False, 0.0, 0.0, part.touching[0])
         ((error, _),) = self._errors.of_ranges(*ranges)(row)
         answer, until, near, pair = part.core.explain(self._kernel, q0, q1, tolerance, error, False)[:4]
-        found = passage_of(answer, until, near, int(part.rows[pair]) if answer == REFUSED else -1, tolerance)
+        found = motion_result_of(answer, until, near, int(part.rows[pair]) if answer == REFUSED else -1, tolerance)
         if not proofs:
             return found
         reached, listed = self._listed(q0, q1, tolerance, error, found.free_until)

@@ -81,7 +81,7 @@ def verdicts(answers: NDArray[np.uint8], tolerance: float, rows: NDArray[np.int6
     return np.asarray(answers == FREE)
 
 
-def passage_of(answer: int, until: float, near: float, pair: int, tolerance: float) -> MotionResult:
+def motion_result_of(answer: int, until: float, near: float, pair: int, tolerance: float) -> MotionResult:
     """The result of one motion without proofs, or an error; only a refused one has the core's numbers."""
     if answer == IMPRECISE:
         raise _imprecise(0, tolerance)

@@ -137,7 +137,7 @@ class Checker(StateChecker):
     def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> Motions:
         """Motions between configurations (n, nq); continuous joints take the short way."""
         starts, given = checked_ends(self.robot, q0, q1)
-        return Motions(starts, self.motion_sampler.short_way(starts, given), given)
+        return Motions(starts, self.motion_sampler.shorter_turn(starts, given), given)
 
     def _sampled_free(self, motions: Motions, resolution: float, path: MotionPath) -> Bools:
         starts, ends = motions.starts, motions.ends

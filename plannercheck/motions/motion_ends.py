@@ -50,7 +50,7 @@ def checked_ends(robot: AnyRobot, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats,
     return starts, ends
 
 
-def short_way(starts: Floats, ends: Floats, angles: NDArray[np.int64]) -> Floats:
+def shorter_turn(starts: Floats, ends: Floats, angles: NDArray[np.int64]) -> Floats:
     """Ends (…, nq) with some columns within half a turn of the starts'; the same array if they already are."""
     if not len(angles):
         return ends

@@ -20,7 +20,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath
-from plannercheck.motions.motion_ends import short_way
+from plannercheck.motions.motion_ends import shorter_turn
 from plannercheck.robots.configurations import NO_LIMIT
 from plannercheck.robots.joints import kind_of
 from plannercheck.robots.robot import Robot
@@ -71,9 +71,9 @@ class MotionSampler:
         """Columns of angles that a whole turn does not change; motions take their short way."""
         return self._turning
 
-    def short_way(self, q0: Floats, q1: Floats) -> Floats:
+    def shorter_turn(self, q0: Floats, q1: Floats) -> Floats:
         """Ends (…, nq) with continuous joints within half a turn of the starts'; the same array if they already are."""
-        return short_way(q0, q1, self._turning)
+        return shorter_turn(q0, q1, self._turning)
 
     def _way(self, q0: Floats, q1: Floats) -> Floats:
         """(n,) m: no link point travels further on these motions, whichever path they take.

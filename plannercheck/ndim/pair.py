@@ -195,12 +195,12 @@ class _Pair:
         return program_hint(self.P, self.R, self.pose_p, self.pose_r)
 
     def _is_proved(self, hint: Hint) -> bool:
-        mixed, host = ((self.P, self.pose_p), (self.R, self.pose_r))
+        mixed, body_b = ((self.P, self.pose_p), (self.R, self.pose_r))
         if self.P.vertices is None and self.R.vertices is not None:
-            mixed, host = host, mixed
+            mixed, body_b = body_b, mixed
         if hint.shares:
-            return proves_shared(hint, mixed, host)
-        return bool(hint.weights_r) and proves_apart(hint, mixed, host)
+            return proves_shared(hint, mixed, body_b)
+        return bool(hint.weights_r) and proves_apart(hint, mixed, body_b)
 
     def _set_effort(self, method: str, rounds: int, visited: int, note: str) -> None:
         if self.walked is None:

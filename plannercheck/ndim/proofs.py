@@ -17,13 +17,13 @@ from plannercheck.ndim.rounding import UNDERFLOW, UNIT
 PosedPolytope = tuple[Polytope, Affine]
 
 
-def proves_shared(hint: Hint, mixed: PosedPolytope, host: PosedPolytope) -> bool:
+def proves_shared(hint: Hint, mixed: PosedPolytope, body_b: PosedPolytope) -> bool:
     """Whether the hint's point certainly is in both bodies.
 
     Args:
         hint: With the point, and weights if the first body is given by vertices.
         mixed: The first body, given either way.
-        host: The second body, given by halfspaces.
+        body_b: The second body, given by halfspaces.
 
     Returns:
         True if it is proved.
@@ -31,7 +31,7 @@ def proves_shared(hint: Hint, mixed: PosedPolytope, host: PosedPolytope) -> bool
     body, pose = mixed
     if body.vertices is None:
         point, error = hint.point, np.zeros(body.dimension)
-        return _is_inside(mixed, point, error) and _is_inside(host, point, error)
+        return _is_inside(mixed, point, error) and _is_inside(body_b, point, error)
     weights = np.array(list(hint.weights_p.values()))
     if not len(weights) or not weights.sum() > 0:
         return False
@@ -39,7 +39,7 @@ def proves_shared(hint: Hint, mixed: PosedPolytope, host: PosedPolytope) -> bool
     vertices = body.vertices[list(hint.weights_p)]
     point = pose.of(vertices).T @ weights / weights.sum()
     error = (2 * (body.dimension + len(weights)) + 16) * UNIT * pose.of_rounding(body.reach) + UNDERFLOW
-    return _is_inside(host, np.asarray(point), error)
+    return _is_inside(body_b, np.asarray(point), error)
 
 
 def _is_inside(posed: PosedPolytope, point: Floats, error: Floats) -> bool:
@@ -49,21 +49,21 @@ def _is_inside(posed: PosedPolytope, point: Floats, error: Floats) -> bool:
     return proves_inside(body.normals, body.offsets, pose, point, error)
 
 
-def proves_apart(hint: Hint, mixed: PosedPolytope, host: PosedPolytope) -> bool:
+def proves_apart(hint: Hint, mixed: PosedPolytope, body_b: PosedPolytope) -> bool:
     """Whether the hint's halfspaces, summed with its multipliers, certainly hold no vertex of the first body.
 
     Args:
         hint: With multipliers of at least 0.
         mixed: The first body, given by vertices.
-        host: The second body, given by halfspaces.
+        body_b: The second body, given by halfspaces.
 
     Returns:
         True if it is proved.
     """
     body, pose = mixed
-    other, other_pose = host
+    other, other_pose = body_b
     if body.vertices is None:
-        return _multipliers_prove_apart(hint, mixed, host)
+        return _multipliers_prove_apart(hint, mixed, body_b)
     assert other.normals is not None, "the second body is given by halfspaces"
     assert other.offsets is not None, "halfspaces have offsets"
     chosen, weights = list(hint.weights_r), np.array(list(hint.weights_r.values()))
@@ -72,7 +72,7 @@ def proves_apart(hint: Hint, mixed: PosedPolytope, host: PosedPolytope) -> bool:
     normal_error = rounding * (weights @ np.abs(other.normals[chosen]))
     bound = float(weights @ other.offsets[chosen])
     bound_error = rounding * float(weights @ np.abs(other.offsets[chosen]))
-    points, error = _in_host_frame(body.vertices, body.reach, pose, other_pose)
+    points, error = _in_b_frame(body.vertices, body.reach, pose, other_pose)
     if not np.isfinite(error).all():
         return False
     size = np.abs(points).max(axis=0)
@@ -111,10 +111,10 @@ def _summed(body: Polytope, multipliers: dict[int, float]) -> tuple[Floats, floa
     return weights @ body.normals[chosen], float(weights @ body.offsets[chosen]), error
 
 
-def _in_host_frame(vertices: Floats, reach: Floats, pose: Affine, host: Affine) -> tuple[Floats, float]:
+def _in_b_frame(vertices: Floats, reach: Floats, pose: Affine, body_b: Affine) -> tuple[Floats, float]:
     """All vertices in the other body's frame, and how far any coordinate can be from the exact one."""
     d = len(reach)
     posed, size = pose.of(vertices), pose.of_rounding(reach)
     error = np.zeros(d) if pose.is_identity else (2 * d + 10) * UNIT * size + UNDERFLOW
-    inverse, bound = inverse_of(host, size + error + np.abs(host.shift), error)
-    return posed if host.is_identity else (posed - host.shift) @ inverse.T, bound
+    inverse, bound = inverse_of(body_b, size + error + np.abs(body_b.shift), error)
+    return posed if body_b.is_identity else (posed - body_b.shift) @ inverse.T, bound

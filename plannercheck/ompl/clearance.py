@@ -47,7 +47,7 @@ class MaxMinClearance(base.OptimizationObjective):  # type: ignore[misc]  # OMPL
             return base.Cost(-float(self._checker.clearances(self._space.curve_states(first, second, t)).min()))
         ends = (np.array(self._space.read(state)) for state in (first, second))
         starts, ends_too = (self._checker.robot.check_configurations(q[None]) for q in ends)
-        ends_too = self._checker.motion_sampler.short_way(starts, ends_too)
+        ends_too = self._checker.motion_sampler.shorter_turn(starts, ends_too)
         part = t[:, None]
         return base.Cost(-float(self._checker.clearances((1 - part) * starts + part * ends_too).min()))
 

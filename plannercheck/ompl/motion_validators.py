@@ -50,7 +50,7 @@ class _CountingValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's 
             assert validator is not None  # OMPL calls it
             return validator._judged(s1, s2)
 
-        self.__dict__["checkMotion"] = core.kept_failures(judged, space.numbers.failure)
+        self.__dict__["checkMotion"] = core.remembered_failures(judged, space.numbers.failure)
 
     def _is_free(self, s1: Any, s2: Any) -> bool:
         raise NotImplementedError
@@ -156,7 +156,7 @@ class ProvedPoses(_CountingValidator):
         if not self._are_free(*others):
             return False, 0.0, starts[0]
         certifier, sampler = self._checker.certifier_of("slerp"), self._checker.motion_sampler
-        for k, (q0, q1) in enumerate(zip(starts, sampler.short_way(starts, ends), strict=True)):
+        for k, (q0, q1) in enumerate(zip(starts, sampler.shorter_turn(starts, ends), strict=True)):
             result = certifier.motion_result(q0, q1, self._tolerance, given=ends[k])
             if not result.free:
                 last = certifier.states(q0, q1, np.array([result.free_until]))[0]
@@ -176,7 +176,7 @@ class ProvedPlanarMotions(_CountingValidator):
     def _motion(self, s1: Any, s2: Any) -> tuple[Floats, Floats, Floats]:
         """Both ends, and the pieces of a curve between them."""
         q0, q1 = np.array(self._plane.read(s1)), np.array(self._plane.read(s2))
-        curves, end = self._plane.curves, self._sampler.short_way(q0, q1)
+        curves, end = self._plane.curves, self._sampler.shorter_turn(q0, q1)
         if curves is None:
             return q0, end, STRAIGHT
         end[2] = q1[2]  # the very double: rounding may choose between two curves of equal length
@@ -231,7 +231,7 @@ class SampledMotions(_CountingValidator):
     def _ends(self, s1: Any, s2: Any) -> tuple[Floats, Floats]:
         """Both ends; angles of the second are on the short way from the first, as in OMPL's interpolation."""
         q0, q1 = np.array(self._space.read(s1)), np.array(self._space.read(s2))
-        return q0, self._sampler.short_way(q0, q1)
+        return q0, self._sampler.shorter_turn(q0, q1)
 
 
 def motion_validator(

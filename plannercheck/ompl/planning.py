@@ -37,7 +37,7 @@ from plannercheck.ompl.near_first import SAMPLINGS, Sampling
 from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
 from plannercheck.ompl.plans import Plan, joint_length
 from plannercheck.ompl.pose_space import PoseSpace
-from plannercheck.ompl.prepared_spaces import PreparedSpace, given_back, lent, space_information, space_of
+from plannercheck.ompl.prepared_spaces import PreparedSpace, borrowed_space, returned_space, space_information, space_of
 from plannercheck.ompl.searches import AUTO, Search, in_turns
 from plannercheck.ompl.searches import made_planner as made_planner
 from plannercheck.ompl.simple_setup import SimpleSetup
@@ -204,7 +204,7 @@ def plan(
     ends, used = (first, *goals.rows), list[PreparedSpace]()
 
     def search_by(name: str) -> Search:
-        prepared = lent(checker, name, resolution, curve, turning_radius, ends, bounds)
+        prepared = borrowed_space(checker, name, resolution, curve, turning_radius, ends, bounds)
         used.append(prepared)
         if len(used) == 1:
             seed_ompl(seed)
@@ -228,7 +228,7 @@ def plan(
         else:
             found = _unsolved(robot, planner, spent, why_not(planner, search.setup, status, spent))
         for prepared in used:
-            given_back(prepared)
+            returned_space(prepared)
         return found
 
 

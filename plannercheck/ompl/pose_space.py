@@ -208,7 +208,7 @@ class PoseSpace(NumberedSpace):
     def curve_steps(self, s1: Any, s2: Any, sampler: MotionSampler, resolution: float | None) -> int:
         """How many steps a motion needs: no point moves over `resolution` m in one."""
         q0, q1 = (np.array([self.read(state)]) for state in (s1, s2))
-        return int(sampler.steps(q0, sampler.short_way(q0, q1), resolution)[0])
+        return int(sampler.steps(q0, sampler.shorter_turn(q0, q1), resolution)[0])
 
     def curve_states(self, s1: Any, s2: Any, parameters: Floats) -> Floats:
         """The states (k, nq) of a motion at parameters (k,) in [0, 1], by OMPL's interpolation."""

@@ -1,10 +1,10 @@
-"""OMPL's spaces of a checker, set up once and lent to one plan after the other.
+"""OMPL's spaces of a checker, set up once and borrowed by one plan after the other.
 
-In: a checker, how its motions are judged, how its root moves. Out: `lent`, a `PreparedSpace`: an OMPL space, and a
-SpaceInformation with validators. `given_back` keeps it for the next plan.
+In: a checker, how its motions are judged, how its root moves. Out: `borrowed_space`, a `PreparedSpace`: an OMPL space,
+and a SpaceInformation with validators. `returned_space` keeps it for the next plan.
 
-While it is lent, a plan has it for itself, so that plans of several threads share nothing. All that a plan changes is
-made anew for each: the planner, the problem and its solution, the simplifier. What is kept refers to its checker
+While it is borrowed, a plan has it for itself, so that plans of several threads share nothing. All that a plan changes
+is made anew for each: the planner, the problem and its solution, the simplifier. What is kept refers to its checker
 weakly: validators are kept by C++, which Python's garbage collector does not see, so that a checker whose spaces are
 kept for it would never be freed.
 """
@@ -83,7 +83,7 @@ _KEPT: WeakKeyDictionary[AnyChecker, dict[_Key, list[PreparedSpace]]] = WeakKeyD
 atexit.register(_KEPT.clear)  # before nanobind looks for leaks
 
 
-def lent(
+def borrowed_space(
     checker: AnyChecker,
     planner: str,
     resolution: float | None,
@@ -114,7 +114,7 @@ def _taken(kept: list[PreparedSpace]) -> PreparedSpace:
     return prepared
 
 
-def given_back(prepared: PreparedSpace) -> None:
+def returned_space(prepared: PreparedSpace) -> None:
     """Keeps a space for the next plan of its kind, unless it was made for one plan only."""
     kept, prepared.kept = prepared.kept, None  # no circle, which would outlive the checker
     if kept is not None:
@@ -163,4 +163,4 @@ def _state_validity(information: Any, checker: AnyChecker, space: Space) -> Any:
     def is_valid(state: Any) -> bool:
         return checker.is_valid(np.array(space.read(state)))
 
-    return core.kept_failures(is_valid, space.numbers.failure)
+    return core.remembered_failures(is_valid, space.numbers.failure)

@@ -292,7 +292,7 @@ class Checker(ExplainingChecker):
         On curves the heading also stays as given.
         """
         starts, ends = checked_ends(self.robot, q0, q1)
-        near = self.motion_sampler.short_way(starts, ends)
+        near = self.motion_sampler.shorter_turn(starts, ends)
         if curve != "straight":
             near[:, 2] = ends[:, 2]  # the very double: rounding may choose between two curves of equal length
         return Motions(starts, near, ends)

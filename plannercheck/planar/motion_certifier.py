@@ -13,7 +13,14 @@ from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.core import core
-from plannercheck.motions.certifier_answers import FREE, MotionResult, check_tolerance, passage_of, proofs_of, verdicts
+from plannercheck.motions.certifier_answers import (
+    FREE,
+    MotionResult,
+    check_tolerance,
+    motion_result_of,
+    proofs_of,
+    verdicts,
+)
 
 # PlanarPiece in cpp/planar/motion_bounds_2d.hpp: parameters from and to, origin, way, heading, turn, arm, slip.
 PIECE_NUMBERS = 11
@@ -95,7 +102,7 @@ class MotionCertifier:
         check_tolerance(tolerance)
         asked = q0, q1, q1 if given is None else given, pieces, tolerance
         answer, until, near, pair = self._core.explain(*asked, False)[:4]
-        found = passage_of(answer, until, near, pair, tolerance)
+        found = motion_result_of(answer, until, near, pair, tolerance)
         if not proofs:
             return found
         answer, reached, _, _, *listed = self._core.explain(*asked, True)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.motions.motion_ends import short_way
+from plannercheck.motions.motion_ends import shorter_turn
 from plannercheck.motions.sampling import MOST_STEPS, checked_resolution
 from plannercheck.planar.robot import Robot
 
@@ -36,9 +36,9 @@ class MotionSampler:
         """How many steps each motion (n, nq) to (n, nq) needs: no point moves over `resolution` m in one."""
         return self.steps_of_way(self.way(q1 - q0), resolution)
 
-    def short_way(self, q0: Floats, q1: Floats) -> Floats:
+    def shorter_turn(self, q0: Floats, q1: Floats) -> Floats:
         """Ends (…, nq) with unlimited angles within half a turn of the starts'; the same array if they already are."""
-        return short_way(q0, q1, self._angles)
+        return shorter_turn(q0, q1, self._angles)
 
     def way(self, differences: Floats) -> Floats:
         """(n,) m: bounds on how far points travel on straight motions with these differences (n, nq)."""

@@ -57,7 +57,7 @@ def joint_motion(joint: Joint, start: Sequence[float], end: Sequence[float], pat
         value, rate = multiplier * arb(here[0]) + offset, multiplier * (arb(there[0]) - arb(here[0]))
         return (_turning if joint.kind == "turn" else _sliding)(placement, joint.axis, value, rate)
     if joint.kind == "circle":
-        angle, rate = arb.atan2(arb(here[1]), arb(here[0])), _way_round(here, there)
+        angle, rate = arb.atan2(arb(here[1]), arb(here[0])), _shorter_turn(here, there)
         return _turning(placement, joint.axis, angle, rate, joint.multipliers)
     before, after = _placed(joint.kind, here), _placed(joint.kind, there)
     if path == "slerp" and joint.kind in ("planar", "free"):
@@ -154,7 +154,7 @@ def _column(shift: Sequence[Any]) -> Any:
     return arb_mat(4, 4, [x for part in shift for x in (0, 0, 0, part)] + [0] * 4)
 
 
-def _way_round(a: Sequence[float], b: Sequence[float]) -> Any:
+def _shorter_turn(a: Sequence[float], b: Sequence[float]) -> Any:
     """The angle from one (cosine, sine) to another, the short way."""
     (c0, s0), (c1, s1) = ([arb(x) for x in pair[:2]] for pair in (a, b))
     cross, dot = c0 * s1 - s0 * c1, c0 * c1 + s0 * s1
@@ -196,7 +196,7 @@ def _placed(kind: str, q: Sequence[float]) -> Any:
 def _turn_vector(kind: str, a: Sequence[float], b: Sequence[float]) -> list[Any]:
     """The rotation vector from one end to the other, the short way, in the frame of the first."""
     if kind == "planar":
-        return [arb(0), arb(0), _way_round(a[2:], b[2:])]
+        return [arb(0), arb(0), _shorter_turn(a[2:], b[2:])]
     skipped = 3 if kind == "free" else 0
     (x0, y0, z0, w0), (x1, y1, z1, w1) = _unit(a[skipped:]), _unit(b[skipped:])
     w = w0 * w1 + x0 * x1 + y0 * y1 + z0 * z1

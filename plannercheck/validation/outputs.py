@@ -155,7 +155,7 @@ def _csv(path: Path, results: Results) -> None:
                 continue
             start = _line([results.files[arrays["file"][0]]])  # a chunk is of one file
             rows = arrays["row"].tolist()
-            verdicts = list(zip(_told_pairs(arrays).tolist(), _codes(arrays), strict=True))
+            verdicts = list(zip(_reported_pairs(arrays).tolist(), _codes(arrays), strict=True))
             for pair, code in set(verdicts) - set(tails):
                 tails[pair, code] = _line([*_flags(code, results), *_names(pair, results)])
             numbers = _certificate_texts(arrays)
@@ -167,7 +167,7 @@ def _csv(path: Path, results: Results) -> None:
             )
 
 
-def _told_pairs(arrays: Arrays) -> NDArray[Any]:
+def _reported_pairs(arrays: Arrays) -> NDArray[Any]:
     """(n,) the pair whose names a row gets."""
     return arrays.get("explained_pair", arrays["first_pair"])
 
@@ -231,7 +231,7 @@ def _parquet(path: Path, results: Results) -> None:
 
 
 def _table(arrow: Any, results: Results, arrays: Arrays) -> Any:
-    pairs = _told_pairs(arrays)
+    pairs = _reported_pairs(arrays)
     columns = {
         "file": _texts(arrow, arrays["file"], results.files),
         "row": arrow.array(arrays["row"]),

@@ -75,6 +75,6 @@ def resampled(checker: Checker, path: Floats, resolution: float, denser: int = 1
     """
     sampler = checker.motion_sampler
     for q0, q1 in pairwise(path):
-        end = sampler.short_way(q0, q1)
+        end = sampler.shorter_turn(q0, q1)
         steps = int(sampler.steps(q0[None], end[None], resolution)[0]) * denser
         yield sampler.states(q0, end, np.arange(steps + 1) / steps, "slerp")

@@ -29,7 +29,7 @@ class Progress:
         """
         self._stream = sys.stderr if stream is None else stream
         self._style = ("bar" if self._stream.isatty() else "lines") if style == "auto" else style
-        self._began = self._told = time.monotonic()
+        self._began = self._reported = time.monotonic()
         self._rows = self._skipped = 0
         self._first_part: float | None = None
         self._width = 0
@@ -44,9 +44,9 @@ class Progress:
         """Rows that have been judged, and what part of all that is."""
         self._rows += rows
         now = time.monotonic()
-        if self._style == "none" or now - self._told < (_BAR_PERIOD if self._style == "bar" else _LINE_PERIOD):
+        if self._style == "none" or now - self._reported < (_BAR_PERIOD if self._style == "bar" else _LINE_PERIOD):
             return
-        self._told = now
+        self._reported = now
         text = self.text(now - self._began, part)
         if self._style == "lines":
             print(f"plannercheck: {text}", file=self._stream, flush=True)

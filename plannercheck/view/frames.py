@@ -60,7 +60,7 @@ def _steps(checker: AnyChecker, rows: Floats, frames: int) -> NDArray[np.int64]:
     """(motions,) at least one each, else by the part of the way that it takes."""
     ends = rows[1:]
     if isinstance(checker, Checker):
-        ends = checker.motion_sampler.short_way(rows[:-1], ends)
+        ends = checker.motion_sampler.shorter_turn(rows[:-1], ends)
     lengths = np.linalg.norm(ends - rows[:-1], axis=1)
     whole = float(lengths.sum())
     return np.maximum(1, np.round(frames * lengths / whole)).astype(np.int64) if whole else np.ones(len(ends), np.int64)
@@ -69,5 +69,5 @@ def _steps(checker: AnyChecker, rows: Floats, frames: int) -> NDArray[np.int64]:
 def _states(checker: AnyChecker, q0: Floats, q1: Floats, parameters: Floats, motion_path: MotionPath) -> Floats:
     if isinstance(checker, Checker):
         sampler = checker.motion_sampler
-        return sampler.states(q0, sampler.short_way(q0, q1), parameters, motion_path)
+        return sampler.states(q0, sampler.shorter_turn(q0, q1), parameters, motion_path)
     return q0 + parameters[:, None] * (q1 - q0)

@@ -73,7 +73,7 @@ def followed(checker: pc.planar.Checker, states: list[Any], space: PlanarSpace) 
             rows.append(sampled_curve(space, a, b, sampler, FINE))
             continue
         q0, q1 = np.array(space.read(a)), np.array(space.read(b))
-        end = sampler.short_way(q0, q1)
+        end = sampler.shorter_turn(q0, q1)
         steps = int(sampler.steps(q0[None], end[None], FINE)[0])
         rows.append(sampler.states(q0, end, np.arange(steps + 1) / steps))
     return np.concatenate(rows)

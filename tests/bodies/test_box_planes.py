@@ -134,7 +134,7 @@ def test_edges_of_boxes_leave_what_they_cross(seed):
             np.testing.assert_array_equal(found >= 0, expected)
 
 
-# The body whose polar is better conditioned hosts: the box before an octahedron one of whose corners is far away, or
+# The body whose polar is better conditioned B: the box before an octahedron one of whose corners is far away, or
 # else the octahedron.
 SPIKED = np.where(OCTAHEDRON == -1, (-3.0, -1.0, -1.0), OCTAHEDRON)
 FACES = [(SPIKED, CUBE), (OCTAHEDRON, CUBE * (1.0, 1.0, 0.1))]
@@ -174,7 +174,7 @@ def test_the_plane_of_a_face_is_kept():
 
 
 def test_faces_against_stretched_hulls():
-    """A guest's box stretched along the normal of its face: the plane has room for how far it is off rigid."""
+    """A body_a's box stretched along the normal of its face: the plane has room for how far it is off rigid."""
     box = CUBE * (1.0, 1.0, 0.1)
     body, obstacle = pc.Polytope(OCTAHEDRON), pc.Polytope(box)
     for sign in (-1, 1):

@@ -241,7 +241,7 @@ def test_planes_are_kept_only_as_long_as_they_separate():
 
 @pytest.mark.parametrize("method", ["oracle", "walk"])
 def test_contacts_on_the_last_double_of_what_stands_at_the_origin(method):
-    """The host's pose is the identity, so that all that the game's bound covers is rounding."""
+    """The body_b's pose is the identity, so that all that the game's bound covers is rounding."""
     rng = np.random.default_rng(14)
     sharing = []
     for names in itertools.product(("round", "cone", "box"), repeat=2):

@@ -100,7 +100,7 @@ def test_verdicts_are_the_oracles_whatever_is_switched(seed):
 @pytest.mark.parametrize("depth", [1e-9, 1e-4, 0.02, 0.05])
 @pytest.mark.parametrize("radius", [0.0, 0.3])
 def test_a_probe_in_a_dent_is_free(depth, radius):
-    """An octahedron over the middle of the dimple, from the depth of the dent up; the rounder body is the host."""
+    """An octahedron over the middle of the dimple, from the depth of the dent up; the rounder body is the body_b."""
     tip = np.vstack([np.eye(3), -np.eye(3)])
     rng = np.random.default_rng(5)
     dish, shape = prepared(dimpled(depth)), inflated(dimpled(depth), radius)

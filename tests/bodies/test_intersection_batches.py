@@ -134,9 +134,9 @@ def test_planes_that_poses_nearby_have_left_separate(first, second, step):
             assert separation(direction_of(pair["normal"]), bodies) is not None
 
 
-def test_the_better_conditioned_body_hosts():
+def test_the_better_conditioned_body_bs():
     """Planes are kept in its frame, so that the first one separates the other body at all of its turns."""
-    P, R = BODIES["round"], BODIES["ellipsoid"]  # the first one hosts
+    P, R = BODIES["round"], BODIES["ellipsoid"]  # the first one B
     poses = np.repeat(np.eye(4)[None], 40, axis=0)
     poses[:, :3, :3] = Rotation.random(40, random_state=3).as_matrix()
     poses[:, 0, 3] = 10

@@ -69,7 +69,7 @@ def test_the_point_of_two_inflated_bodies_is_in_both(options, stage, scale):
                 assert beyond <= 1e-13 * scale
 
 
-def test_a_plane_found_by_balls_is_no_wider_than_the_host():
+def test_a_plane_found_by_balls_is_no_wider_than_the_b():
     """Kept for the next pose, it must not separate bodies that overlap on the same side."""
     (_, P), (_, R) = solid_of("round", 80, 33), solid_of("box", 8, 34)
     directions = contacts.unit(np.random.default_rng(35).normal(size=(60, 3)))

@@ -8,7 +8,7 @@ import plannercheck as pc
 
 @pytest.mark.filterwarnings("ignore:.*touches obstacle:RuntimeWarning")
 @pytest.mark.parametrize("robot", ["panda", "baxter"])
-def test_companies_change_nothing_but_time(robot, monkeypatch):
+def test_mover_groups_change_nothing_but_time(robot, monkeypatch):
     """The states that they are chosen by: none, the usual ones, all links in one place, all far apart."""
     q = pc.Robot.load(robot).random_configurations(300, 5)
     links = len(pc.Robot.load(robot).link_names)

@@ -117,14 +117,14 @@ def test_fidelity_is_reported() -> None:
 
 
 @pytest.fixture
-def heeds_interrupts():
+def sees_interrupts():
     """A shell's background job ignores SIGINT, and so would the tests in it."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
 
 
-@pytest.mark.usefixtures("heeds_interrupts")
+@pytest.mark.usefixtures("sees_interrupts")
 @pytest.mark.parametrize("planner", ["auto", "RRTConnect", "LBKPIECE1"])
 def test_a_search_shows_its_seconds_and_is_interrupted(tmp_path, planner) -> None:
     """As Ctrl-C comes: a block before a wall has no way, so the search would take all of its 60 s."""

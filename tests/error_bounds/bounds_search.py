@@ -58,7 +58,7 @@ def determinant(n: Numbers) -> F:
 
 
 def side(n: Numbers) -> F:
-    """kSideBound: a guest's vertex and a host's line, with both poses."""
+    """kSideBound: a body_a's vertex and a body_b's line, with both poses."""
     (m0, m1, tx, m3, m4, ty), (h0, h1, sx, h3, h4, sy), (x, y, fx, fy, gx, gy) = n[:6], n[6:12], n[12:18]
     vx, vy = gx - fx, gy - fy
     dx, dy = h0 * vx + h1 * vy, h3 * vx + h4 * vy
@@ -177,7 +177,7 @@ def float_tie(n: Numbers) -> F:
 
 
 def posed(n: Numbers) -> F:
-    """kPairError: of a guest's vertex in the host's frame, which is part (a) of it."""
+    """kPairError: of a body_a's vertex in the body_b's frame, which is part (a) of it."""
     m, r = rotation(n[:4]), rotation(n[4:8])
     p, t, s, c = n[8:11], n[11:14], n[14:17], n[17:20]
     relative = [[dot3([r[k][i] for k in range(3)], [m[k][j] for k in range(3)]) for j in range(3)] for i in range(3)]

@@ -147,7 +147,7 @@ def test_the_switch_does_something():
         )
         assert not checker.check_states(states(300, 6)).all()
         queries = checker.statistics()["queries"]
-        counts.append(queries["guest_queries"] + queries["host_queries"])
+        counts.append(queries["queries_a"] + queries["queries_b"])
     assert counts[1] > 2 * counts[0]
 
 

@@ -123,7 +123,7 @@ def test_a_point_is_proved_inside_only_where_rounding_leaves_it(dimension):
 def test_a_mixture_is_proved_inside_only_where_posing_it_leaves_it(dimension):
     """An edge 1e6 from its own origin, which its pose brings near to a box: its middle, about on one of its faces."""
     rng = np.random.default_rng(dimension)
-    host = ndim.Polytope.from_halfspaces(*box_halfspaces(-np.ones(dimension), np.ones(dimension)))
+    body_b = ndim.Polytope.from_halfspaces(*box_halfspaces(-np.ones(dimension), np.ones(dimension)))
     proofs = []
     for number in range(300):
         ends = 1e6 * rng.normal(size=dimension) + rng.normal(size=(2, dimension))
@@ -132,7 +132,7 @@ def test_a_mixture_is_proved_inside_only_where_posing_it_leaves_it(dimension):
         middle[0] = 1 - (1e-6 if number % 10 == 0 else rng.uniform(-1e-10, 1e-10))
         pose = Affine(turn, middle - turn @ ends.mean(axis=0), False)
         hint = Hint(True, (0, 1), (), middle, {0: 0.5, 1: 0.5}, {}, {}, 1, 1, "oracle")
-        proofs.append(proves_shared(hint, (ndim.Polytope(ends), pose), (host, identity(dimension))))
+        proofs.append(proves_shared(hint, (ndim.Polytope(ends), pose), (body_b, identity(dimension))))
         mixed = [sum(map(Fraction, column)) / 2 for column in ends.T.tolist()]
         rows = [[Fraction(x) for x in (*row, s)] for row, s in zip(turn.tolist(), pose.shift.tolist(), strict=True)]
         place = [sum(m * x for m, x in zip(row[:-1], mixed, strict=True)) + row[-1] for row in rows]

@@ -100,7 +100,7 @@ def test_a_space_is_lent_to_one_plan_at_a_time_and_used_again():
     lent = [prepared_spaces.lent(checker, "RRTConnect", None, "straight", None, ()) for _ in range(3)]
     assert len({id(each.information.getStateSpace()) for each in lent}) == 3
     for each in lent:
-        prepared_spaces.given_back(each)
+        prepared_spaces.returned_space(each)
     assert prepared_spaces.lent(checker, "RRT", None, "straight", None, ()) in lent
     assert len(kept_of(checker)) == 2
 
@@ -247,7 +247,7 @@ def test_of_two_exceptions_the_first_one_is_kept():
     def fail(state):
         raise ZeroDivisionError(state)
 
-    judge = core.kept_failures(fail, failure)
+    judge = core.remembered_failures(fail, failure)
     failure.arm(lambda: stopped.append(None))
     assert not judge("first")
     assert not judge("second")

@@ -18,7 +18,7 @@ _ASKED = {
     "plannercheck/cpp": re.compile(
         r"\bis_of_(?:parts|half_space|solids)\(|\bkind_of\(|\bsets_of\(|\bkernel_of\("
         r"|\bkind(?:\(\))? [=!]= Kind::|\b(?:body|b)(?:\.|->)kind\(\)"
-        r"|\b(?:body|under|over|guest|host|a|b|set)(?:\([^()]*\))?(?:\.|->)(?:solid|parts|half_space)\b(?!->| =)"
+        r"|\b(?:body|under|over|body_a|body_b|a|b|set)(?:\([^()]*\))?(?:\.|->)(?:solid|parts|half_space)\b(?!->| =)"
     ),
     "plannercheck": re.compile(
         rf"isinstance\([^()]*(?:\([^()]*\))?[^()]*\b(?:{_SHAPES}|{_POSED})\b"

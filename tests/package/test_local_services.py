@@ -140,7 +140,7 @@ def test_only_the_servers_own_page_may_connect():
             with pytest.raises(InvalidStatus) as refused, connect(f"ws://{here}", origin=origin, **options):
                 pass
             assert refused.value.response.status_code == 403
-        rebound = {"additional_headers": {"Host": f"evil.example:{port}"}, **options}
+        rebound = {"additional_headers": {"B": f"evil.example:{port}"}, **options}
         with pytest.raises(InvalidStatus), connect(f"ws://{here}", origin=f"http://evil.example:{port}", **rebound):
             pass
         with pytest.raises(InvalidStatus), connect(f"ws://{here}", origin=None, **options):
@@ -154,7 +154,7 @@ def test_only_the_servers_own_page_may_connect():
 
 
 @pytest.mark.parametrize(
-    ("origin", "host", "served", "own"),
+    ("origin", "body_b", "served", "own"),
     [
         (None, "localhost:8080", "localhost", True),
         ("http://localhost:8080", "localhost:8080", "localhost", True),
@@ -174,7 +174,7 @@ def test_only_the_servers_own_page_may_connect():
         ("http://localhost:8080", None, "localhost", False),
     ],
 )
-def test_pages_are_told_apart_by_where_they_came_from(origin, host, served, own):
+def test_pages_are_told_apart_by_where_they_came_from(origin, body_b, served, own):
     from plannercheck.view.origins import is_own_page
 
-    assert is_own_page(origin, host, served) is own
+    assert is_own_page(origin, body_b, served) is own

@@ -55,7 +55,7 @@ def test_the_faults_that_the_stress_has_to_find_are_mutants():
 
 def test_the_tests_of_a_source_are_those_that_kill_its_mutants():
     (tests,) = killing_tests("cpp/motions/motion_bounds.cpp").values()
-    assert tests["tests/motions/test_motion_contacts.py::test_extents_hold_all_the_way"] > 0
+    assert tests["tests/motions/test_motion_contacts.py::test_curvature_is_no_less_than_what_it_is"] > 0
     assert killing_tests("no such source") == {}
 
 

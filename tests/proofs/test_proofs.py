@@ -140,7 +140,7 @@ def test_an_asked_end_many_turns_away_does_not_count_among_what_is_interpolated(
     (q0,), (q1,) = free_motions(checker, 1, 3)
     q1 = q0.copy()
     q1[int(checker.motion_sampler.whole_turns[0])] = asked
-    near = checker.motion_sampler.short_way(q0[None], q1[None])
+    near = checker.motion_sampler.shorter_turn(q0[None], q1[None])
     (proof,) = checker.certify_motions(q0[None], q1[None])
     (plain,) = checker.certify_motions(q0[None], near)
     assert (proof is None) == (plain is None)

@@ -168,7 +168,7 @@ nb::object state_validity(nb::object checker, nb::object kinematics, nb::object 
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
   const auto answer = [checker, kinematics, elsewhere, judge, kernel,
                        states = of_width(at(kernel->width()), std::move(states))](nb::handle s) {
-    heed_signals();
+    end_on_signals();
     StateNumbers q(states->width());
     states->read(s, q);
     for (const double value : q) {

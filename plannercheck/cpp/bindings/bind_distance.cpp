@@ -36,7 +36,7 @@ nb::tuple distance_batch(const Polytope& a, PoseRows poses_a, const Polytope& b,
       const PairDistance found =
           pair_distance({&a, pose_at(poses_a, i)}, {&b, pose_at(poses_b, i)}, kNoLimit, counters);
       overlap[i] = found.overlap, distance[i] = found.upper, lower[i] = found.lower;
-      put_row(on_a, i, found.on_guest), put_row(on_b, i, found.on_host), put_row(directions, i, found.direction);
+      put_row(on_a, i, found.on_body_a), put_row(on_b, i, found.on_body_b), put_row(directions, i, found.direction);
     }
   });
   return nb::make_tuple(output_array(overlap, {n}), output_array(distance, {n}), output_array(lower, {n}),
@@ -59,15 +59,15 @@ class ClearanceSearch {
   // `rounds`: 0 for distances, else the descent's steps for a bound. `poses`: row-major 4x4, one for each body.
   Clearance run(const double* poses, int rounds) {
     for (std::size_t k = 0; k < bounds_.size(); ++k)
-      bounds_[k] = ball_gap(guest(k, poses), host(k, poses)) + padding(k);
+      bounds_[k] = ball_gap(body_a(k, poses), body_b(k, poses)) + padding(k);
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) { return bounds_[a] < bounds_[b]; });
     Clearance least;
     for (const std::size_t k : order_) {
       if (bounds_[k] >= least.distance) break;
       const double limit = least.distance - padding(k);
-      const double found = rounds > 0 ? distance_bound(guest(k, poses), host(k, poses), rounds, counters_)
-                                      : distance_below(guest(k, poses), host(k, poses), limit);
+      const double found = rounds > 0 ? distance_bound(body_a(k, poses), body_b(k, poses), rounds, counters_)
+                                      : distance_below(body_a(k, poses), body_b(k, poses), limit);
       if (found < limit) least = {found + padding(k), static_cast<std::int32_t>(k)};
     }
     return least;
@@ -84,8 +84,8 @@ class ClearanceSearch {
   PosedPolytope posed(std::int32_t body, const double* poses) const {
     return {bodies_[at(body)].get(), pose_from(poses + 16 * at(body))};
   }
-  PosedPolytope guest(std::size_t k, const double* poses) const { return posed(pairs_(k, 0), poses); }
-  PosedPolytope host(std::size_t k, const double* poses) const { return posed(pairs_(k, 1), poses); }
+  PosedPolytope body_a(std::size_t k, const double* poses) const { return posed(pairs_(k, 0), poses); }
+  PosedPolytope body_b(std::size_t k, const double* poses) const { return posed(pairs_(k, 1), poses); }
   double padding(std::size_t k) const { return paddings_(at(pairs_(k, 0))) + paddings_(at(pairs_(k, 1))); }
 
   // The distance if it is below the limit, else some number that is at least the limit.

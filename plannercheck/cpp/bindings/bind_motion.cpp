@@ -133,7 +133,7 @@ nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArr
   };
   const auto counted = [certifier, kinematics, answer, counts, states = of_width(low.shape(0), std::move(states)),
                         memo = std::make_shared<MotionMemo>(low.shape(0)), failure](nb::handle s0, nb::handle s1) {
-    heed_signals();
+    end_on_signals();
     StateNumbers q0(states->width()), q1(states->width());
     states->read(s0, q0);
     states->read(s1, q1);

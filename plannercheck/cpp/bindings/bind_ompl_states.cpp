@@ -36,7 +36,7 @@ auto rows_of(const PlannerStates& states, nb::list all) {
 
 // A judge in Python as a planner may call it: its exceptions are kept (PlannerFailure). A `try` in Python would not do,
 // since Python raises what signals bring also where a function begins, before its first line.
-nb::object kept_failures(nb::object judge, std::shared_ptr<PlannerFailure> failure) {
+nb::object remembered_failures(nb::object judge, std::shared_ptr<PlannerFailure> failure) {
   const auto judged = [judge, failure](nb::args states) {
     return judged_or_failed(failure, [&] { return nb::cast<bool>(judge(*states)); });
   };
@@ -63,7 +63,7 @@ void bind_ompl_states(nb::module_& m) {
       .def(
           "remember", [](PlannerFailure& self) { self.remembering.begin(); }, plain_floats)
       .def("forget", [](PlannerFailure& self) { self.remembering.end(); }, plain_floats);
-  m.def("kept_failures", &kept_failures, plain_floats);
+  m.def("remembered_failures", &remembered_failures, plain_floats);
   m.def("call_limit", &call_limit, plain_floats);
   nb::class_<MotionCounts>(m, "MotionCounts")
       .def(nb::init<>(), plain_floats)

@@ -51,8 +51,8 @@ class PairQueries {
     if (first.poses.are_many() || second.poses.are_many()) return intersect_many(first, second, threads);
     const PosedPolytope a = first.posed(), b = second.posed();
     PairCounters counters;
-    const bool a_hosts = choose_host(*a.body, *b.body) == 0;
-    return nb::bool_(kernel_of(a, b).share(a_hosts ? b : a, a_hosts ? a : b, options_, counters));
+    const bool first_is_b = choose_b(*a.body, *b.body) == 0;
+    return nb::bool_(kernel_of(a, b).share(first_is_b ? b : a, first_is_b ? a : b, options_, counters));
   }
 
   // (distance, lower bound, points on p and r and the direction from r to p as rows).
@@ -63,7 +63,7 @@ class PairQueries {
     PairCounters counters;
     const PairDistance found = pair_distance(first.posed(), second.posed(), kNoLimit, counters);
     std::vector<double> rows;
-    for (const Vec3& v : {found.on_guest, found.on_host, found.direction}) rows.insert(rows.end(), {v.x, v.y, v.z});
+    for (const Vec3& v : {found.on_body_a, found.on_body_b, found.direction}) rows.insert(rows.end(), {v.x, v.y, v.z});
     return nb::make_tuple(found.overlap ? 0.0 : found.upper, found.lower,
                           output_array(rows, {std::size_t{3}, std::size_t{3}}));
   }

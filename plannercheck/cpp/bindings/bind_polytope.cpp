@@ -190,17 +190,17 @@ class PosedRows : public PairBatch {
  public:
   PosedRows(const Polytope& a, PoseRows poses_a, const Polytope& b, PoseRows poses_b)
       : size_(std::max(poses_a.shape(0), poses_b.shape(0))),
-        a_hosts_(choose_host(a, b) == 0),
-        guest_(a_hosts_ ? Side{&b, poses_b} : Side{&a, poses_a}),
-        host_(a_hosts_ ? Side{&a, poses_a} : Side{&b, poses_b}) {}
+        first_is_b_(choose_b(a, b) == 0),
+        body_a_(first_is_b_ ? Side{&b, poses_b} : Side{&a, poses_a}),
+        body_b_(first_is_b_ ? Side{&a, poses_a} : Side{&b, poses_b}) {}
 
   std::size_t size() const { return size_; }
-  bool guest_is_a() const { return !a_hosts_; }
-  PosedPolytope guest(std::size_t i) const final { return {guest_.body, pose_at(guest_.poses, i)}; }
-  PosedPolytope host(std::size_t i) const final { return {host_.body, pose_at(host_.poses, i)}; }
+  bool first_is_a() const { return !first_is_b_; }
+  PosedPolytope body_a(std::size_t i) const final { return {body_a_.body, pose_at(body_a_.poses, i)}; }
+  PosedPolytope body_b(std::size_t i) const final { return {body_b_.body, pose_at(body_b_.poses, i)}; }
 
   void test(const PairOptions& options, PairCounters& counters) {
-    test_pairs(*guest_.body, *host_.body, size_, options, *this, counters);
+    test_pairs(*body_a_.body, *body_b_.body, size_, options, *this, counters);
   }
 
  private:
@@ -210,8 +210,8 @@ class PosedRows : public PairBatch {
   };
 
   std::size_t size_;
-  bool a_hosts_;
-  Side guest_, host_;
+  bool first_is_b_;
+  Side body_a_, body_b_;
 };
 
 class VerdictRows final : public PosedRows {
@@ -252,7 +252,7 @@ nb::list certify_batch(const Polytope& a, PoseRows poses_a, const Polytope& b, P
   without_gil([&] { rows.test(options, counters); });
   nb::list out;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    out.append(verdict_dict(rows.verdicts[i], rows.guest(i), rows.host(i), rows.guest_is_a()));
+    out.append(verdict_dict(rows.verdicts[i], rows.body_a(i), rows.body_b(i), rows.first_is_a()));
   }
   return out;
 }
@@ -260,18 +260,18 @@ nb::list certify_batch(const Polytope& a, PoseRows poses_a, const Polytope& b, P
 nb::dict certify_pair(const Polytope& a, InputArray<double, 4, 4> pose_a, const Polytope& b,
                       InputArray<double, 4, 4> pose_b, const PairOptions& options, bool explain) {
   const PosedPolytope pa{&a, pose_from(pose_a.data())}, pb{&b, pose_from(pose_b.data())};
-  const bool a_hosts = choose_host(a, b) == 0;
+  const bool first_is_b = choose_b(a, b) == 0;
   PairCounters counters;
-  const PosedPolytope &guest = a_hosts ? pb : pa, &host = a_hosts ? pa : pb;
+  const PosedPolytope &body_a = first_is_b ? pb : pa, &body_b = first_is_b ? pa : pb;
   if (kind_of(a, b) == Kind::kHalfSpace) throw nb::value_error("a half-space has certificates of its own");
-  PairVerdict verdict = test_pair(guest, host, options, nullptr, counters);
-  verdict.shared = bodies_share(verdict, guest, host, counters);
+  PairVerdict verdict = test_pair(body_a, body_b, options, nullptr, counters);
+  verdict.shared = bodies_share(verdict, body_a, body_b, counters);
   if (explain && verdict.shared && !verdict.exact) {
     // The vertices and weights behind a shared point come from the exact stage.
-    const Vec3 apart = guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre);
-    verdict.exact = decide_exactly(guest, host, nearest_points(guest, host, apart, counters));
+    const Vec3 apart = body_a.pose.apply(body_a.body->centre) - body_b.pose.apply(body_b.body->centre);
+    verdict.exact = decide_exactly(body_a, body_b, nearest_points(body_a, body_b, apart, counters));
   }
-  return verdict_dict(verdict, guest, host, !a_hosts);
+  return verdict_dict(verdict, body_a, body_b, !first_is_b);
 }
 
 constexpr KindTable<const char*> kKindNames{"hull", "solid", "part_set", "half_space"};

@@ -210,7 +210,7 @@ bool judged_or_failed(const std::shared_ptr<PlannerFailure>& failure, Judge judg
 }
 
 // Ctrl-C while a planner runs: it calls compiled functions only, so no line of Python would ever look for signals.
-inline void heed_signals() {
+inline void end_on_signals() {
   if (PyErr_CheckSignals() != 0) throw nanobind::python_error();
 }
 

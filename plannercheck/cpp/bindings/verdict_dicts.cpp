@@ -39,32 +39,32 @@ Vec3 vertex_in_world(const PosedPolytope& posed, std::int32_t v) {
   return posed.pose.apply(posed.body->inner.points[static_cast<std::size_t>(v)]);
 }
 
-void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedPolytope& guest, const PosedPolytope& host,
-               bool guest_is_a) {
+void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedPolytope& body_a, const PosedPolytope& body_b,
+               bool first_is_a) {
   if (!answer.shared) {
-    const DyadicVec3 d = Dyadic(guest_is_a ? 1.0 : -1.0) * answer.direction;
+    const DyadicVec3 d = Dyadic(first_is_a ? 1.0 : -1.0) * answer.direction;
     const DoubleDoubleVec3 near = direction_of(d);
     out["normal"] = row_of({near.x.high, near.y.high, near.z.high});
     out["exact_normal"] = exact_vector(d);
     return;
   }
   const std::vector<double> weights = weights_of(answer);
-  std::vector<std::int32_t> guests, hosts;
+  std::vector<std::int32_t> indices_a, indices_b;
   nb::list exact_weights;
-  Vec3 on_guest, on_host;
+  Vec3 on_body_a, on_body_b;
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    guests.push_back(answer.guest[i]);
-    hosts.push_back(answer.host[i]);
+    indices_a.push_back(answer.body_a[i]);
+    indices_b.push_back(answer.body_b[i]);
     exact_weights.append(exact_number(answer.weight[i]));
-    on_guest = on_guest + weights[i] * vertex_in_world(guest, answer.guest[i]);
-    on_host = on_host + weights[i] * vertex_in_world(host, answer.host[i]);
+    on_body_a = on_body_a + weights[i] * vertex_in_world(body_a, answer.body_a[i]);
+    on_body_b = on_body_b + weights[i] * vertex_in_world(body_b, answer.body_b[i]);
   }
-  const double inflation_radius = guest.body->inflation_radius + host.body->inflation_radius;
-  out["point"] = row_of(on_guest + (inflation_radius > 0 ? guest.body->inflation_radius / inflation_radius : 0) *
-                                       (on_host - on_guest));
+  const double inflation_radius = body_a.body->inflation_radius + body_b.body->inflation_radius;
+  out["point"] = row_of(on_body_a + (inflation_radius > 0 ? body_a.body->inflation_radius / inflation_radius : 0) *
+                                        (on_body_b - on_body_a));
   out["exact_weights"] = exact_weights;
-  out["vertices_a"] = output_array(guest_is_a ? guests : hosts, {weights.size()});
-  out["vertices_b"] = output_array(guest_is_a ? hosts : guests, {weights.size()});
+  out["vertices_a"] = output_array(first_is_a ? indices_a : indices_b, {weights.size()});
+  out["vertices_b"] = output_array(first_is_a ? indices_b : indices_a, {weights.size()});
 }
 
 constexpr std::array<const char*, kStages> kStageNames{"cached plane",   "box face",      "centre axis", "solver",
@@ -76,32 +76,33 @@ nb::dict counters_dict(const PairCounters& c) {
   nb::dict out;
   out["blocks"] = c.queries.blocks;
   out["exact_comparisons"] = c.queries.exact;
-  out["guest_queries"] = c.guest_queries;
-  out["host_queries"] = c.host_queries;
+  out["queries_a"] = c.queries_a;
+  out["queries_b"] = c.queries_b;
   out["games"] = c.games;
   out["rounds"] = c.rounds;
   return out;
 }
 
-nb::dict verdict_dict(const PairVerdict& verdict, const PosedPolytope& guest, const PosedPolytope& host,
-                      bool guest_is_a) {
+nb::dict verdict_dict(const PairVerdict& verdict, const PosedPolytope& body_a, const PosedPolytope& body_b,
+                      bool first_is_a) {
   nb::dict out;
   out["shared"] = verdict.shared;
   out["stage"] = kStageNames[static_cast<std::size_t>(verdict.stage)];
   if (verdict.exact) {
-    put_exact(out, *verdict.exact, guest, host, guest_is_a);
+    put_exact(out, *verdict.exact, body_a, body_b, first_is_a);
     return out;
   }
   const bool near = verdict.stage == Stage::kNearest || verdict.stage == Stage::kDoubleDouble;
   if (verdict.shared) {
-    out["point"] = row_of(near ? verdict.proximity.point : host.pose.apply(host.body->centre + verdict.certificate.x));
+    out["point"] =
+        row_of(near ? verdict.proximity.point : body_b.pose.apply(body_b.body->centre + verdict.certificate.x));
     return out;
   }
-  const Vec3 d = near ? verdict.proximity.direction : host.pose.rotate(verdict.certificate.q);
-  out["normal"] = row_of(guest_is_a ? d : -d);
+  const Vec3 d = near ? verdict.proximity.direction : body_b.pose.rotate(verdict.certificate.q);
+  out["normal"] = row_of(first_is_a ? d : -d);
   if (verdict.stage == Stage::kDoubleDouble) {
     const DyadicVec3 fine = DyadicVec3(d) + DyadicVec3(verdict.proximity.direction_low);
-    out["exact_normal"] = exact_vector(guest_is_a ? fine : -fine);
+    out["exact_normal"] = exact_vector(first_is_a ? fine : -fine);
   }
   return out;
 }

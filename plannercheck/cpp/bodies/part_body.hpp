@@ -1,7 +1,7 @@
 // A part of a set, or a triangle of a solid, as a body of its own for the tests of pairs: one object is filled again
 // for each.
 //
-// In: corners and a radius. Out: a Polytope that holds all that a test asks of a guest: vertices, their scan, and
+// In: corners and a radius. Out: a Polytope that holds all that a test asks of A: vertices, their scan, and
 // bounds. It has no polar and no faces, so that filling it takes no longer than a test.
 #pragma once
 

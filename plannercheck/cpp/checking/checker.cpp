@@ -18,9 +18,9 @@ std::vector<bool> permanent_collisions(const std::vector<GeometryObject>& bodies
   std::vector<bool> out(pairs.size(), false);
   PairCounters counters;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const GeometryObject &guest = bodies[at(pairs[k][0])], &host = bodies[at(pairs[k][1])];
-    if (guest.link >= 0 || host.link >= 0) continue;
-    const PosedPolytope a{guest.body.get(), guest.placement}, b{host.body.get(), host.placement};
+    const GeometryObject &body_a = bodies[at(pairs[k][0])], &body_b = bodies[at(pairs[k][1])];
+    if (body_a.link >= 0 || body_b.link >= 0) continue;
+    const PosedPolytope a{body_a.body.get(), body_a.placement}, b{body_b.body.get(), body_b.placement};
     out[k] = kernel_of(a, b).share(a, b, options, counters);
   }
   return out;
@@ -43,10 +43,10 @@ double largest_reach(const std::vector<GeometryObject>& bodies, std::size_t link
 
 class HullsOfPair final : public HullTest {
  public:
-  HullsOfPair(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, bool likely,
+  HullsOfPair(const PosedPolytope& body_a, const PosedPolytope& body_b, const PairFrame& frame, bool likely,
               const PairOptions& options, PairMemory& memory, CheckerCounters& counters)
-      : guest_(guest),
-        host_(host),
+      : body_a_(body_a),
+        body_b_(body_b),
         frame_(frame),
         likely_(likely),
         options_(options),
@@ -55,7 +55,7 @@ class HullsOfPair final : public HullTest {
 
   bool share() override {
     was_asked_ = true;
-    const PairVerdict verdict = test_pair(guest_, host_, frame_, likely_, options_, &memory_, counters_.pair);
+    const PairVerdict verdict = test_pair(body_a_, body_b_, frame_, likely_, options_, &memory_, counters_.pair);
     ++counters_.stages[static_cast<std::size_t>(verdict.stage)];
     settled_ = verdict.settles;
     return verdict.shared;
@@ -65,7 +65,7 @@ class HullsOfPair final : public HullTest {
   bool was_asked() const { return was_asked_; }
 
  private:
-  const PosedPolytope &guest_, &host_;
+  const PosedPolytope &body_a_, &body_b_;
   const PairFrame& frame_;
   bool likely_;
   const PairOptions& options_;
@@ -90,7 +90,7 @@ CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::ar
                          const std::vector<PairsInCells>& in_cells)
     : bodies_(std::move(bodies)), pairs_(std::move(pairs)), links_(links), needed_(at(links), 0), tuning_(tuning) {
   for (auto& pair : pairs_) {
-    if (choose_host(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body) == 0) std::swap(pair[0], pair[1]);
+    if (choose_b(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body) == 0) std::swap(pair[0], pair[1]);
     kinds_.push_back(kind_of(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body));
     for (const std::int32_t body : pair) {
       const std::int32_t link = bodies_[at(body)].link;
@@ -142,9 +142,9 @@ bool CheckerCore::are_boxed(const Workspace& w) const { return tuning_.bounds &&
 // `are_hulls`: else one is a solid at least.
 template <bool are_hulls>
 bool CheckerCore::hulls_share(std::size_t pair, std::size_t state, Workspace& w) const {
-  const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
-  const PosedPolytope a{bodies_[guest].body.get(), posed(guest, state, w)};
-  const PosedPolytope b{bodies_[host].body.get(), posed(host, state, w)};
+  const std::size_t body_a = at(pairs_[pair][0]), body_b = at(pairs_[pair][1]);
+  const PosedPolytope a{bodies_[body_a].body.get(), posed(body_a, state, w)};
+  const PosedPolytope b{bodies_[body_b].body.get(), posed(body_b, state, w)};
   const PairFrame frame(a, b, tuning_.dents);
   if (tuning_.boxes && !are_boxed(w) && frame.boxes_apart()) {
     ++w.counters.boxes;

@@ -95,7 +95,7 @@ class CheckerCore {
 
  private:
   std::vector<GeometryObject> bodies_;
-  std::vector<std::array<std::int32_t, 2>> pairs_;  // guest, host
+  std::vector<std::array<std::int32_t, 2>> pairs_;  // A, B
   std::int32_t links_;
   std::vector<Kind> kinds_;            // per pair
   std::vector<unsigned char> needed_;  // links that carry a body of some pair

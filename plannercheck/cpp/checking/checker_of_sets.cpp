@@ -60,7 +60,7 @@ Answer CheckerCore::look_under(std::size_t pair, std::size_t state, const Worksp
 
 // The hull of a set of parts says nothing, so that it is not asked.
 bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w) const {
-  const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
+  const std::size_t body_a = at(pairs_[pair][0]), body_b = at(pairs_[pair][1]);
   if (tuning_.part_trees) {
     const Answer seen = look_under(pair, state, w);
     if (seen == Answer::kSeparated) ++w.counters.bounds;
@@ -76,8 +76,8 @@ bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w)
     ++w.counters.boxes;
     return false;
   }
-  const PosedPolytope a{bodies_[guest].body.get(), posed(guest, state, w)};
-  const PosedPolytope b{bodies_[host].body.get(), posed(host, state, w)};
+  const PosedPolytope a{bodies_[body_a].body.get(), posed(body_a, state, w)};
+  const PosedPolytope b{bodies_[body_b].body.get(), posed(body_b, state, w)};
   SolidOptions options;
   options.part_trees = tuning_.part_trees;
   const SolidContact found =
@@ -88,10 +88,10 @@ bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w)
 }
 
 bool CheckerCore::half_space_shared(std::size_t pair, std::size_t state, Workspace& w) const {
-  const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
+  const std::size_t body_a = at(pairs_[pair][0]), body_b = at(pairs_[pair][1]);
   ++w.counters.stages[static_cast<std::size_t>(Stage::kSolver)];
-  const PosedPolytope a{bodies_[guest].body.get(), posed(guest, state, w)};
-  const PosedPolytope b{bodies_[host].body.get(), posed(host, state, w)};
+  const PosedPolytope a{bodies_[body_a].body.get(), posed(body_a, state, w)};
+  const PosedPolytope b{bodies_[body_b].body.get(), posed(body_b, state, w)};
   return kPairKernels[kinds_[pair]].share(a, b, tuning_, w.counters.pair);
 }
 

@@ -101,8 +101,8 @@ unsigned near_body(const PosedPolytope& body, PointsNearHull& test, const PointB
 void take_distance(const PosedPolytope& body, Vec3 point, double& upper, double& lower, PairCounters& counters) {
   if (upper == 0) return;
   const bool is_hull = body.body->kind() == Kind::kHull;
-  const PosedPolytope guest{is_hull ? &ball_at(point, 0) : &ball_with_surface_at(point, 0), Pose{}};
-  const PairDistance found = pair_distance(guest, body, upper, counters);
+  const PosedPolytope body_a{is_hull ? &ball_at(point, 0) : &ball_with_surface_at(point, 0), Pose{}};
+  const PairDistance found = pair_distance(body_a, body, upper, counters);
   upper = found.overlap ? 0 : smaller(upper, found.upper);
   lower = found.overlap ? 0 : smaller(lower, found.lower);
 }

@@ -201,7 +201,7 @@ class PartSeparation {
     for (std::size_t p = from; p < past; ++p) {
       const Pose& pose = body_pose(p);
       const Vec3 local = pose.rotate_back(d);
-      ++counters_.guest_queries;
+      ++counters_.queries_a;
       const std::int32_t v = extreme(body_.inner, set_is_first_ ? local : -local, counters_.queries);
       const double along = dot(d, pose.apply(body_.inner.points[at(v)]));
       end = set_is_first_ ? larger(end, along) : smaller(end, along);

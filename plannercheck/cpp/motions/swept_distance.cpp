@@ -21,7 +21,7 @@ struct Difference {
 
 Difference difference_at(const Polytope& a, const Polytope& b, const PosedPair& pose, Vec3 direction,
                          PairCounters& counters) {
-  ++counters.guest_queries, ++counters.host_queries;
+  ++counters.queries_a, ++counters.queries_b;
   const Vec3 d = pose.frame.to_world(direction);
   const auto p = static_cast<std::size_t>(extreme(a.inner, -pose.a.rotate_back(d), counters.queries));
   const auto r = static_cast<std::size_t>(extreme(b.inner, pose.b.rotate_back(d), counters.queries));

@@ -11,36 +11,36 @@ namespace plannercheck {
 
 class CentreAxis {
  public:
-  CentreAxis(const PosedPolytope& guest, const PosedPolytope& host)
-      : guest_(guest),
-        host_(host),
-        host_centre_(host.pose.apply(host.body->centre)),
-        between_centres_(guest.pose.apply(guest.body->centre) - host_centre_),
+  CentreAxis(const PosedPolytope& body_a, const PosedPolytope& body_b)
+      : body_a_(body_a),
+        body_b_(body_b),
+        centre_b_(body_b.pose.apply(body_b.body->centre)),
+        between_centres_(body_a.pose.apply(body_a.body->centre) - centre_b_),
         axis_(between_centres_),
-        rounding_(rounding(guest.body->origin_radius + host.body->origin_radius, norm_1(guest.pose.translation()),
-                           norm_1(host.pose.translation()))),
-        radii_(guest.body->radius + host.body->radius),
-        inflation_radius_(guest.body->inflation_radius + host.body->inflation_radius) {}
+        rounding_(rounding(body_a.body->origin_radius + body_b.body->origin_radius, norm_1(body_a.pose.translation()),
+                           norm_1(body_b.pose.translation()))),
+        radii_(body_a.body->radius + body_b.body->radius),
+        inflation_radius_(body_a.body->inflation_radius + body_b.body->inflation_radius) {}
 
-  // From the host to the guest, in the world.
+  // From B to A, in the world.
   Vec3 direction() const { return axis_; }
 
   // Turns the axis to where the bodies would face each other if they were ellipsoids. Round bodies already do so along
   // the axis, and small ones are tested faster than turned.
   void turn() {
-    if (guest_.body->inner.points.size() + host_.body->inner.points.size() <= kFewVertices) return;
-    const EquivalentEllipsoid &guest = guest_.body->ellipsoid, &host = host_.body->ellipsoid;
-    if ((guest.is_round && host.is_round) || !guest.exists || !host.exists) return;
-    const Vec3 u = direction_between(guest, guest_.pose, host, host_.pose);
+    if (body_a_.body->inner.points.size() + body_b_.body->inner.points.size() <= kFewVertices) return;
+    const EquivalentEllipsoid &body_a = body_a_.body->ellipsoid, &body_b = body_b_.body->ellipsoid;
+    if ((body_a.is_round && body_b.is_round) || !body_a.exists || !body_b.exists) return;
+    const Vec3 u = direction_between(body_a, body_a_.pose, body_b, body_b_.pose);
     if (norm_1(u) > 0 && norm_1(u) < 4) axis_ = u;  // a guess, scaled to a largest entry of 1; may be NaN
   }
 
   bool has_inflation_radius() const { return inflation_radius_ > 0; }
 
-  // Approximately the guest's extreme vertex towards the host.
+  // Approximately A's extreme vertex towards B.
   std::int32_t nearly_lowest(PairCounters& counters) const {
-    ++counters.guest_queries;
-    return extreme_at_top(guest_.body->inner, -guest_.pose.rotate_back(axis_), counters.queries);
+    ++counters.queries_a;
+    return extreme_at_top(body_a_.body->inner, -body_a_.pose.rotate_back(axis_), counters.queries);
   }
 
   // Whether the balls around the centres are apart.
@@ -56,21 +56,21 @@ class CentreAxis {
     return radii * (1 + kSlack) + rounding;
   }
   template <class Number>
-  static Number rounding(double origin_radii, Number guest_translation, Number host_translation) {
-    return kRounding * (origin_radii + guest_translation + host_translation) + kTrustedLength;
+  static Number rounding(double origin_radii, Number translation_a, Number translation_b) {
+    return kRounding * (origin_radii + translation_a + translation_b) + kTrustedLength;
   }
 
-  // A plane perpendicular to a direction from the host, in the host's frame, that touches the host's ball: q·x <= 1
-  // over the host. A point has no such plane; it has no polar either, so none is cached.
+  // A plane perpendicular to a direction from B, in B's frame, that touches B's ball: q·x <= 1
+  // over B. A point has no such plane; it has no polar either, so none is cached.
   Vec3 touching_ball(Vec3 direction) const {
-    return 1 / (host_.body->radius * norm(direction) * (1 + kSlack)) * host_.pose.rotate_back(direction);
+    return 1 / (body_b_.body->radius * norm(direction) * (1 + kSlack)) * body_b_.pose.rotate_back(direction);
   }
 
-  // The answer that a plane perpendicular to the axis separates. `scaled`, for caching: to q·x <= 1 over the host.
+  // The answer that a plane perpendicular to the axis separates. `scaled`, for caching: to q·x <= 1 over B.
   Certificate separated(bool scaled) const;
 
   // Decides by the centres and by the extreme vertices along the axis: a plane perpendicular to it separates the
-  // bodies, or they are within the inflation radius. `lowest` becomes the guest's extreme vertex towards the host.
+  // bodies, or they are within the inflation radius. `lowest` becomes A's extreme vertex towards B.
   Certificate decide(bool scaled, std::int32_t* lowest, PairCounters& counters) const;
 
  private:
@@ -85,8 +85,8 @@ class CentreAxis {
   // Lengths of balls, planes and inflation radii are trusted only above kTrustedLength, so it is part of the rounding.
   static constexpr double kRounding = 64 * 0x1p-53;
 
-  const PosedPolytope &guest_, &host_;
-  Vec3 host_centre_, between_centres_, axis_;
+  const PosedPolytope &body_a_, &body_b_;
+  Vec3 centre_b_, between_centres_, axis_;
   double rounding_, radii_, inflation_radius_;
 
   // The rounding allowed along the axis, times its length. An axis too short for its length to be trusted separates
@@ -101,7 +101,7 @@ class CentreAxis {
     const double most = inflation_radius_ * (1 - kSlack) - rounding_;
     return most > kTrustedLength && dot(between, between) < most * most;
   }
-  Certificate shared(Vec3 on_host, Vec3 between) const;
+  Certificate shared(Vec3 on_body_b, Vec3 between) const;
 };
 
 }  // namespace plannercheck

@@ -25,18 +25,18 @@ static_assert(kHighestTop <= kMaxActives && 1 + kRemovedDegree + 1 <= kMaxActive
 class CoupledWalk {
  public:
   CoupledWalk(const PairFrame& frame, PairCounters& counters)
-      : frame_(frame), p_(frame.guest().inner), q_(frame.host().polar), counters_(counters) {}
+      : frame_(frame), p_(frame.body_a().inner), q_(frame.body_b().polar), counters_(counters) {}
 
   Certificate run() {
-    take_highest_top(p_, guest_star_, [&](std::int32_t v) { return frame_.guest_vertex(v); });
-    take_highest_top(q_, host_star_, [&](std::int32_t k) { return frame_.polar_point(k); });
+    take_highest_top(p_, star_a_, [&](std::int32_t v) { return frame_.vertex_a(v); });
+    take_highest_top(q_, star_b_, [&](std::int32_t k) { return frame_.polar_point(k); });
     bool separated = play();
     if (separated) {
       plane_ = played_plane_;
-      guest_tip_ = extreme_at_highest_top(p_, frame_.guest_direction(plane_));
+      tip_a_ = extreme_at_highest_top(p_, frame_.direction_a(plane_));
     } else {
       point_ = played_point_;
-      host_tip_ = extreme_at_highest_top(q_, point_);
+      tip_b_ = extreme_at_highest_top(q_, point_);
     }
     while (step_ == Step::kOn) separated = separated ? walk_primal() : walk_polar();
     return certificate(separated);
@@ -50,39 +50,39 @@ class CoupledWalk {
   const Hierarchy& q_;
   PairCounters& counters_;
   Step step_ = Step::kOn;
-  long mixtures_ = 0;            // games so far: bounds how often the points of the invariants are mixed again
-  Star guest_star_, host_star_;  // P*, Q*
-  std::int32_t guest_tip_ = -1, host_tip_ = -1;  // v and k, where the plane and the point are tangent
-  Vec3 plane_, point_;                           // q and x of the invariant that holds
-  std::int32_t p_star_ = -1, q_star_ = -1;       // p*, q*; −1 while that hierarchy is at its top
+  long mixtures_ = 0;                     // games so far: bounds how often the points of the invariants are mixed again
+  Star star_a_, star_b_;                  // P*, Q*
+  std::int32_t tip_a_ = -1, tip_b_ = -1;  // v and k, where the plane and the point are tangent
+  Vec3 plane_, point_;                    // q and x of the invariant that holds
+  std::int32_t p_star_ = -1, q_star_ = -1;  // p*, q*; −1 while that hierarchy is at its top
   Vec3 q_phi_, x_gamma_;
   Vec3 played_plane_, played_point_;  // what the last game found
 
   // The separation invariant holds: goes down one or more levels of P's hierarchy; returns whether it still holds.
   bool walk_primal() {
     ++counters_.rounds;
-    const std::int32_t p = finer_beyond(p_, guest_tip_, frame_.guest_direction(plane_));
+    const std::int32_t p = finer_beyond(p_, tip_a_, frame_.direction_a(plane_));
     if (p < 0) {
       step_ = Step::kBottom;
       return true;
     }
-    guest_tip_ = p;
-    const Vec3 tip = frame_.guest_vertex(p);
+    tip_a_ = p;
+    const Vec3 tip = frame_.vertex_a(p);
     if (dot(plane_, tip) > 1) return true;  // the plane, moved to p, still separates
     p_star_ = p;
     q_phi_ = plane_;
-    take_star(p_, p, guest_star_, [&](std::int32_t n) { return frame_.guest_vertex(n); });
+    take_star(p_, p, star_a_, [&](std::int32_t n) { return frame_.vertex_a(n); });
     if (play()) {  // Case 2.1
-      plane_ = towards(plane_, played_plane_, guest_star_, -1);
+      plane_ = towards(plane_, played_plane_, star_a_, -1);
       return true;
     }
     point_ = played_point_;  // Case 2.2
     if (q_star_ < 0) {
-      host_tip_ = extreme_at_highest_top(q_, point_);
+      tip_b_ = extreme_at_highest_top(q_, point_);
     } else {
-      point_ = towards(x_gamma_, played_point_, host_star_, +1);
-      host_tip_ = q_star_;
-      guest_star_.add(x_gamma_);
+      point_ = towards(x_gamma_, played_point_, star_b_, +1);
+      tip_b_ = q_star_;
+      star_a_.add(x_gamma_);
     }
     return false;
   }
@@ -90,28 +90,28 @@ class CoupledWalk {
   // A step while the inverse separation invariant holds: the same with the roles of P and Q swapped.
   bool walk_polar() {
     ++counters_.rounds;
-    const std::int32_t k = finer_beyond(q_, host_tip_, point_);
+    const std::int32_t k = finer_beyond(q_, tip_b_, point_);
     if (k < 0) {
       step_ = Step::kBottom;
       return false;
     }
-    host_tip_ = k;
+    tip_b_ = k;
     const Vec3 tip = frame_.polar_point(k);
     if (dot(tip, point_) <= 1) return false;
     q_star_ = k;
     x_gamma_ = point_;
-    take_star(q_, k, host_star_, [&](std::int32_t n) { return frame_.polar_point(n); });
+    take_star(q_, k, star_b_, [&](std::int32_t n) { return frame_.polar_point(n); });
     if (!play()) {  // Case 2.1
-      point_ = towards(point_, played_point_, host_star_, +1);
+      point_ = towards(point_, played_point_, star_b_, +1);
       return false;
     }
     plane_ = played_plane_;  // Case 2.2
     if (p_star_ < 0) {
-      guest_tip_ = extreme_at_highest_top(p_, frame_.guest_direction(plane_));
+      tip_a_ = extreme_at_highest_top(p_, frame_.direction_a(plane_));
     } else {
-      plane_ = towards(q_phi_, played_plane_, guest_star_, -1);
-      guest_tip_ = p_star_;
-      host_star_.add(q_phi_);
+      plane_ = towards(q_phi_, played_plane_, star_a_, -1);
+      tip_a_ = p_star_;
+      star_b_.add(q_phi_);
     }
     return true;
   }
@@ -182,20 +182,20 @@ class CoupledWalk {
     ++counters_.games, ++mixtures_;
     Game game;
     Mixture mixture;
-    game.rows = guest_star_.count;
-    game.columns = host_star_.count;
+    game.rows = star_a_.count;
+    game.columns = star_b_.count;
     for (std::size_t i = 0; i < static_cast<std::size_t>(game.rows); ++i) {
       for (std::size_t j = 0; j < static_cast<std::size_t>(game.columns); ++j) {
-        game.payoff[i][j] = dot(guest_star_.point[i], host_star_.point[j]);
+        game.payoff[i][j] = dot(star_a_.point[i], star_b_.point[j]);
       }
     }
     solve(game, mixture);
     played_plane_ = played_point_ = {};
     for (std::size_t j = 0; j < static_cast<std::size_t>(game.columns); ++j) {
-      played_plane_ = played_plane_ + mixture.column[j] * host_star_.point[j];
+      played_plane_ = played_plane_ + mixture.column[j] * star_b_.point[j];
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(game.rows); ++i) {
-      played_point_ = played_point_ + mixture.row[i] * guest_star_.point[i];
+      played_point_ = played_point_ + mixture.row[i] * star_a_.point[i];
     }
     return mixture.value > 1;
   }
@@ -218,13 +218,13 @@ class CoupledWalk {
     certificate.x = point_;
     certificate.mixtures = mixtures_;
     if (separated) {
-      ++counters_.guest_queries;
-      const std::int32_t v = closing(p_, guest_tip_, frame_.guest_direction(plane_));
-      const double value = dot(plane_, frame_.guest_vertex(v));
+      ++counters_.queries_a;
+      const std::int32_t v = closing(p_, tip_a_, frame_.direction_a(plane_));
+      const double value = dot(plane_, frame_.vertex_a(v));
       if (frame_.separates(plane_, value, mixtures_)) certificate.answer = Answer::kSeparated;
     } else {
-      ++counters_.host_queries;
-      const std::int32_t k = closing(q_, host_tip_, point_);
+      ++counters_.queries_b;
+      const std::int32_t k = closing(q_, tip_b_, point_);
       const double value = dot(frame_.polar_point(k), point_);
       if (bodies_hold(frame_, point_, value, mixtures_, counters_)) certificate.answer = Answer::kShared;
     }

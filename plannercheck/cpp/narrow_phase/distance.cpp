@@ -15,25 +15,25 @@ Vec3 posed_centre(const PosedPolytope& posed) { return posed.pose.apply(posed.bo
 
 double extent(const Polytope& body) { return body.radius + body.inflation_radius; }
 
-// Directions along which the guest may leave the host; keeps the best one found.
+// Directions along which A may leave B; keeps the best one found.
 class WayOut {
  public:
-  WayOut(const PosedPolytope& guest, const PosedPolytope& host, PairCounters& counters)
-      : guest_(guest), host_(host), counters_(counters) {}
+  WayOut(const PosedPolytope& body_a, const PosedPolytope& body_b, PairCounters& counters)
+      : body_a_(body_a), body_b_(body_b), counters_(counters) {}
 
-  // The hulls' penetration is at most `depth`: moving the guest that far along `direction` separates them.
+  // The hulls' penetration is at most `depth`: moving A that far along `direction` separates them.
   double depth = std::numeric_limits<double>::infinity();
   Vec3 direction, deepest;
 
   void run() {
-    try_direction(posed_centre(guest_) - posed_centre(host_));
-    try_axes(guest_.pose), try_axes(host_.pose);
-    for (const Vec3& q : host_.body->polar.points) try_direction(host_.pose.rotate(q));
-    for (const Vec3& q : guest_.body->polar.points) try_direction(-guest_.pose.rotate(q));
+    try_direction(posed_centre(body_a_) - posed_centre(body_b_));
+    try_axes(body_a_.pose), try_axes(body_b_.pose);
+    for (const Vec3& q : body_b_.body->polar.points) try_direction(body_b_.pose.rotate(q));
+    for (const Vec3& q : body_a_.body->polar.points) try_direction(-body_a_.pose.rotate(q));
   }
 
  private:
-  const PosedPolytope &guest_, &host_;
+  const PosedPolytope &body_a_, &body_b_;
   PairCounters& counters_;
 
   void try_axes(const Pose& pose) {
@@ -46,25 +46,25 @@ class WayOut {
   void try_direction(Vec3 d) {
     if (!(norm_max(d) > 0) || !std::isfinite(norm_max(d))) return;
     d = unit(d);
-    const LowestDifference found = lowest_difference(guest_, host_, d, counters_);
-    if (-found.height < depth) depth = -found.height, direction = d, deepest = found.guest_vertex;
+    const LowestDifference found = lowest_difference(body_a_, body_b_, d, counters_);
+    if (-found.height < depth) depth = -found.height, direction = d, deepest = found.vertex_a;
   }
 };
 
-PairDistance hulls_overlap(const PosedPolytope& guest, const PosedPolytope& host, double inflation_radius,
+PairDistance hulls_overlap(const PosedPolytope& body_a, const PosedPolytope& body_b, double inflation_radius,
                            PairCounters& counters) {
-  WayOut way(guest, host, counters);
+  WayOut way(body_a, body_b, counters);
   way.run();
   const double depth = larger(way.depth, 0) + inflation_radius;
-  const Vec3 point = way.deepest - guest.body->inflation_radius * way.direction;
+  const Vec3 point = way.deepest - body_a.body->inflation_radius * way.direction;
   return {true, -depth, -depth, point, point + depth * way.direction, way.direction};
 }
 
-PairDistance between_hulls(const PosedPolytope& guest, const PosedPolytope& host, const HullDistance& found,
+PairDistance between_hulls(const PosedPolytope& body_a, const PosedPolytope& body_b, const HullDistance& found,
                            bool overlap) {
-  const double inflation_radius = total_inflation_radius(guest, host);
+  const double inflation_radius = total_inflation_radius(body_a, body_b);
   PairDistance out{
-      overlap,        found.lower - inflation_radius, found.upper - inflation_radius, found.on_guest, found.on_host,
+      overlap,        found.lower - inflation_radius, found.upper - inflation_radius, found.on_body_a, found.on_body_b,
       found.direction};
   if (overlap) {
     out.lower = out.upper = smaller(out.lower, 0);
@@ -73,53 +73,53 @@ PairDistance between_hulls(const PosedPolytope& guest, const PosedPolytope& host
     out.upper = larger(out.upper, std::numeric_limits<double>::denorm_min());
     out.lower = larger(out.lower, 0);
   }
-  const Vec3 apart = found.on_guest - found.on_host;
+  const Vec3 apart = found.on_body_a - found.on_body_b;
   const Vec3 d = norm_max(apart) > 0 ? unit(apart) : found.direction;
-  out.on_guest = out.on_guest - guest.body->inflation_radius * d;
-  out.on_host = out.on_host + host.body->inflation_radius * d;
+  out.on_body_a = out.on_body_a - body_a.body->inflation_radius * d;
+  out.on_body_b = out.on_body_b + body_b.body->inflation_radius * d;
   return out;
 }
 
-DistanceGoal goal_for(const PosedPolytope& guest, const PosedPolytope& host, double limit) {
-  const double inflation_radius = total_inflation_radius(guest, host);
-  const double size = larger(extent(*guest.body), extent(*host.body));
+DistanceGoal goal_for(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit) {
+  const double inflation_radius = total_inflation_radius(body_a, body_b);
+  const double size = larger(extent(*body_a.body), extent(*body_b.body));
   return {kDistanceError, inflation_radius, kLeastOfSize * size, limit + inflation_radius};
 }
 
 }  // namespace
 
-double ball_gap(const PosedPolytope& guest, const PosedPolytope& host) {
-  const Vec3 a = posed_centre(guest), b = posed_centre(host);
+double ball_gap(const PosedPolytope& body_a, const PosedPolytope& body_b) {
+  const Vec3 a = posed_centre(body_a), b = posed_centre(body_b);
   const double radii =
-      (guest.body->radius + host.body->radius) * kDistanceStretch + total_inflation_radius(guest, host);
-  const double reach = guest.body->origin_radius + host.body->origin_radius + norm_1(a) + norm_1(b) + radii;
+      (body_a.body->radius + body_b.body->radius) * kDistanceStretch + total_inflation_radius(body_a, body_b);
+  const double reach = body_a.body->origin_radius + body_b.body->origin_radius + norm_1(a) + norm_1(b) + radii;
   return norm(a - b) - radii - (kBallRounding * reach + kTrustedLength);
 }
 
-double convex_bound(const PosedPolytope& guest, const PosedPolytope& host, int rounds, PairCounters& counters) {
-  DistanceGoal goal = goal_for(guest, host, std::numeric_limits<double>::infinity());
+double convex_bound(const PosedPolytope& body_a, const PosedPolytope& body_b, int rounds, PairCounters& counters) {
+  DistanceGoal goal = goal_for(body_a, body_b, std::numeric_limits<double>::infinity());
   goal.rounds = rounds;
-  const HullDistance found = hull_distance(guest, host, posed_centre(guest) - posed_centre(host), goal, counters);
-  const double balls = ball_gap(guest, host);
+  const HullDistance found = hull_distance(body_a, body_b, posed_centre(body_a) - posed_centre(body_b), goal, counters);
+  const double balls = ball_gap(body_a, body_b);
   return found.lower > 0 ? larger(balls, found.lower - goal.inflation_radius * (1 + 0x1p-50)) : balls;
 }
 
-PairDistance convex_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit,
+PairDistance convex_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
                              PairCounters& counters) {
-  const DistanceGoal goal = goal_for(guest, host, limit);
-  const Vec3 hint = posed_centre(guest) - posed_centre(host);
-  HullDistance found = hull_distance(guest, host, hint, goal, counters);
+  const DistanceGoal goal = goal_for(body_a, body_b, limit);
+  const Vec3 hint = posed_centre(body_a) - posed_centre(body_b);
+  HullDistance found = hull_distance(body_a, body_b, hint, goal, counters);
   bool overlap = false;
   if (!(found.lower > goal.inflation_radius * (1 + 0x1p-48))) {
-    const bool guest_hosts = choose_host(*guest.body, *host.body) == 0;
+    const bool swapped = choose_b(*body_a.body, *body_b.body) == 0;
     PairOptions of_hulls;
     of_hulls.dents = false;
-    overlap = test_pair(guest_hosts ? host : guest, guest_hosts ? guest : host, of_hulls, nullptr, counters).shared;
+    overlap = test_pair(swapped ? body_b : body_a, swapped ? body_a : body_b, of_hulls, nullptr, counters).shared;
   }
   const bool in_doubt = !goal.met(found) && !(overlap && found.start.count == 4);
-  if (in_doubt) found = hull_distance_double_double(guest, host, found, goal, counters);
-  if (overlap && !(found.lower > 0)) return hulls_overlap(guest, host, goal.inflation_radius, counters);
-  return between_hulls(guest, host, found, overlap);
+  if (in_doubt) found = hull_distance_double_double(body_a, body_b, found, goal, counters);
+  if (overlap && !(found.lower > 0)) return hulls_overlap(body_a, body_b, goal.inflation_radius, counters);
+  return between_hulls(body_a, body_b, found, overlap);
 }
 
 }  // namespace plannercheck

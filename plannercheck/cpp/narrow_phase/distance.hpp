@@ -21,22 +21,23 @@ inline constexpr double kDistanceError = 2.5e-10, kLeastOfSize = 1e-3;
 struct PairDistance {
   bool overlap = false;         // the exact verdict; touching counts
   double lower = 0, upper = 0;  // m; if they overlap both are −(the depth found)
-  Vec3 on_guest, on_host;       // in the world, on the surfaces; if they overlap, the deepest point and where it leaves
-  Vec3 direction;               // in the world, from host to guest: along which the guest leaves
+  Vec3 on_body_a, on_body_b;    // in the world, on the surfaces; if they overlap, the deepest point and where it leaves
+  Vec3 direction;               // in the world, from B to A: along which A leaves
 };
 
 // `limit`: the search ends once the lower bound exceeds it. Of solids that overlap, the depth is that of their hulls.
-PairDistance pair_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, PairCounters& counters);
+PairDistance pair_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
+                           PairCounters& counters);
 
 // The same for the hulls of bodies.
-PairDistance convex_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit,
+PairDistance convex_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
                              PairCounters& counters);
 
 // A lower bound after a few steps; for bodies that overlap, that of the balls around them.
-double distance_bound(const PosedPolytope& guest, const PosedPolytope& host, int rounds, PairCounters& counters);
-double convex_bound(const PosedPolytope& guest, const PosedPolytope& host, int rounds, PairCounters& counters);
+double distance_bound(const PosedPolytope& body_a, const PosedPolytope& body_b, int rounds, PairCounters& counters);
+double convex_bound(const PosedPolytope& body_a, const PosedPolytope& body_b, int rounds, PairCounters& counters);
 
 // The gap of the balls around two bodies, negative if they meet: a lower bound of the signed distance.
-double ball_gap(const PosedPolytope& guest, const PosedPolytope& host);
+double ball_gap(const PosedPolytope& body_a, const PosedPolytope& body_b);
 
 }  // namespace plannercheck

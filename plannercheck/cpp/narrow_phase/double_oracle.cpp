@@ -58,9 +58,9 @@ class DoubleOracle {
 
   const Certificate& certificate() const { return certificate_; }
 
-  // Starts from a guest's vertex and the host's facet that a point of the guest violates most.
+  // Starts from A's vertex and B's facet that a point of A violates most.
   void start(std::int32_t vertex, std::int32_t facet) {
-    add_row(vertex, frame_.guest_vertex(vertex));
+    add_row(vertex, frame_.vertex_a(vertex));
     add_column(facet, frame_.polar_point(facet));
   }
 
@@ -73,22 +73,22 @@ class DoubleOracle {
  private:
   const PairFrame& frame_;
   PairCounters& counters_;
-  Actives rows_, columns_;                     // vertices of the guest, points of the host's polar
+  Actives rows_, columns_;                     // vertices of A, points of B's polar
   std::optional<IncrementalMatrixGame> game_;  // most searches end before they need it
   bool afresh_ = false;                        // solved from the beginning since the last vertex or facet was added
   Certificate certificate_;
 
-  // An upper bound of |q·x| over the host's polar and the guest, with room for rounding.
+  // An upper bound of |q·x| over B's polar and A, with room for rounding.
   static double largest_payoff(const PairFrame& frame) {
-    return 1.001 * frame.host().polar_radius * (norm(frame.guest_centre()) + frame.guest().radius) + 1e-300;
+    return 1.001 * frame.body_b().polar_radius * (norm(frame.centre_a()) + frame.body_a().radius) + 1e-300;
   }
 
   // Games of up to two vertices and two facets have a closed form, which is used unless it made no progress.
   bool opening() const { return columns_.count <= 2 && rows_.count <= 2 && !afresh_; }
 
   bool ask_next() {
-    if (rows_.count == 1) return ask_guest(columns_.point(0));
-    if (columns_.count == 1) return ask_host(rows_.point(1));  // it is lower than the first vertex
+    if (rows_.count == 1) return ask_a(columns_.point(0));
+    if (columns_.count == 1) return ask_b(rows_.point(1));  // it is lower than the first vertex
     return ask_by_two();
   }
 
@@ -97,21 +97,21 @@ class DoubleOracle {
   bool ask_by_two() {
     const Vec3 x0 = rows_.point(0), x1 = rows_.point(1), q0 = columns_.point(0), q1 = columns_.point(1);
     const double a = dot(x0, q0), b = dot(x0, q1), c = dot(x1, q0), d = dot(x1, q1);
-    if (!(d > b && a > b && d > c && a > c)) return ask_guest(q1);
+    if (!(d > b && a > b && d > c && a > c)) return ask_a(q1);
     if (a * d - b * c > (a - b) + (d - c)) {
       const double sum = (d - b) + (a - c);
-      return ask_guest((d - b) / sum * q0 + (a - c) / sum * q1);
+      return ask_a((d - b) / sum * q0 + (a - c) / sum * q1);
     }
     const double sum = (d - c) + (a - b);
-    return ask_host((d - c) / sum * x0 + (a - b) / sum * x1);
+    return ask_b((d - c) / sum * x0 + (a - b) / sum * x1);
   }
 
   bool ask_by_game() {
     ++counters_.games;
     if (!game_) begin_game();
     game_->solve();
-    return game_->is_above_one() ? ask_guest(columns_.mixed(game_->column_weights()))
-                                 : ask_host(rows_.mixed(game_->row_weights()));
+    return game_->is_above_one() ? ask_a(columns_.mixed(game_->column_weights()))
+                                 : ask_b(rows_.mixed(game_->row_weights()));
   }
 
   void begin_game() {
@@ -121,11 +121,11 @@ class DoubleOracle {
     game_.emplace(largest_payoff(frame_), rows_.count, columns_.count, by_row, by_column);
   }
 
-  // Looks for the guest's vertex deepest below the plane q; true if it ends the search.
-  bool ask_guest(Vec3 q) {
-    ++counters_.guest_queries;
-    const std::int32_t v = extreme(frame_.guest().inner, frame_.guest_direction(q), counters_.queries);
-    const Vec3 x = frame_.guest_vertex(v);
+  // Looks for A's vertex deepest below the plane q; true if it ends the search.
+  bool ask_a(Vec3 q) {
+    ++counters_.queries_a;
+    const std::int32_t v = extreme(frame_.body_a().inner, frame_.direction_a(q), counters_.queries);
+    const Vec3 x = frame_.vertex_a(v);
     certificate_.q = q;
     if (frame_.separates(q, dot(q, x))) {
       certificate_.answer = Answer::kSeparated;
@@ -136,10 +136,10 @@ class DoubleOracle {
     return false;
   }
 
-  // Looks for the host's facet that x violates most; true if it ends the search.
-  bool ask_host(Vec3 x) {
-    ++counters_.host_queries;
-    const std::int32_t k = extreme(frame_.host().polar, x, counters_.queries);
+  // Looks for B's facet that x violates most; true if it ends the search.
+  bool ask_b(Vec3 x) {
+    ++counters_.queries_b;
+    const std::int32_t k = extreme(frame_.body_b().polar, x, counters_.queries);
     const Vec3 q = frame_.polar_point(k);
     certificate_.x = x;
     if (bodies_hold(frame_, x, dot(q, x), 0, counters_)) {
@@ -174,10 +174,10 @@ class DoubleOracle {
   }
 };
 
-// Where the search begins. Most bodies that overlap deeply share, approximately, the guest's point that reaches
-// furthest towards the host's centre. So the host is queried for that point before anything else is set up.
-Vec3 first_point(const PairFrame& frame, std::int32_t guest_vertex) {
-  return frame.guest().is_box != 0 ? frame.guest_box_point() : frame.guest_vertex(guest_vertex);
+// Where the search begins. Most bodies that overlap deeply share, approximately, A's point that reaches
+// furthest towards B's centre. So B is queried for that point before anything else is set up.
+Vec3 first_point(const PairFrame& frame, std::int32_t vertex_a) {
+  return frame.body_a().is_box != 0 ? frame.box_point_a() : frame.vertex_a(vertex_a);
 }
 
 Certificate shared_at(Vec3 x) {
@@ -189,13 +189,13 @@ Certificate shared_at(Vec3 x) {
 
 }  // namespace
 
-std::optional<Certificate> double_oracle(const PairFrame& frame, std::int32_t guest_vertex, PairCounters& counters) {
-  const Vec3 x = first_point(frame, guest_vertex);
-  ++counters.host_queries;
-  const std::int32_t k = extreme(frame.host().polar, x, counters.queries);
+std::optional<Certificate> double_oracle(const PairFrame& frame, std::int32_t vertex_a, PairCounters& counters) {
+  const Vec3 x = first_point(frame, vertex_a);
+  ++counters.queries_b;
+  const std::int32_t k = extreme(frame.body_b().polar, x, counters.queries);
   if (bodies_hold(frame, x, dot(frame.polar_point(k), x), 0, counters)) return shared_at(x);
   DoubleOracle oracle(frame, counters);
-  oracle.start(guest_vertex, k);
+  oracle.start(vertex_a, k);
   int rounds = 1;
   bool has_ended = oracle.round();
   for (; !has_ended && rounds < kOracleRounds; ++rounds) has_ended = oracle.round();

@@ -1,4 +1,4 @@
-// The double oracle: small active sets on both sides, vertices of the guest and points of the host's polar. The game
+// The double oracle: small active sets on both sides, vertices of A and points of B's polar. The game
 // between them decides which body is queried for one more. It ends with a checked certificate, or undecided: it never
 // guesses.
 #pragma once
@@ -10,7 +10,7 @@
 
 namespace plannercheck {
 
-// The whole search from a guest's vertex; none if it has not ended after a constant number of rounds.
-std::optional<Certificate> double_oracle(const PairFrame& frame, std::int32_t guest_vertex, PairCounters& counters);
+// The whole search from A's vertex; none if it has not ended after a constant number of rounds.
+std::optional<Certificate> double_oracle(const PairFrame& frame, std::int32_t vertex_a, PairCounters& counters);
 
 }  // namespace plannercheck

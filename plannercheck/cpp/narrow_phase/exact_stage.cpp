@@ -17,8 +17,8 @@ DyadicVec3 rotate_back_exactly(const Pose& pose, const DyadicVec3& d) {
 }
 
 struct Corner {
-  std::int32_t guest, host;
-  DyadicVec3 point;  // guest vertex − host vertex in the world
+  std::int32_t body_a, body_b;
+  DyadicVec3 point;  // A vertex − B vertex in the world
 };
 
 struct Nearest {
@@ -80,17 +80,17 @@ class Candidates {
   }
 };
 
-Corner corner_at(const PosedPolytope& guest, const PosedPolytope& host, std::int32_t p, std::int32_t r) {
+Corner corner_at(const PosedPolytope& body_a, const PosedPolytope& body_b, std::int32_t p, std::int32_t r) {
   return {p, r,
-          apply_exactly(guest.pose, guest.body->inner.points[at(p)]) -
-              apply_exactly(host.pose, host.body->inner.points[at(r)])};
+          apply_exactly(body_a.pose, body_a.body->inner.points[at(p)]) -
+              apply_exactly(body_b.pose, body_b.body->inner.points[at(r)])};
 }
 
 // The corner of conv(P) − conv(R) that is furthest against the direction.
-Corner furthest_against(const PosedPolytope& guest, const PosedPolytope& host, const DyadicVec3& direction) {
-  const FineDirection in_guest(-rotate_back_exactly(guest.pose, direction));
-  const FineDirection in_host(rotate_back_exactly(host.pose, direction));
-  return corner_at(guest, host, extreme(guest.body->inner, in_guest), extreme(host.body->inner, in_host));
+Corner furthest_against(const PosedPolytope& body_a, const PosedPolytope& body_b, const DyadicVec3& direction) {
+  const FineDirection in_a(-rotate_back_exactly(body_a.pose, direction));
+  const FineDirection in_b(rotate_back_exactly(body_b.pose, direction));
+  return corner_at(body_a, body_b, extreme(body_a.body->inner, in_a), extreme(body_b.body->inner, in_b));
 }
 
 // Whether a height along a direction exceeds the direction's length times the inflation radius.
@@ -111,17 +111,17 @@ ExactAnswer shared_answer(Nearest& nearest) {
   answer.shared = true;
   answer.count = static_cast<int>(nearest.corners.size());
   for (std::size_t i = 0; i < nearest.corners.size(); ++i) {
-    answer.guest[i] = nearest.corners[i].guest;
-    answer.host[i] = nearest.corners[i].host;
+    answer.body_a[i] = nearest.corners[i].body_a;
+    answer.body_b[i] = nearest.corners[i].body_b;
     answer.weight[i] = std::move(nearest.weights[i]);
   }
   return answer;
 }
 
-Nearest beginning(const PosedPolytope& guest, const PosedPolytope& host, const Proximity& start) {
+Nearest beginning(const PosedPolytope& body_a, const PosedPolytope& body_b, const Proximity& start) {
   std::vector<Corner> corners;
   for (std::size_t i = 0; i < static_cast<std::size_t>(start.count); ++i)
-    corners.push_back(corner_at(guest, host, start.guest[i], start.host[i]));
+    corners.push_back(corner_at(body_a, body_b, start.body_a[i], start.body_b[i]));
   if (!corners.empty()) return Candidates(corners).run(0);
   const bool usable = norm_1(start.direction) > 0 && std::isfinite(norm_1(start.direction));
   Nearest nearest;
@@ -133,13 +133,13 @@ Nearest beginning(const PosedPolytope& guest, const PosedPolytope& host, const P
 
 // Termination: unless the loop answers, the new corner is lower along the direction than the nearest point. The next
 // nearest point is mixed from it and others, and is nearer. At the true nearest point one of the two tests answers.
-ExactAnswer decide_exactly(const PosedPolytope& guest, const PosedPolytope& host, const Proximity& start) {
-  const Dyadic inflation_radius = Dyadic(guest.body->inflation_radius) + Dyadic(host.body->inflation_radius),
+ExactAnswer decide_exactly(const PosedPolytope& body_a, const PosedPolytope& body_b, const Proximity& start) {
+  const Dyadic inflation_radius = Dyadic(body_a.body->inflation_radius) + Dyadic(body_b.body->inflation_radius),
                square = inflation_radius * inflation_radius;
-  Nearest nearest = beginning(guest, host, start);
+  Nearest nearest = beginning(body_a, body_b, start);
   for (;;) {
     if (!nearest.corners.empty() && within(nearest, square)) return shared_answer(nearest);
-    Corner corner = furthest_against(guest, host, nearest.direction);
+    Corner corner = furthest_against(body_a, body_b, nearest.direction);
     if (exceeds(dot(nearest.direction, corner.point), nearest.direction, square)) {
       ExactAnswer answer;
       answer.direction = std::move(nearest.direction);

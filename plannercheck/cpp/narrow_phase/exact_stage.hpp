@@ -16,18 +16,18 @@ namespace plannercheck {
 
 struct ExactAnswer {
   bool shared = false;
-  // If separated: a direction from host to guest. Its least product with p − r over the hulls exceeds |direction| times
+  // If separated: a direction from B to A. Its least product with p − r over the hulls exceeds |direction| times
   // both inflation radii.
   DyadicVec3 direction;
-  // If shared: the distance of the points Σ weight (guest vertex) and Σ weight (host vertex) in the world is at most
+  // If shared: the distance of the points Σ weight (A vertex) and Σ weight (B vertex) in the world is at most
   // the sum of the inflation radii; weights > 0, not normalised.
   int count = 0;
-  std::array<std::int32_t, 4> guest, host;
+  std::array<std::int32_t, 4> body_a, body_b;
   std::array<Dyadic, 4> weight;
 };
 
 // `start`: an undecided answer of a filter, or just a world direction. Any will do; the nearer its vertices are, or the
 // better its direction separates, the sooner the answer comes.
-ExactAnswer decide_exactly(const PosedPolytope& guest, const PosedPolytope& host, const Proximity& start);
+ExactAnswer decide_exactly(const PosedPolytope& body_a, const PosedPolytope& body_b, const Proximity& start);
 
 }  // namespace plannercheck

@@ -78,26 +78,26 @@ class FourPoses {
 // Tells far pairs apart four at a time, by the operations of CentreAxis.
 class FarPairs {
  public:
-  FarPairs(const Polytope& guest, const Polytope& host)
-      : guest_centre_(guest.centre),
-        host_centre_(host.centre),
-        origin_radii_(guest.origin_radius + host.origin_radius),
-        radii_((guest.radius + host.radius) + (guest.inflation_radius + host.inflation_radius)) {}
+  FarPairs(const Polytope& body_a, const Polytope& body_b)
+      : centre_a_(body_a.centre),
+        centre_b_(body_b.centre),
+        origin_radii_(body_a.origin_radius + body_b.origin_radius),
+        radii_((body_a.radius + body_b.radius) + (body_a.inflation_radius + body_b.inflation_radius)) {}
 
   // Bit k: whether pair k is far.
-  unsigned bits(const FourPoses& guest, const FourPoses& host) const {
-    const Double4 x = between(guest, host, 0), y = between(guest, host, 1), z = between(guest, host, 2);
-    const Double4 rounding = CentreAxis::rounding(origin_radii_, guest.translation(), host.translation());
+  unsigned bits(const FourPoses& body_a, const FourPoses& body_b) const {
+    const Double4 x = between(body_a, body_b, 0), y = between(body_a, body_b, 1), z = between(body_a, body_b, 2);
+    const Double4 rounding = CentreAxis::rounding(origin_radii_, body_a.translation(), body_b.translation());
     const Double4 room = CentreAxis::room_of_balls(radii_, rounding);
     return double4_bits(x * x + y * y + z * z > room * room);
   }
 
  private:
-  Vec3 guest_centre_, host_centre_;
+  Vec3 centre_a_, centre_b_;
   double origin_radii_, radii_;
 
-  Double4 between(const FourPoses& guest, const FourPoses& host, std::size_t row) const {
-    return guest.apply(guest_centre_, row) - host.apply(host_centre_, row);
+  Double4 between(const FourPoses& body_a, const FourPoses& body_b, std::size_t row) const {
+    return body_a.apply(centre_a_, row) - body_b.apply(centre_b_, row);
   }
 };
 
@@ -107,20 +107,20 @@ constexpr std::size_t kLookedAt = 1024;
 // The pairs of a batch that need a test.
 class GivenBatch final : public PairBatch {
  public:
-  GivenBatch(const GivenPoses& guest, const GivenPoses& host, bool* shared)
-      : guest_(guest), host_(host), shared_(shared) {}
+  GivenBatch(const GivenPoses& body_a, const GivenPoses& body_b, bool* shared)
+      : body_a_(body_a), body_b_(body_b), shared_(shared) {}
 
   std::size_t count() const { return count_; }
   void add(std::size_t pair) { pairs_[count_++] = pair; }
   void clear() { count_ = 0; }
 
-  PosedPolytope guest(std::size_t i) const override { return posed(guest_, pairs_[i]); }
-  PosedPolytope host(std::size_t i) const override { return posed(host_, pairs_[i]); }
+  PosedPolytope body_a(std::size_t i) const override { return posed(body_a_, pairs_[i]); }
+  PosedPolytope body_b(std::size_t i) const override { return posed(body_b_, pairs_[i]); }
   void take(std::size_t i, const PairVerdict& verdict) override { shared_[pairs_[i]] = verdict.shared; }
   void take_far(std::size_t i, const CentreAxis&) override { shared_[pairs_[i]] = false; }
 
  private:
-  const GivenPoses &guest_, &host_;
+  const GivenPoses &body_a_, &body_b_;
   bool* shared_;
   std::array<std::size_t, kLookedAt> pairs_;
   std::size_t count_ = 0;
@@ -135,29 +135,30 @@ class GivenBatch final : public PairBatch {
 // Checks the poses of a batch, and answers for far pairs.
 class Lookout {
  public:
-  Lookout(const GivenPoses& guest, const GivenPoses& host, double tolerance, const PairOptions& options, bool* shared)
-      : guest_(guest),
-        host_(host),
+  Lookout(const GivenPoses& body_a, const GivenPoses& body_b, double tolerance, const PairOptions& options,
+          bool* shared)
+      : body_a_(body_a),
+        body_b_(body_b),
         tolerance_(tolerance),
         tells_far_(options.centre_axis && options.solver != Solver::kExact),
-        far_(*guest.body, *host.body),
+        far_(*body_a.body, *body_b.body),
         shared_(shared) {}
 
   // Hands the pairs from `start` on that are not far to the batch; false if a pose is not surely rigid.
   bool look(std::size_t start, std::size_t past, GivenBatch& batch) const {
     std::size_t i = start;
     for (; i + 4 <= past; i += 4) {
-      const FourPoses guest(guest_, i), host(host_, i);
-      if (!guest.all_rigid(tolerance_) || !host.all_rigid(tolerance_)) [[unlikely]]
+      const FourPoses body_a(body_a_, i), body_b(body_b_, i);
+      if (!body_a.all_rigid(tolerance_) || !body_b.all_rigid(tolerance_)) [[unlikely]]
         return false;
-      const unsigned far = tells_far_ ? far_.bits(guest, host) : 0;
+      const unsigned far = tells_far_ ? far_.bits(body_a, body_b) : 0;
       std::memset(shared_ + i, 0, 4 * sizeof *shared_);
       for (unsigned close = ~far & 0b1111U; close != 0; close &= close - 1)
         batch.add(i + static_cast<std::size_t>(__builtin_ctz(close)));
     }
     for (; i < past; ++i) {
-      if (!is_surely_rigid(guest_.matrices + i * guest_.step, tolerance_) ||
-          !is_surely_rigid(host_.matrices + i * host_.step, tolerance_))
+      if (!is_surely_rigid(body_a_.matrices + i * body_a_.step, tolerance_) ||
+          !is_surely_rigid(body_b_.matrices + i * body_b_.step, tolerance_))
         return false;
       batch.add(i);
     }
@@ -165,7 +166,7 @@ class Lookout {
   }
 
  private:
-  const GivenPoses &guest_, &host_;
+  const GivenPoses &body_a_, &body_b_;
   double tolerance_;
   bool tells_far_;
   FarPairs far_;
@@ -192,16 +193,16 @@ bool is_surely_rigid(const double* m, double tolerance) {
 
 bool test_given_poses(const GivenPoses& a, const GivenPoses& b, std::size_t n, double tolerance,
                       const PairOptions& options, bool* shared) {
-  const bool a_hosts = choose_host(*a.body, *b.body) == 0;
-  const GivenPoses &guest = a_hosts ? b : a, &host = a_hosts ? a : b;
-  const Lookout lookout(guest, host, tolerance, options, shared);
-  GivenBatch batch(guest, host, shared);
+  const bool first_is_b = choose_b(*a.body, *b.body) == 0;
+  const GivenPoses &body_a = first_is_b ? b : a, &body_b = first_is_b ? a : b;
+  const Lookout lookout(body_a, body_b, tolerance, options, shared);
+  GivenBatch batch(body_a, body_b, shared);
   PairCounters counters;
   for (std::size_t start = 0; start < n; start += kLookedAt) {
     poll_interruption();
     batch.clear();
     if (!lookout.look(start, std::min(start + kLookedAt, n), batch)) return false;
-    test_pairs(*guest.body, *host.body, batch.count(), options, batch, counters);
+    test_pairs(*body_a.body, *body_b.body, batch.count(), options, batch, counters);
   }
   return true;
 }

@@ -30,8 +30,8 @@ constexpr double kVolume = 16 * 0x1p-53;
 constexpr double kInflationAlong = 1 + 4 * 0x1p-53, kNormAbove = 1 + 8 * 0x1p-53;
 
 struct Corner {
-  Vec3 difference, guest;  // guest vertex − host vertex relative to both translations; the guest vertex in the world
-  std::int32_t guest_vertex, host_vertex;
+  Vec3 difference, body_a;  // A vertex − B vertex relative to both translations; A vertex in the world
+  std::int32_t vertex_a, vertex_b;
 };
 
 // The mixture of some vectors: vector(i) with weight[i].
@@ -50,8 +50,8 @@ struct Simplex {
   Vec3 nearest() const {
     return mixed(count, weight, [&](std::size_t i) { return corner[i].difference; });
   }
-  Vec3 on_guest() const {
-    return mixed(count, weight, [&](std::size_t i) { return corner[i].guest; });
+  Vec3 on_body_a() const {
+    return mixed(count, weight, [&](std::size_t i) { return corner[i].body_a; });
   }
 };
 
@@ -152,14 +152,14 @@ bool surely_inside(const Simplex& s, double error) {
 
 class NearestPoints {
  public:
-  NearestPoints(const PosedPolytope& guest, const PosedPolytope& host, PairCounters& counters, bool dents = false)
-      : guest_(guest),
-        host_(host),
+  NearestPoints(const PosedPolytope& body_a, const PosedPolytope& body_b, PairCounters& counters, bool dents = false)
+      : body_a_(body_a),
+        body_b_(body_b),
         counters_(counters),
-        shift_(guest.pose.translation() - host.pose.translation()),
+        shift_(body_a.pose.translation() - body_b.pose.translation()),
         dents_(dents) {
-    inflation_radius_ = guest.body->inflation_radius + host.body->inflation_radius;
-    const double size = guest.body->origin_radius + host.body->origin_radius + norm_1(shift_);
+    inflation_radius_ = body_a.body->inflation_radius + body_b.body->inflation_radius;
+    const double size = body_a.body->origin_radius + body_b.body->origin_radius + norm_1(shift_);
     difference_error_ = kDifference * size + kDenormalError;
     support_error_ = kSupport * size + kDenormalError;
   }
@@ -179,11 +179,11 @@ class NearestPoints {
 
   LowestDifference lowest(Vec3 direction) {
     const Corner corner = furthest_against(direction);
-    return {dot(direction, corner.difference) - support_error_, corner.guest};
+    return {dot(direction, corner.difference) - support_error_, corner.body_a};
   }
 
  private:
-  const PosedPolytope &guest_, &host_;
+  const PosedPolytope &body_a_, &body_b_;
   PairCounters& counters_;
   Vec3 shift_;
   double inflation_radius_;
@@ -193,8 +193,8 @@ class NearestPoints {
   static Proximity with_corners(Proximity out, const Simplex& simplex) {
     out.count = simplex.count;
     for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
-      out.guest[i] = simplex.corner[i].guest_vertex;
-      out.host[i] = simplex.corner[i].host_vertex;
+      out.body_a[i] = simplex.corner[i].vertex_a;
+      out.body_b[i] = simplex.corner[i].vertex_b;
     }
     return out;
   }
@@ -229,8 +229,8 @@ class NearestPoints {
       if (simplex.count == 4) return out;  // the origin is inside, as far as doubles tell
       direction = simplex.nearest();
       out.upper = norm_at_any_scale(direction) + 2 * difference_error_;
-      out.on_guest = simplex.on_guest();
-      out.on_host = out.on_guest - direction;
+      out.on_body_a = simplex.on_body_a();
+      out.on_body_b = out.on_body_a - direction;
       if (goal.met(out)) return out;
     }
     return out;
@@ -261,12 +261,13 @@ class NearestPoints {
   }
 
   Corner furthest_against(Vec3 d) {
-    ++counters_.guest_queries, ++counters_.host_queries;
+    ++counters_.queries_a, ++counters_.queries_b;
     const auto p =
-        static_cast<std::size_t>(extreme(guest_.body->inner, -guest_.pose.rotate_back(d), counters_.queries));
-    const auto r = static_cast<std::size_t>(extreme(host_.body->inner, host_.pose.rotate_back(d), counters_.queries));
-    const Vec3 turned = guest_.pose.rotate(guest_.body->inner.points[p]);
-    return {(turned - host_.pose.rotate(host_.body->inner.points[r])) + shift_, turned + guest_.pose.translation(),
+        static_cast<std::size_t>(extreme(body_a_.body->inner, -body_a_.pose.rotate_back(d), counters_.queries));
+    const auto r =
+        static_cast<std::size_t>(extreme(body_b_.body->inner, body_b_.pose.rotate_back(d), counters_.queries));
+    const Vec3 turned = body_a_.pose.rotate(body_a_.body->inner.points[p]);
+    return {(turned - body_b_.pose.rotate(body_b_.body->inner.points[r])) + shift_, turned + body_a_.pose.translation(),
             static_cast<std::int32_t>(p), static_cast<std::int32_t>(r)};
   }
 
@@ -279,7 +280,7 @@ class NearestPoints {
       const double error = kMixedAbove * body.polar_radius * body.radius;
       return (1 - scale_past_dents(body, y, error)) * norm(y) * kDentStretch + kMixedAbove * body.radius;
     };
-    return reach(*guest_.body, &Corner::guest_vertex) + reach(*host_.body, &Corner::host_vertex);
+    return reach(*body_a_.body, &Corner::vertex_a) + reach(*body_b_.body, &Corner::vertex_b);
   }
 
   // Mixing four corners errs by 4u more of their size, the sum of weights by 4u: twice kDifference covers both.
@@ -289,27 +290,27 @@ class NearestPoints {
                         (!dents_ || length + reach_past_dents(simplex) < inflation_radius_);
     if (!within && !(simplex.count == 4 && !dents_ && surely_inside(simplex, difference_error_))) return false;
     out.answer = Answer::kShared;
-    const double part = inflation_radius_ > 0 ? guest_.body->inflation_radius / inflation_radius_ : 0;
-    out.point = simplex.on_guest() - part * v;
+    const double part = inflation_radius_ > 0 ? body_a_.body->inflation_radius / inflation_radius_ : 0;
+    out.point = simplex.on_body_a() - part * v;
     return true;
   }
 };
 
 }  // namespace
 
-Proximity nearest_points(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters,
+Proximity nearest_points(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 hint, PairCounters& counters,
                          bool dents) {
-  return NearestPoints(guest, host, counters, dents).run(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0});
+  return NearestPoints(body_a, body_b, counters, dents).run(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0});
 }
 
-HullDistance hull_distance(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, const DistanceGoal& goal,
-                           PairCounters& counters) {
-  return NearestPoints(guest, host, counters).distance(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0}, goal);
+HullDistance hull_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 hint,
+                           const DistanceGoal& goal, PairCounters& counters) {
+  return NearestPoints(body_a, body_b, counters).distance(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0}, goal);
 }
 
-LowestDifference lowest_difference(const PosedPolytope& guest, const PosedPolytope& host, Vec3 direction,
+LowestDifference lowest_difference(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 direction,
                                    PairCounters& counters) {
-  return NearestPoints(guest, host, counters).lowest(direction);
+  return NearestPoints(body_a, body_b, counters).lowest(direction);
 }
 
 }  // namespace plannercheck

@@ -12,20 +12,20 @@ namespace plannercheck {
 
 struct Proximity {
   Answer answer = Answer::kUndecided;
-  Vec3 direction;      // in the world, from host to guest: normal of a separating plane, or the best found
+  Vec3 direction;      // in the world, from B to A: normal of a separating plane, or the best found
   Vec3 direction_low;  // its low part in double-double; 0 if found in doubles
   Vec3 point;          // in the world: a shared point, if there is one
   // Pairs of vertices whose differences mix the nearest point found, or a shared point.
   int count = 0;
-  std::array<std::int32_t, 4> guest, host;
+  std::array<std::int32_t, 4> body_a, body_b;
 };
 
 // The distance of two hulls without their inflation radii, in m, between proved bounds.
 struct HullDistance {
   double lower = 0, upper = std::numeric_limits<double>::infinity();
-  Vec3 direction;          // in the world, from host to guest, of length 1 up to rounding: proves the lower bound
-  Vec3 on_guest, on_host;  // points in the world that are `upper` apart, up to rounding
-  Proximity start;         // the vertices behind them, for the next stage
+  Vec3 direction;             // in the world, from B to A, of length 1 up to rounding: proves the lower bound
+  Vec3 on_body_a, on_body_b;  // points in the world that are `upper` apart, up to rounding
+  Proximity start;            // the vertices behind them, for the next stage
 };
 
 // A distance is known well enough if its bounds are within `relative` of max(lower − inflation radius, least) or beyond
@@ -41,20 +41,20 @@ struct DistanceGoal {
 };
 
 // The bounds that doubles can prove.
-HullDistance hull_distance(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, const DistanceGoal& goal,
-                           PairCounters& counters);
+HullDistance hull_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 hint,
+                           const DistanceGoal& goal, PairCounters& counters);
 
-// The lowest difference of vertices along a direction of the world, from host to guest, of length 1 up to rounding.
+// The lowest difference of vertices along a direction of the world, from B to A, of length 1 up to rounding.
 struct LowestDifference {
-  double height;      // along the direction, less the rounding allowed
-  Vec3 guest_vertex;  // in the world
+  double height;  // along the direction, less the rounding allowed
+  Vec3 vertex_a;  // in the world
 };
-LowestDifference lowest_difference(const PosedPolytope& guest, const PosedPolytope& host, Vec3 direction,
+LowestDifference lowest_difference(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 direction,
                                    PairCounters& counters);
 
 // `hint`: a world direction to begin with. `dents`: points have to be within the inflation radius past the dents of
 // both bodies; hulls that share a point do not count, then.
-Proximity nearest_points(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters,
+Proximity nearest_points(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 hint, PairCounters& counters,
                          bool dents = false);
 
 }  // namespace plannercheck

@@ -58,42 +58,42 @@ bool scale_to_one(DoubleDoubleVec3& v) {
 
 // A point of each body's frame from which its vertices are taken.
 struct Origins {
-  Vec3 guest, host;
+  Vec3 body_a, body_b;
   double radii;            // of balls around both points that hold the bodies' vertices, added up, m
-  DoubleDoubleVec3 apart;  // guest's − host's in the world, m
+  DoubleDoubleVec3 apart;  // A's − B's in the world, m
 };
 
-Origins origins_of_frames(const PosedPolytope& guest, const PosedPolytope& host) {
-  const double radii = guest.body->origin_radius + host.body->origin_radius;
-  return {{}, {}, radii, difference(guest.pose.translation(), host.pose.translation())};
+Origins origins_of_frames(const PosedPolytope& body_a, const PosedPolytope& body_b) {
+  const double radii = body_a.body->origin_radius + body_b.body->origin_radius;
+  return {{}, {}, radii, difference(body_a.pose.translation(), body_b.pose.translation())};
 }
 
 // Vertices, so that lengths are those of the bodies and of the gap between them, wherever their frames are: large
 // coordinates cancel before anything is rounded.
-Origins origins_at_vertices(const PosedPolytope& guest, const PosedPolytope& host) {
-  const Vec3 a = guest.body->inner.points.front(), b = host.body->inner.points.front();
-  const DyadicVec3 apart = apply_exactly(guest.pose, a) - apply_exactly(host.pose, b);
-  const double radii = 2 * (guest.body->radius + host.body->radius);
+Origins origins_at_vertices(const PosedPolytope& body_a, const PosedPolytope& body_b) {
+  const Vec3 a = body_a.body->inner.points.front(), b = body_b.body->inner.points.front();
+  const DyadicVec3 apart = apply_exactly(body_a.pose, a) - apply_exactly(body_b.pose, b);
+  const double radii = 2 * (body_a.body->radius + body_b.body->radius);
   return {a, b, radii, {to_double_double(apart.x), to_double_double(apart.y), to_double_double(apart.z)}};
 }
 
 class FineNearestPoints {
  public:
-  FineNearestPoints(const PosedPolytope& guest, const PosedPolytope& host, const Origins& origins,
+  FineNearestPoints(const PosedPolytope& body_a, const PosedPolytope& body_b, const Origins& origins,
                     PairCounters& counters)
-      : guest_(guest),
-        host_(host),
+      : body_a_(body_a),
+        body_b_(body_b),
         counters_(counters),
-        guest_origin_(origins.guest),
-        host_origin_(origins.host),
+        origin_a_(origins.body_a),
+        origin_b_(origins.body_b),
         length_(origins.radii +
-                (norm_1(rounded(origins.apart)) + (guest.body->inflation_radius + host.body->inflation_radius))) {
+                (norm_1(rounded(origins.apart)) + (body_a.body->inflation_radius + body_b.body->inflation_radius))) {
     in_range_ = length_ > 0 && length_ < kLargestFineSize;
     if (!in_range_) return;
     to_units_ = std::ldexp(1.0, std::min(-std::ilogb(length_), kMostScaled));
     size_ = length_ * to_units_;
     shift_ = scaled(origins.apart, to_units_);
-    inflation_radius_ = two_sum(guest.body->inflation_radius * to_units_, host.body->inflation_radius * to_units_);
+    inflation_radius_ = two_sum(body_a.body->inflation_radius * to_units_, body_b.body->inflation_radius * to_units_);
   }
 
   // All bounds are in proportion to it, m.
@@ -131,9 +131,9 @@ class FineNearestPoints {
   }
 
  private:
-  const PosedPolytope &guest_, &host_;
+  const PosedPolytope &body_a_, &body_b_;
   PairCounters& counters_;
-  Vec3 guest_origin_, host_origin_;
+  Vec3 origin_a_, origin_b_;
   double length_;
   DoubleDoubleVec3 shift_;
   DoubleDouble inflation_radius_{};
@@ -155,21 +155,21 @@ class FineNearestPoints {
   void measure(HullDistance& found) const {
     DoubleDoubleVec3 mixture{};
     double whole = 0;
-    Vec3 on_guest, on_host;
+    Vec3 on_body_a, on_body_b;
     const double largest = largest_weight();
     for (std::size_t i = 0; i < static_cast<std::size_t>(simplex_.count); ++i) {
       const DoubleDouble w{simplex_.weight[i].high / largest, simplex_.weight[i].low / largest};
       const FineCorner& corner = simplex_.corner[i];
       mixture = mixture + w * corner.difference;
       whole += w.high;
-      on_guest = on_guest + w.high * guest_.pose.apply(guest_.body->inner.points[at(corner.guest)]);
-      on_host = on_host + w.high * host_.pose.apply(host_.body->inner.points[at(corner.host)]);
+      on_body_a = on_body_a + w.high * body_a_.pose.apply(body_a_.body->inner.points[at(corner.body_a)]);
+      on_body_b = on_body_b + w.high * body_b_.pose.apply(body_b_.body->inner.points[at(corner.body_b)]);
     }
     const double length = norm_at_any_scale(rounded(mixture)) / whole;
     const double upper = (length * (1 + kLengthRounding) + kMixing * size_) / to_units_ + kDenormalError;
     if (!(upper < found.upper)) return;
     found.upper = upper;
-    found.on_guest = (1 / whole) * on_guest, found.on_host = (1 / whole) * on_host;
+    found.on_body_a = (1 / whole) * on_body_a, found.on_body_b = (1 / whole) * on_body_b;
   }
 
   // Asks for corners until one proves the bodies apart, the corners prove that they meet, or there is no progress.
@@ -191,12 +191,12 @@ class FineNearestPoints {
   void load(const Proximity& start) {
     simplex_.count = start.count;
     for (std::size_t i = 0; i < static_cast<std::size_t>(start.count); ++i)
-      simplex_.corner[i] = corner_at(start.guest[i], start.host[i]);
+      simplex_.corner[i] = corner_at(start.body_a[i], start.body_b[i]);
   }
 
   bool holds(const FineCorner& corner) const {
     for (std::size_t i = 0; i < static_cast<std::size_t>(simplex_.count); ++i) {
-      if (simplex_.corner[i].guest == corner.guest && simplex_.corner[i].host == corner.host) return true;
+      if (simplex_.corner[i].body_a == corner.body_a && simplex_.corner[i].body_b == corner.body_b) return true;
     }
     return false;
   }
@@ -217,7 +217,7 @@ class FineNearestPoints {
   }
 
   FineCorner corner_at(std::int32_t p, std::int32_t r) const {
-    return {p, r, (turn(guest_, p, guest_origin_) - turn(host_, r, host_origin_)) + shift_};
+    return {p, r, (turn(body_a_, p, origin_a_) - turn(body_b_, r, origin_b_)) + shift_};
   }
 
   // M v of a body's vertex, from an origin, in units.
@@ -241,9 +241,9 @@ class FineNearestPoints {
   }
 
   FineCorner furthest_against(const DoubleDoubleVec3& d) {
-    ++counters_.guest_queries, ++counters_.host_queries;
-    return corner_at(extreme(guest_.body->inner, FineDirection(-turn_back(guest_.pose, d))),
-                     extreme(host_.body->inner, FineDirection(turn_back(host_.pose, d))));
+    ++counters_.queries_a, ++counters_.queries_b;
+    return corner_at(extreme(body_a_.body->inner, FineDirection(-turn_back(body_a_.pose, d))),
+                     extreme(body_b_.body->inner, FineDirection(turn_back(body_b_.pose, d))));
   }
 
   // Whether the height surely exceeds |d| times the inflation radius, both being known up to (b).
@@ -303,44 +303,44 @@ class FineNearestPoints {
     out.direction_low = {towards.x.low, towards.y.low, towards.z.low};
     out.count = simplex_.count;
     for (std::size_t i = 0; i < static_cast<std::size_t>(simplex_.count); ++i) {
-      out.guest[i] = simplex_.corner[i].guest;
-      out.host[i] = simplex_.corner[i].host;
+      out.body_a[i] = simplex_.corner[i].body_a;
+      out.body_b[i] = simplex_.corner[i].body_b;
     }
     if (answer_ == Answer::kShared) out.point = shared_point();
     return out;
   }
 
-  // The point between the guest's mixture and the host's, in proportion to the inflation radii; rounded.
+  // The point between A's mixture and B's, in proportion to the inflation radii; rounded.
   Vec3 shared_point() const {
-    Vec3 on_guest, apart;
+    Vec3 on_body_a, apart;
     double whole = 0;
     const double largest = largest_weight();
     for (std::size_t i = 0; i < static_cast<std::size_t>(simplex_.count); ++i) {
       const double w = simplex_.weight[i].high / largest;
-      const auto vertex = static_cast<std::size_t>(simplex_.corner[i].guest);
-      on_guest = on_guest + w * guest_.pose.apply(guest_.body->inner.points[vertex]);
+      const auto vertex = static_cast<std::size_t>(simplex_.corner[i].body_a);
+      on_body_a = on_body_a + w * body_a_.pose.apply(body_a_.body->inner.points[vertex]);
       apart = apart + (w / to_units_) * rounded(simplex_.corner[i].difference);
       whole += w;
     }
     const double part =
-        positive(inflation_radius_) ? guest_.body->inflation_radius * to_units_ / inflation_radius_.high : 0;
-    return (1 / whole) * (on_guest - part * apart);
+        positive(inflation_radius_) ? body_a_.body->inflation_radius * to_units_ / inflation_radius_.high : 0;
+    return (1 / whole) * (on_body_a - part * apart);
   }
 };
 
 }  // namespace
 
-Proximity nearest_points_double_double(const PosedPolytope& guest, const PosedPolytope& host, const Proximity& start,
+Proximity nearest_points_double_double(const PosedPolytope& body_a, const PosedPolytope& body_b, const Proximity& start,
                                        PairCounters& counters) {
-  return FineNearestPoints(guest, host, origins_of_frames(guest, host), counters).run(start);
+  return FineNearestPoints(body_a, body_b, origins_of_frames(body_a, body_b), counters).run(start);
 }
 
-HullDistance hull_distance_double_double(const PosedPolytope& guest, const PosedPolytope& host,
+HullDistance hull_distance_double_double(const PosedPolytope& body_a, const PosedPolytope& body_b,
                                          const HullDistance& found, const DistanceGoal& goal, PairCounters& counters) {
-  FineNearestPoints about_frames(guest, host, origins_of_frames(guest, host), counters);
+  FineNearestPoints about_frames(body_a, body_b, origins_of_frames(body_a, body_b), counters);
   const HullDistance out = about_frames.distance(found, goal);
   if (goal.met(out) || !(about_frames.length() < kLargestFineSize)) return out;
-  FineNearestPoints about_vertices(guest, host, origins_at_vertices(guest, host), counters);
+  FineNearestPoints about_vertices(body_a, body_b, origins_at_vertices(body_a, body_b), counters);
   return about_vertices.length() < about_frames.length() ? about_vertices.distance(out, goal) : out;
 }
 

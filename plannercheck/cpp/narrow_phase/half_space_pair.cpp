@@ -63,7 +63,7 @@ class Heights {
 
   // The vertex nearest to the plane, up to the error.
   Vec3 lowest(PairCounters& counters) const {
-    ++counters.guest_queries;
+    ++counters.queries_a;
     const Vec3 against = -body_.pose.rotate_back(plane_.normal);
     return body_.body->inner.points[at(extreme(body_.body->inner, against, counters.queries))];
   }
@@ -194,8 +194,8 @@ PairDistance hull_distance_over(const PosedPolytope& half_space, const PosedPoly
   }
   const Vec3 lowest = body.pose.apply(least.vertex);
   const double height = (least.lower + least.upper) / 2;
-  out.on_guest = lowest - body.body->inflation_radius * normal;
-  out.on_host = lowest - (height - half_space.body->inflation_radius) * normal;
+  out.on_body_a = lowest - body.body->inflation_radius * normal;
+  out.on_body_b = lowest - (height - half_space.body->inflation_radius) * normal;
   out.direction = normal;
   return out;
 }
@@ -219,10 +219,10 @@ PlaneContact half_space_contact(const PosedPolytope& a, const PosedPolytope& b, 
   return is_half_space(b) ? PlaneContact{true, -1} : body_meets_half_space(a, b, counters);
 }
 
-PairDistance half_space_distance(const PosedPolytope& guest, const PosedPolytope& host, PairCounters& counters) {
-  if (is_half_space(host)) return distance_over(host, guest, counters);
-  PairDistance out = distance_over(guest, host, counters);
-  std::swap(out.on_guest, out.on_host);
+PairDistance half_space_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, PairCounters& counters) {
+  if (is_half_space(body_b)) return distance_over(body_b, body_a, counters);
+  PairDistance out = distance_over(body_a, body_b, counters);
+  std::swap(out.on_body_a, out.on_body_b);
   out.direction = -out.direction;
   return out;
 }

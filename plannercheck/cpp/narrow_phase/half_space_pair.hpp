@@ -23,7 +23,7 @@ struct PlaneContact {
 PlaneContact half_space_contact(const PosedPolytope& a, const PosedPolytope& b, PairCounters& counters);
 
 // The distance, or the depth: both are those along the plane's normal, and no shorter way separates the bodies.
-PairDistance half_space_distance(const PosedPolytope& guest, const PosedPolytope& host, PairCounters& counters);
+PairDistance half_space_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, PairCounters& counters);
 
 // A proved lower bound of how far the other body, without its inflation radius, is over the plane, m.
 double height_over(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters);

@@ -9,9 +9,9 @@
 namespace plannercheck {
 namespace {
 
-PairVerdict exact_verdict(const PosedPolytope& guest, const PosedPolytope& host, const Proximity& start) {
+PairVerdict exact_verdict(const PosedPolytope& body_a, const PosedPolytope& body_b, const Proximity& start) {
   PairVerdict verdict;
-  verdict.exact = decide_exactly(guest, host, start);
+  verdict.exact = decide_exactly(body_a, body_b, start);
   verdict.shared = verdict.exact->shared;
   verdict.stage = Stage::kExact;
   return verdict;
@@ -40,36 +40,38 @@ PairVerdict open_verdict() {
 }
 
 // The stage after the solver where dents count: hulls that share a point may be the bodies' only if they are inflated.
-PairVerdict between_dents(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters) {
-  if (guest.body->inflation_radius + host.body->inflation_radius == 0) return open_verdict();
-  const Proximity found = nearest_points(guest, host, hint, counters, true);
+PairVerdict within_hull_excess(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 hint,
+                               PairCounters& counters) {
+  if (body_a.body->inflation_radius + body_b.body->inflation_radius == 0) return open_verdict();
+  const Proximity found = nearest_points(body_a, body_b, hint, counters, true);
   return found.answer == Answer::kUndecided ? open_verdict() : near_verdict(found, Stage::kNearest);
 }
 
 // Says of a verdict of hulls whether it is that of the bodies. What filters and solvers find is deeper than dents, and
 // what centres and vertices tell holds for bodies with dents as well, which hold both.
-void settle(const PosedPolytope& guest, const PosedPolytope& host, const PairOptions& options, PairVerdict& verdict) {
+void settle(const PosedPolytope& body_a, const PosedPolytope& body_b, const PairOptions& options,
+            PairVerdict& verdict) {
   if (!verdict.shared) return;
   const bool dents_count = options.dents && verdict.stage <= Stage::kNearest;
   verdict.settles &=
-      dents_count ? fill_their_hulls(guest, host) : guest.body->dents.deepest + host.body->dents.deepest == 0;
+      dents_count ? equal_their_hulls(body_a, body_b) : body_a.body->dents.deepest + body_b.body->dents.deepest == 0;
 }
 
 // The stages that need no polar: nearest points in doubles, then in double-double, then exact arithmetic.
-PairVerdict without_polar(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, const PairOptions& options,
-                          PairCounters& counters) {
-  if (options.dents && have_dents(guest, host)) return between_dents(guest, host, hint, counters);
+PairVerdict without_polar(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 hint,
+                          const PairOptions& options, PairCounters& counters) {
+  if (options.dents && have_dents(body_a, body_b)) return within_hull_excess(body_a, body_b, hint, counters);
   Proximity found = along(hint);
   if (options.nearest_points) {
-    found = nearest_points(guest, host, hint, counters);
+    found = nearest_points(body_a, body_b, hint, counters);
     if (found.answer != Answer::kUndecided) return near_verdict(found, Stage::kNearest);
   }
   if (!options.warm_start) found = along(found.direction);
   if (options.double_double) {
-    found = nearest_points_double_double(guest, host, found, counters);
+    found = nearest_points_double_double(body_a, body_b, found, counters);
     if (found.answer != Answer::kUndecided) return near_verdict(found, Stage::kDoubleDouble);
   }
-  return exact_verdict(guest, host, options.warm_start ? found : along(found.direction));
+  return exact_verdict(body_a, body_b, options.warm_start ? found : along(found.direction));
 }
 
 // In O(log n + log m) steps, whichever the solver: the oracle has a constant number of rounds, after which the walk
@@ -82,17 +84,18 @@ Certificate solver_certificate(const PairFrame& frame, std::int32_t lowest, Solv
 }
 
 // The stages that cost a game: the solver, then, where it does not apply or decide, the stages without a polar.
-PairVerdict solved(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, std::int32_t lowest,
-                   const CentreAxis& axis, const PairOptions& options, PairMemory* memory, PairCounters& counters) {
-  if (!host.body->has_polar()) return without_polar(guest, host, axis.direction(), options, counters);
+PairVerdict solved(const PosedPolytope& body_a, const PosedPolytope& body_b, const PairFrame& frame,
+                   std::int32_t lowest, const CentreAxis& axis, const PairOptions& options, PairMemory* memory,
+                   PairCounters& counters) {
+  if (!body_b.body->has_polar()) return without_polar(body_a, body_b, axis.direction(), options, counters);
   const Certificate certificate = solver_certificate(frame, lowest, options.solver, counters);
   if (certificate.answer != Answer::kUndecided) return certified(certificate, memory);
-  return without_polar(guest, host, host.pose.rotate(certificate.q), options, counters);
+  return without_polar(body_a, body_b, body_b.pose.rotate(certificate.q), options, counters);
 }
 
 // What is kept for the next poses of this pair; null where nothing is.
-PairMemory* kept(const Polytope& host, const PairOptions& options, PairMemory* memory) {
-  return options.cached_plane && host.has_polar() ? memory : nullptr;
+PairMemory* kept(const Polytope& body_b, const PairOptions& options, PairMemory* memory) {
+  return options.cached_plane && body_b.has_polar() ? memory : nullptr;
 }
 
 // Whether the plane that separated this pair at earlier poses separates it now.
@@ -100,13 +103,13 @@ PairMemory* kept(const Polytope& host, const PairOptions& options, PairMemory* m
                                                PairCounters& counters) {
   if (memory == nullptr || !memory->plane.valid) return false;
   const auto& [q, mixtures, valid] = memory->plane;
-  ++counters.guest_queries;
-  const std::int32_t p = extreme(frame.guest().inner, frame.guest_direction(q), counters.queries);
-  return frame.separates(q, dot(q, frame.guest_vertex(p)), mixtures);
+  ++counters.queries_a;
+  const std::int32_t p = extreme(frame.body_a().inner, frame.direction_a(q), counters.queries);
+  return frame.separates(q, dot(q, frame.vertex_a(p)), mixtures);
 }
 
 Certificate by_box_face(const PairFrame& frame, const PairOptions& options, PairCounters& counters) {
-  return options.box_face && frame.host().has_polar() ? box_face(frame, counters) : Certificate{};
+  return options.box_face && frame.body_b().has_polar() ? box_face(frame, counters) : Certificate{};
 }
 
 PairVerdict cached(const CachedPlane& plane) {
@@ -134,45 +137,45 @@ PairVerdict certified(const Certificate& certificate, PairMemory* memory) {
   return verdict;
 }
 
-int choose_host(const Polytope& a, const Polytope& b) { return conditioning(b) <= conditioning(a) ? 1 : 0; }
+int choose_b(const Polytope& a, const Polytope& b) { return conditioning(b) <= conditioning(a) ? 1 : 0; }
 
-PairVerdict test_pair(const PosedPolytope& guest, const PosedPolytope& host, const PairOptions& options,
+PairVerdict test_pair(const PosedPolytope& body_a, const PosedPolytope& body_b, const PairOptions& options,
                       PairMemory* memory, PairCounters& counters) {
-  CentreAxis axis(guest, host);
-  if (!is_far(axis, options)) return test_close_pair(guest, host, axis, options, memory, counters);
-  memory = kept(*host.body, options, memory);
+  CentreAxis axis(body_a, body_b);
+  if (!is_far(axis, options)) return test_close_pair(body_a, body_b, axis, options, memory, counters);
+  memory = kept(*body_b.body, options, memory);
   return certified(axis.separated(memory != nullptr), memory);
 }
 
 namespace {
 
-PairVerdict close_hulls_verdict(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis,
+PairVerdict close_hulls_verdict(const PosedPolytope& body_a, const PosedPolytope& body_b, CentreAxis& axis,
                                 const PairOptions& options, PairMemory* memory, PairCounters& counters) {
-  if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
-  memory = kept(*host.body, options, memory);
+  if (options.solver == Solver::kExact) return exact_verdict(body_a, body_b, along(axis.direction()));
+  memory = kept(*body_b.body, options, memory);
   std::int32_t lowest = 0;
   if (options.centre_axis) {
     if (options.turned_axis) axis.turn();
     const Certificate found = axis.decide(memory != nullptr, &lowest, counters);
     if (found.answer != Answer::kUndecided) return certified(found, memory);
   }
-  const PairFrame frame(guest, host, options.dents);
+  const PairFrame frame(body_a, body_b, options.dents);
   if (plane_holds(frame, memory, counters)) return cached(memory->plane);
-  return solved(guest, host, frame, lowest, axis, options, memory, counters);
+  return solved(body_a, body_b, frame, lowest, axis, options, memory, counters);
 }
 
-PairVerdict hulls_verdict(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, bool likely,
+PairVerdict hulls_verdict(const PosedPolytope& body_a, const PosedPolytope& body_b, const PairFrame& frame, bool likely,
                           const PairOptions& options, PairMemory* memory, PairCounters& counters) {
   if (options.solver == Solver::kExact) {
-    return exact_verdict(guest, host, along(CentreAxis(guest, host).direction()));
+    return exact_verdict(body_a, body_b, along(CentreAxis(body_a, body_b).direction()));
   }
-  memory = kept(*host.body, options, memory);
+  memory = kept(*body_b.body, options, memory);
   if (plane_holds(frame, memory, counters)) return cached(memory->plane);
   if (!likely) {
     const Certificate found = by_box_face(frame, options, counters);
     if (found.answer != Answer::kUndecided) return certified(found, memory);
   }
-  CentreAxis axis(guest, host);
+  CentreAxis axis(body_a, body_b);
   std::int32_t lowest = 0;
   if (likely && !axis.has_inflation_radius()) {
     lowest = axis.nearly_lowest(counters);
@@ -181,22 +184,22 @@ PairVerdict hulls_verdict(const PosedPolytope& guest, const PosedPolytope& host,
     const Certificate found = axis.decide(memory != nullptr, &lowest, counters);
     if (found.answer != Answer::kUndecided) return certified(found, memory);
   }
-  return solved(guest, host, frame, lowest, axis, options, memory, counters);
+  return solved(body_a, body_b, frame, lowest, axis, options, memory, counters);
 }
 
 }  // namespace
 
-PairVerdict test_close_pair(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis,
+PairVerdict test_close_pair(const PosedPolytope& body_a, const PosedPolytope& body_b, CentreAxis& axis,
                             const PairOptions& options, PairMemory* memory, PairCounters& counters) {
-  PairVerdict verdict = close_hulls_verdict(guest, host, axis, options, memory, counters);
-  settle(guest, host, options, verdict);
+  PairVerdict verdict = close_hulls_verdict(body_a, body_b, axis, options, memory, counters);
+  settle(body_a, body_b, options, verdict);
   return verdict;
 }
 
-PairVerdict test_pair(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, bool likely,
+PairVerdict test_pair(const PosedPolytope& body_a, const PosedPolytope& body_b, const PairFrame& frame, bool likely,
                       const PairOptions& options, PairMemory* memory, PairCounters& counters) {
-  PairVerdict verdict = hulls_verdict(guest, host, frame, likely, options, memory, counters);
-  settle(guest, host, options, verdict);
+  PairVerdict verdict = hulls_verdict(body_a, body_b, frame, likely, options, memory, counters);
+  settle(body_a, body_b, options, verdict);
   return verdict;
 }
 

@@ -28,7 +28,7 @@ struct PairOptions {
   bool part_trees = true;      // of sets of parts; boxes around several bodies; looks at heights under them
 };
 
-// The plane that separated a pair last time, in the host's frame.
+// The plane that separated a pair last time, in B's frame.
 struct CachedPlane {
   Vec3 q;
   std::int32_t mixtures = 0;
@@ -54,13 +54,13 @@ struct PairVerdict {
 // The verdict of a certificate that is not undecided; caches its plane.
 PairVerdict certified(const Certificate& certificate, PairMemory* memory);
 
-// The body whose polar is better conditioned hosts: 0 for `a`, 1 for `b`. Bodies without volume have none.
-int choose_host(const Polytope& a, const Polytope& b);
+// The body whose polar is better conditioned B: 0 for `a`, 1 for `b`. Bodies without volume have none.
+int choose_b(const Polytope& a, const Polytope& b);
 
 // `likely`: most poses of this pair share a point, so such a certificate is sought first. Verdicts do not depend on it.
-PairVerdict test_pair(const PosedPolytope& guest, const PosedPolytope& host, const PairFrame& frame, bool likely,
+PairVerdict test_pair(const PosedPolytope& body_a, const PosedPolytope& body_b, const PairFrame& frame, bool likely,
                       const PairOptions& options, PairMemory* memory, PairCounters& counters);
-PairVerdict test_pair(const PosedPolytope& guest, const PosedPolytope& host, const PairOptions& options,
+PairVerdict test_pair(const PosedPolytope& body_a, const PosedPolytope& body_b, const PairOptions& options,
                       PairMemory* memory, PairCounters& counters);
 
 // Whether the balls around the centres are apart, and options allow to decide by them; takes no support query.
@@ -68,7 +68,7 @@ inline bool is_far(const CentreAxis& axis, const PairOptions& options) {
   return options.centre_axis && options.solver != Solver::kExact && axis.separates_balls();
 }
 // The test of a pair for which `is_far` is false. `axis` may be turned.
-PairVerdict test_close_pair(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis,
+PairVerdict test_close_pair(const PosedPolytope& body_a, const PosedPolytope& body_b, CentreAxis& axis,
                             const PairOptions& options, PairMemory* memory, PairCounters& counters);
 
 }  // namespace plannercheck

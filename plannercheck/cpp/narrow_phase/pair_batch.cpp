@@ -23,18 +23,18 @@ PairVerdict told(bool shared) {
   return verdict;
 }
 
-PairVerdict of_hulls(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis, BatchPair& pair) {
-  return test_close_pair(guest, host, axis, pair.options, pair.memory, pair.counters);
+PairVerdict of_hulls(const PosedPolytope& body_a, const PosedPolytope& body_b, CentreAxis& axis, BatchPair& pair) {
+  return test_close_pair(body_a, body_b, axis, pair.options, pair.memory, pair.counters);
 }
 
 // The hulls of a pair of solids that is no far one.
 class CloseHulls final : public HullTest {
  public:
-  CloseHulls(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis, BatchPair& pair)
-      : guest_(guest), host_(host), axis_(axis), pair_(pair) {}
+  CloseHulls(const PosedPolytope& body_a, const PosedPolytope& body_b, CentreAxis& axis, BatchPair& pair)
+      : body_a_(body_a), body_b_(body_b), axis_(axis), pair_(pair) {}
 
   bool share() override {
-    verdict_ = of_hulls(guest_, host_, axis_, pair_);
+    verdict_ = of_hulls(body_a_, body_b_, axis_, pair_);
     return verdict_.shared;
   }
 
@@ -44,26 +44,26 @@ class CloseHulls final : public HullTest {
   const PairVerdict& verdict() const { return verdict_; }
 
  private:
-  const PosedPolytope &guest_, &host_;
+  const PosedPolytope &body_a_, &body_b_;
   CentreAxis& axis_;
   BatchPair& pair_;
   PairVerdict verdict_;
 };
 
 // Hulls that share a point are not the last word.
-PairVerdict of_solids(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis, BatchPair& pair) {
-  if (pair.options.trees_first && inner_shapes_overlap(guest, host)) return told(true);
-  CloseHulls hulls(guest, host, axis, pair);
-  const bool shared = solids_share_with(guest, host, hulls, pair.options.trees_first, pair.history, pair.counters);
+PairVerdict of_solids(const PosedPolytope& body_a, const PosedPolytope& body_b, CentreAxis& axis, BatchPair& pair) {
+  if (pair.options.trees_first && inner_shapes_overlap(body_a, body_b)) return told(true);
+  CloseHulls hulls(body_a, body_b, axis, pair);
+  const bool shared = solids_share_with(body_a, body_b, hulls, pair.options.trees_first, pair.history, pair.counters);
   PairVerdict verdict = hulls.verdict();
   verdict.shared = shared;
   return verdict;
 }
 
 // Whose hulls say nothing.
-PairVerdict without_hulls(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis&, BatchPair& pair) {
+PairVerdict without_hulls(const PosedPolytope& body_a, const PosedPolytope& body_b, CentreAxis&, BatchPair& pair) {
   SolidContact& last = pair.history.contact;
-  const SolidContact found = kernel_of(guest, host).contact(guest, host, last, pair.counters, {}, nullptr);
+  const SolidContact found = kernel_of(body_a, body_b).contact(body_a, body_b, last, pair.counters, {}, nullptr);
   if (found) last = found;
   return told(static_cast<bool>(found));
 }
@@ -73,14 +73,14 @@ constexpr KindTable<PairVerdict (*)(const PosedPolytope&, const PosedPolytope&, 
 
 }  // namespace
 
-void test_pairs(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
+void test_pairs(const Polytope& body_a, const Polytope& body_b, std::size_t pairs, const PairOptions& options,
                 PairBatch& batch, PairCounters& counters) {
   PairMemory memory;
-  BatchPair pair{options, options.cached_plane && host.has_polar() ? &memory : nullptr, counters};
-  const auto test = kTests[kind_of(guest, host)];
+  BatchPair pair{options, options.cached_plane && body_b.has_polar() ? &memory : nullptr, counters};
+  const auto test = kTests[kind_of(body_a, body_b)];
   for (std::size_t i = 0; i < pairs; ++i) {
     poll_interruption();
-    const PosedPolytope a = batch.guest(i), b = batch.host(i);
+    const PosedPolytope a = batch.body_a(i), b = batch.body_b(i);
     CentreAxis axis(a, b);
     if (is_far(axis, options)) {
       batch.take_far(i, axis);

@@ -10,8 +10,8 @@ namespace plannercheck {
 // Where poses come from and verdicts go to.
 class PairBatch {
  public:
-  virtual PosedPolytope guest(std::size_t i) const = 0;
-  virtual PosedPolytope host(std::size_t i) const = 0;
+  virtual PosedPolytope body_a(std::size_t i) const = 0;
+  virtual PosedPolytope body_b(std::size_t i) const = 0;
   virtual void take(std::size_t i, const PairVerdict& verdict) = 0;
   // For bodies whose balls are apart, which are many: batches that need no certificate replace this. No plane is kept
   // of them, since the next pose tries the same axis before a kept plane.
@@ -22,7 +22,7 @@ class PairBatch {
 };
 
 // Tests the same two bodies at all poses, one after another.
-void test_pairs(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
+void test_pairs(const Polytope& body_a, const Polytope& body_b, std::size_t pairs, const PairOptions& options,
                 PairBatch& batch, PairCounters& counters);
 
 }  // namespace plannercheck

@@ -1,8 +1,8 @@
-// One pair of posed bodies, A in B's frame, the certificates and their proven error bounds. A is the guest, whose
-// vertices are asked for; B is the host, which is known by its polar.
+// One pair of posed bodies, A in B's frame, the certificates and their proven error bounds. A is A, whose
+// vertices are asked for; B is B, which is known by its polar.
 //
-// The polar describes the host R: R = {x : q·x <= 1 for all polar points q}, in R's frame relative to its centre. The
-// guest P is the hull of its vertices, M p + t under the relative pose. In that frame this game decides:
+// The polar describes B R: R = {x : q·x <= 1 for all polar points q}, in R's frame relative to its centre. The
+// A P is the hull of its vertices, M p + t under the relative pose. In that frame this game decides:
 //     v = min over x in P of max over q in conv(polar) of q·x
 // If v > 1, the plane q·x = 1 separates the bodies; if v <= 1, they share the point x (Theorem "Polarity of polyhedra";
 // both polars are implicit in the game). Inflated bodies share a point if the distance of their hulls is at most the
@@ -23,12 +23,12 @@ struct PosedPolytope {
 };
 
 // Whether what the bodies hold is known by their hulls: these are the bodies, or the bodies but for shallow dents.
-inline bool fill_their_hulls(const PosedPolytope& a, const PosedPolytope& b) {
+inline bool equal_their_hulls(const PosedPolytope& a, const PosedPolytope& b) {
   return a.body->dents.are_known() && b.body->dents.are_known();
 }
 // Whether there are such dents.
 inline bool have_dents(const PosedPolytope& a, const PosedPolytope& b) {
-  return larger(a.body->dents.deepest, b.body->dents.deepest) > 0 && fill_their_hulls(a, b);
+  return larger(a.body->dents.deepest, b.body->dents.deepest) > 0 && equal_their_hulls(a, b);
 }
 // Poses stretch lengths by less than this.
 inline constexpr double kDentStretch = 1 + 1e-5;
@@ -43,7 +43,7 @@ enum class Answer { kSeparated, kShared, kUndecided };
 enum class Stage { kCachedPlane, kBoxFace, kCentreAxis, kSolver, kNearest, kDoubleDouble, kExact };
 inline constexpr std::size_t kStages = 7;
 
-// In the host's frame relative to its centre: a plane q·x = 1 beyond which P lies, or a point x of both bodies.
+// In B's frame relative to its centre: a plane q·x = 1 beyond which P lies, or a point x of both bodies.
 struct Certificate {
   Answer answer = Answer::kUndecided;
   Stage stage = Stage::kSolver;
@@ -61,12 +61,12 @@ inline Certificate separated_by(Vec3 q, Stage stage) {
 
 struct PairCounters {
   QueryCounters queries;
-  long guest_queries = 0, host_queries = 0, games = 0, rounds = 0;
+  long queries_a = 0, queries_b = 0, games = 0, rounds = 0;
 };
 
 inline PairCounters& operator+=(PairCounters& sum, const PairCounters& more) {
   sum.queries.blocks += more.queries.blocks, sum.queries.exact += more.queries.exact;
-  sum.guest_queries += more.guest_queries, sum.host_queries += more.host_queries;
+  sum.queries_a += more.queries_a, sum.queries_b += more.queries_b;
   sum.games += more.games, sum.rounds += more.rounds;
   return sum;
 }
@@ -78,56 +78,56 @@ inline constexpr double kAxisDefect = 8e-6;
 class PairFrame {
  public:
   // Keeps no poses. `dents`: whether those of bodies count.
-  PairFrame(const PosedPolytope& guest, const PosedPolytope& host, bool dents = false);
+  PairFrame(const PosedPolytope& body_a, const PosedPolytope& body_b, bool dents = false);
 
-  const Polytope& guest() const { return *guest_; }
-  const Polytope& host() const { return *host_; }
+  const Polytope& body_a() const { return *body_a_; }
+  const Polytope& body_b() const { return *body_b_; }
 
-  Vec3 guest_point(Vec3 in_guest) const { return map(in_guest); }
-  Vec3 guest_vertex(std::int32_t v) const { return map(guest().inner.points[static_cast<std::size_t>(v)]); }
-  Vec3 guest_centre() const { return map(guest().centre); }
-  Vec3 polar_point(std::int32_t k) const { return host().polar.points[static_cast<std::size_t>(k)]; }
+  Vec3 point_a(Vec3 in_a) const { return map(in_a); }
+  Vec3 vertex_a(std::int32_t v) const { return map(body_a().inner.points[static_cast<std::size_t>(v)]); }
+  Vec3 centre_a() const { return map(body_a().centre); }
+  Vec3 polar_point(std::int32_t k) const { return body_b().polar.points[static_cast<std::size_t>(k)]; }
 
-  // Map guest points into this frame: the rows of M_Rᵀ M_P, and the shift that is added.
+  // Map A points into this frame: the rows of M_Rᵀ M_P, and the shift that is added.
   const std::array<double, 9>& rotation() const { return m_; }
   Vec3 shift() const { return shift_; }
   // An upper bound of ‖M_RᵀM_R − 1‖.
   double defect() const { return defect_; }
 
-  // How far a coordinate of the guest may be off in this frame, with room for a few operations on it; and how much more
-  // for each m that the guest reaches further from its frame's origin.
+  // How far a coordinate of A may be off in this frame, with room for a few operations on it; and how much more
+  // for each m that A reaches further from its frame's origin.
   double pose_error() const { return pose_error_; }
   double pose_error_growth() const;
 
-  // The point of the guest's box nearest to the host's centre, up to rounding: a likely shared point of bodies that
+  // The point of A's box nearest to B's centre, up to rounding: a likely shared point of bodies that
   // overlap. Rounding never takes it out of the box.
-  Vec3 guest_box_point() const;
+  Vec3 box_point_a() const;
 
-  // The direction, in the guest's frame, whose extreme vertex has the least q·x.
-  Vec3 guest_direction(Vec3 q) const;
+  // The direction, in A's frame, whose extreme vertex has the least q·x.
+  Vec3 direction_a(Vec3 q) const;
 
   // Whether a plane along two edges of the bodies' boxes separates both boxes, whatever the rounding: a face plane of
   // one box, or one along an edge of each.
   bool boxes_apart() const;
 
-  // Whether q proves the bodies apart. `value`: the least q·x over the guest's vertices, by `extreme`. Over R, q·x is
+  // Whether q proves the bodies apart. `value`: the least q·x over A's vertices, by `extreme`. Over R, q·x is
   // at most 1 up to rounding, since q is a mixture of at most 8 polar points, or of 16 points in each of `mixtures`
   // games. The distance along q is (value − 1) / |q|.
   bool separates(Vec3 q, double value, long mixtures = 0) const {
     return value > 1 + error(mixtures) + (inflation_radius_ > 0 ? inflation_radius_ * norm(q) * (1 + 8 * 0x1p-53) : 0);
   }
-  // Whether R contains x, such a mixture of guest vertices. `value`: the largest q·x over polar points, by `extreme`.
+  // Whether R contains x, such a mixture of A vertices. `value`: the largest q·x over polar points, by `extreme`.
   bool contains(double value, long mixtures = 0) const { return value < 1 - error(mixtures); }
 
   // Whether a point of both hulls has to be past the dents of both bodies to tell anything.
   bool has_dents() const { return has_dents_; }
-  // The point of the guest's hull nearest to x, towards the guest's centre, that is past the guest's dents.
-  Vec3 past_guest_dents(Vec3 x) const;
-  // Whether such a point is past the host's dents.
-  bool is_past_host_dents(Vec3 x, double value, long mixtures) const;
+  // The point of A's hull nearest to x, towards A's centre, that is past A's dents.
+  Vec3 past_dents_of_a(Vec3 x) const;
+  // Whether such a point is past B's dents.
+  bool is_past_dents_of_b(Vec3 x, double value, long mixtures) const;
 
  private:
-  const Polytope *guest_, *host_;
+  const Polytope *body_a_, *body_b_;
   std::array<double, 9> m_;
   Vec3 shift_;  // M_Rᵀ (t_P − t_R) − centre
   double defect_;
@@ -136,7 +136,7 @@ class PairFrame {
   bool has_dents_;
   double inflation_radius_;  // of both bodies, rounded up and stretched by how far the pose may be off rigid
 
-  bool boxes_apart_at_edges(Vec3 between, Vec3 guest_half, Vec3 host_half, double room) const;
+  bool boxes_apart_at_edges(Vec3 between, Vec3 half_a, Vec3 half_b, double room) const;
 
   double error(long mixtures) const { return error_ + static_cast<double>(mixtures) * mixture_error_; }
 

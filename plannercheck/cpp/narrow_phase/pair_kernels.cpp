@@ -41,26 +41,27 @@ bool shares(const PosedPolytope& a, const PosedPolytope& b, const PairOptions& o
   return static_cast<bool>(contact(a, b, {}, counters, of_contact, nullptr));
 }
 
-PairDistance sets_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, double least,
+PairDistance sets_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit, double least,
                            PairCounters& counters) {
-  return parts_distance(guest, host, limit, least, counters);
+  return parts_distance(body_a, body_b, limit, least, counters);
 }
 
 // That of the hulls is a lower bound; where the bodies share a point, it is the depth.
 template <Contact contact, auto distance>
-PairDistance past_hulls(const PosedPolytope& guest, const PosedPolytope& host, double limit, PairCounters& counters) {
-  const PairDistance hulls = convex_distance(guest, host, limit, counters);
-  if (hulls.lower > limit || (hulls.overlap && contact(guest, host, {}, counters, {}, nullptr))) return hulls;
-  return distance(guest, host, limit, hulls.lower, counters);
+PairDistance past_hulls(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
+                        PairCounters& counters) {
+  const PairDistance hulls = convex_distance(body_a, body_b, limit, counters);
+  if (hulls.lower > limit || (hulls.overlap && contact(body_a, body_b, {}, counters, {}, nullptr))) return hulls;
+  return distance(body_a, body_b, limit, hulls.lower, counters);
 }
 
-PairDistance distance_over_plane(const PosedPolytope& guest, const PosedPolytope& host, double,
+PairDistance distance_over_plane(const PosedPolytope& body_a, const PosedPolytope& body_b, double,
                                  PairCounters& counters) {
-  return half_space_distance(guest, host, counters);
+  return half_space_distance(body_a, body_b, counters);
 }
 
-double bound_over_plane(const PosedPolytope& guest, const PosedPolytope& host, int, PairCounters& counters) {
-  return half_space_distance(guest, host, counters).lower;
+double bound_over_plane(const PosedPolytope& body_a, const PosedPolytope& body_b, int, PairCounters& counters) {
+  return half_space_distance(body_a, body_b, counters).lower;
 }
 
 }  // namespace
@@ -71,13 +72,13 @@ const KindTable<PairKernel> kPairKernels{
     {shares<sets_contact>, sets_contact, past_hulls<sets_contact, sets_distance>, convex_bound},
     {shares<plane_contact>, plane_contact, distance_over_plane, bound_over_plane}};
 
-PairDistance pair_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit,
+PairDistance pair_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
                            PairCounters& counters) {
-  return kernel_of(guest, host).distance(guest, host, limit, counters);
+  return kernel_of(body_a, body_b).distance(body_a, body_b, limit, counters);
 }
 
-double distance_bound(const PosedPolytope& guest, const PosedPolytope& host, int rounds, PairCounters& counters) {
-  return kernel_of(guest, host).bound(guest, host, rounds, counters);
+double distance_bound(const PosedPolytope& body_a, const PosedPolytope& body_b, int rounds, PairCounters& counters) {
+  return kernel_of(body_a, body_b).bound(body_a, body_b, rounds, counters);
 }
 
 }  // namespace plannercheck

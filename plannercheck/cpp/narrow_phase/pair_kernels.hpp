@@ -11,14 +11,15 @@
 namespace plannercheck {
 
 struct PairKernel {
-  // Whether two bodies share a point. `b` hosts, see choose_host; verdicts do not depend on it.
+  // Whether two bodies share a point. `b` B, see choose_b; verdicts do not depend on it.
   bool (*share)(const PosedPolytope& a, const PosedPolytope& b, const PairOptions& options, PairCounters& counters);
   // What they share. `guess`: where the pair met last; it only saves time.
   SolidContact (*contact)(const PosedPolytope& a, const PosedPolytope& b, const SolidContact& guess,
                           PairCounters& counters, const SolidOptions& options, SolidCounters* counted);
   // See pair_distance and distance_bound.
-  PairDistance (*distance)(const PosedPolytope& guest, const PosedPolytope& host, double limit, PairCounters& counters);
-  double (*bound)(const PosedPolytope& guest, const PosedPolytope& host, int rounds, PairCounters& counters);
+  PairDistance (*distance)(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
+                           PairCounters& counters);
+  double (*bound)(const PosedPolytope& body_a, const PosedPolytope& body_b, int rounds, PairCounters& counters);
 };
 
 extern const KindTable<PairKernel> kPairKernels;

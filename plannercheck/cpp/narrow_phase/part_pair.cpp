@@ -32,8 +32,8 @@ PartBodies& part_bodies() {
 }
 
 PairVerdict convex_contact(const PosedPolytope& part, const PosedPolytope& body, PairCounters& counters) {
-  const bool hosts = choose_host(*part.body, *body.body) == 1;
-  return hosts ? test_pair(part, body, {}, nullptr, counters) : test_pair(body, part, {}, nullptr, counters);
+  const bool indices_b = choose_b(*part.body, *body.body) == 1;
+  return indices_b ? test_pair(part, body, {}, nullptr, counters) : test_pair(body, part, {}, nullptr, counters);
 }
 
 // Whether one part, posed as its set, shares a point with a body that is no set.
@@ -213,9 +213,9 @@ class PartsDistance {
         limit_(limit),
         counters_(counters) {}
 
-  // `guest` is the set or the body: the way in which directions and points are given.
-  PairDistance run(bool set_is_guest, bool trees = true) {
-    set_is_guest_ = set_is_guest;
+  // `A` is the set or the body: the way in which directions and points are given.
+  PairDistance run(bool set_is_a, bool trees = true) {
+    set_is_a_ = set_is_a;
     if (!trees) {
       for (std::size_t leaf = 0; leaf < parts_.leaf_count(); ++leaf) measure(leaf);
       return best_;
@@ -248,7 +248,7 @@ class PartsDistance {
   PartWalk walk_;
   double limit_;
   PairCounters& counters_;
-  bool set_is_guest_ = false;
+  bool set_is_a_ = false;
   std::priority_queue<Waiting> waiting_;
   PairDistance best_ = nothing_near();
 
@@ -276,28 +276,27 @@ class PartsDistance {
     if (body_.body->kind() != Kind::kHull) {
       const Polytope part = polytope_of(shape, set_.body->inflation_radius);
       const PosedPolytope posed{&part, set_.pose};
-      return set_is_guest_ ? pair_distance(posed, body_, limit, counters_)
-                           : pair_distance(body_, posed, limit, counters_);
+      return set_is_a_ ? pair_distance(posed, body_, limit, counters_) : pair_distance(body_, posed, limit, counters_);
     }
     filled.fill(shape, set_.body->inflation_radius);
     const PosedPolytope posed{&filled.body(), set_.pose};
-    return set_is_guest_ ? convex_distance(posed, body_, limit, counters_)
-                         : convex_distance(body_, posed, limit, counters_);
+    return set_is_a_ ? convex_distance(posed, body_, limit, counters_)
+                     : convex_distance(body_, posed, limit, counters_);
   }
 };
 
 // Of two sets: the least over the parts of the first one, one after another.
-PairDistance sets_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, PairCounters& counters,
-                           bool trees) {
-  const PartSet& parts = guest.body->as<PartSet>();
+PairDistance sets_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
+                           PairCounters& counters, bool trees) {
+  const PartSet& parts = body_a.body->as<PartSet>();
   PairDistance best = nothing_near();
   for (std::size_t place = 0; place < parts.leaf_count() * kPartsInLeaf; ++place) {
     const PartShape shape = parts.shape(place);
     if (shape.corners == 0) continue;
     PartBody filled;
-    filled.fill(shape, guest.body->inflation_radius);
-    const PosedPolytope posed{&filled.body(), guest.pose};
-    take(PartsDistance(host, posed, smaller(limit, best.upper), counters).run(false, trees), best);
+    filled.fill(shape, body_a.body->inflation_radius);
+    const PosedPolytope posed{&filled.body(), body_a.pose};
+    take(PartsDistance(body_b, posed, smaller(limit, best.upper), counters).run(false, trees), best);
   }
   return best;
 }
@@ -325,13 +324,13 @@ bool parts_are_far(const PosedBox& box, const PosedPolytope& set, double limit) 
   return !walk.any_leaf([](std::size_t, unsigned) { return true; });
 }
 
-PairDistance parts_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, double least,
+PairDistance parts_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit, double least,
                             PairCounters& counters, bool trees) {
-  const Sets sets = sets_of(*guest.body, *host.body);
-  PairDistance found =
-      sets.both
-          ? sets_distance(guest, host, limit, counters, trees)
-          : PartsDistance(sets.first ? guest : host, sets.first ? host : guest, limit, counters).run(sets.first, trees);
+  const Sets sets = sets_of(*body_a.body, *body_b.body);
+  PairDistance found = sets.both
+                           ? sets_distance(body_a, body_b, limit, counters, trees)
+                           : PartsDistance(sets.first ? body_a : body_b, sets.first ? body_b : body_a, limit, counters)
+                                 .run(sets.first, trees);
   found.lower = larger(found.lower, least);
   return found;
 }

@@ -29,7 +29,7 @@ bool parts_are_far(const PosedBox& box, const PosedPolytope& set, double limit);
 
 // Of two bodies that share no point. `limit`: as for pair_distance. `least`: a lower bound that is known. `trees`: as
 // for parts_contact.
-PairDistance parts_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, double least,
+PairDistance parts_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit, double least,
                             PairCounters& counters, bool trees = true);
 
 }  // namespace plannercheck

@@ -93,7 +93,7 @@ void PartWalk::keep_direction() {
   PairCounters& counters = *std::exchange(counters_, nullptr);
   const Vec3 direction = unit(way_);
   if (!(dot(direction, direction) > 0)) return;  // of no length, or not finite
-  ++counters.guest_queries;
+  ++counters.queries_a;
   const std::int32_t last = extreme(body_->inner, direction, counters.queries);
   const auto entry = [&](std::size_t i) {
     return dot({turn_.entry(i, 0), turn_.entry(i, 1), turn_.entry(i, 2)}, direction);

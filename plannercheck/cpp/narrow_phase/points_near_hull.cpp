@@ -71,7 +71,7 @@ PointsNearHull::PointsNearHull(const PosedPolytope& body, const Pose& frame, boo
   if (body.body->dimension > 1) return;
   const std::vector<Vec3>& ends = body.body->inner.points;
   segment_from_ = ends.front() - body.body->centre;
-  segment_way_ = ends.back() - ends.front();
+  segment_direction_ = ends.back() - ends.front();
 }
 
 PointsNearHull::LanePoints PointsNearHull::in_lanes(const double* x, const double* y, const double* z,
@@ -123,7 +123,7 @@ void PointsNearHull::by_ball_and_box(const LanePoints& p, Verdicts& verdicts) co
 // A point of the segment is a witness if it is near. If it is the nearest one, as it is up to rounding, the plane
 // through it, perpendicular to the way to the point, keeps both ends away.
 void PointsNearHull::by_segment(const LanePoints& p, Verdicts& verdicts) const {
-  const Vec3 a = segment_from_, w = segment_way_;
+  const Vec3 a = segment_from_, w = segment_direction_;
   const double square = dot(w, w), inverse = square > 0 ? 1 / square : 0;
   EightNumbers towards_a, towards_b, length;
   for (std::size_t g = 0; g < kGroups; ++g) {
@@ -162,7 +162,7 @@ void PointsNearHull::by_facets(const LanePoints& p, Verdicts& verdicts, PairCoun
     const int k = __builtin_ctz(left);
     const unsigned bit = 1U << k;
     const Vec3 point = p.point(k);
-    ++counters.host_queries;
+    ++counters.queries_b;
     const Vec3 q = body.polar.points[at(extreme(body.polar, point, counters.queries))];
     const double error = number_at(p.error, k), value = dot(q, point) + body.polar_radius * error;
     const double beyond = (norm(point) + error) * (1 - 1 / value) * (1 + kReachRounding);
@@ -187,14 +187,14 @@ void PointsNearHull::decide(const LanePoints& points, Verdicts& verdicts, PairCo
 }
 
 bool PointsNearHull::is_near(Vec3 point, double radius, PairCounters& counters) {
-  const PosedPolytope guest{&ball_at(point, radius), frame_};
+  const PosedPolytope body_a{&ball_at(point, radius), frame_};
   if (filters_) {
-    const Vec3 towards = guest.pose.apply(point) - body_.pose.apply(body_.body->centre);
-    const Proximity found = nearest_points(guest, body_, towards, counters);
+    const Vec3 towards = body_a.pose.apply(point) - body_.pose.apply(body_.body->centre);
+    const Proximity found = nearest_points(body_a, body_, towards, counters);
     if (found.answer == Answer::kSeparated) beyond_ = body_.pose.rotate_back(found.direction);
     if (found.answer != Answer::kUndecided) return found.answer == Answer::kShared;
   }
-  return test_pair(guest, body_, {}, nullptr, counters).shared;
+  return test_pair(body_a, body_, {}, nullptr, counters).shared;
 }
 
 unsigned PointsNearHull::maybe_near(const double* x, const double* y, const double* z, const double* radii,
@@ -209,7 +209,7 @@ unsigned PointsNearHull::near(const double* x, const double* y, const double* z,
                               PairCounters& counters) {
   Verdicts verdicts;
   verdicts.open = (1U << count) - 1;
-  beyond_ = to_body_.guest_point({x[0], y[0], z[0]});
+  beyond_ = to_body_.point_a({x[0], y[0], z[0]});
   if (filters_) decide(given(x, y, z, radii, count), verdicts, counters);
   for (unsigned left = verdicts.open; left != 0; left &= left - 1) {
     const int k = __builtin_ctz(left);

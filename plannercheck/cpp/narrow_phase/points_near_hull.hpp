@@ -40,9 +40,9 @@ class PointsNearHull {
   Pose frame_;
   bool filters_;
   PairFrame to_body_;
-  double error_, error_growth_;      // of a coordinate in the body's frame: for the origin, and for each m of |point|_1
-  Vec3 segment_from_, segment_way_;  // of points and segments, relative to the centre
-  Vec3 last_plane_;                  // a facet, beyond which points were found; 0 if none was
+  double error_, error_growth_;  // of a coordinate in the body's frame: for the origin, and for each m of |point|_1
+  Vec3 segment_from_, segment_direction_;  // of points and segments, relative to the centre
+  Vec3 last_plane_;                        // a facet, beyond which points were found; 0 if none was
   Vec3 beyond_;
 
   LanePoints in_lanes(const double* x, const double* y, const double* z, const double* radii) const;

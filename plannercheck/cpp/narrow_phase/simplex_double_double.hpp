@@ -14,8 +14,8 @@
 namespace plannercheck {
 
 struct FineCorner {
-  std::int32_t guest, host;
-  DoubleDoubleVec3 difference;  // guest vertex − host vertex in the world, in units
+  std::int32_t body_a, body_b;
+  DoubleDoubleVec3 difference;  // A vertex − B vertex in the world, in units
 };
 
 // The hull of some corners with the weights of its point nearest to the origin.

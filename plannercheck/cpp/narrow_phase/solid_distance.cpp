@@ -105,9 +105,9 @@ class DistanceSearch {
 
 }  // namespace
 
-PairDistance solid_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, double least,
+PairDistance solid_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit, double least,
                             PairCounters& counters) {
-  PairDistance found = DistanceSearch(guest, host, limit, counters).run();
+  PairDistance found = DistanceSearch(body_a, body_b, limit, counters).run();
   found.overlap = false;
   found.lower = larger(found.lower, larger(least, 0));
   return found;

@@ -10,7 +10,7 @@
 namespace plannercheck {
 
 // `limit`: as for pair_distance. `least`: a lower bound that is known; none is below it.
-PairDistance solid_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, double least,
+PairDistance solid_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit, double least,
                             PairCounters& counters);
 
 }  // namespace plannercheck

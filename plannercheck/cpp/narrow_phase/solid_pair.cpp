@@ -249,7 +249,7 @@ SolidContact triangles_contact(const PosedPolytope& a, const PosedPolytope& b, c
 bool solids_share_with(const PosedPolytope& a, const PosedPolytope& b, HullTest& hulls, bool trees_first,
                        SolidHistory& history, PairCounters& counters) {
   SolidContact found;
-  if (fill_their_hulls(a, b)) {
+  if (equal_their_hulls(a, b)) {
     if (!hulls.share()) return false;
     if (hulls.settled()) return true;
     found = triangles_contact(a, b, history.contact, counters);

@@ -1,7 +1,7 @@
 // Three places on a cyclic array, in order, and the part of the array that is left: first the whole cycle, cut in
 // three; later the chain from the first place to the last, with nothing between the last and the first.
 //
-// The walk of polygon_test.cpp narrows two of these: the guest's vertices and the host's edges.
+// The walk of polygon_test.cpp narrows two of these: A's vertices and B's edges.
 #pragma once
 
 #include <array>

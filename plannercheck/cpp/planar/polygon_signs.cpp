@@ -67,28 +67,29 @@ Vec2<Number> turned(const PlanarPose& pose, const Vec2<Number>& v) {
           exactly<Number>(pose.m[3]) * v.x + exactly<Number>(pose.m[4]) * v.y};
 }
 
-// The guest's vertex relative to the host's origin.
+// A's vertex relative to B's origin.
 template <class Number>
-Vec2<Number> place(const PosedPolygon& guest, const PosedPolygon& host, std::size_t k) {
-  const Vec2<Number> offset{exact_difference<Number>(guest.pose.m[2], host.pose.m[2]),
-                            exact_difference<Number>(guest.pose.m[5], host.pose.m[5])};
-  return turned(guest.pose, vertex<Number>(guest.shape, k)) + offset;
+Vec2<Number> place(const PosedPolygon& body_a, const PosedPolygon& body_b, std::size_t k) {
+  const Vec2<Number> offset{exact_difference<Number>(body_a.pose.m[2], body_b.pose.m[2]),
+                            exact_difference<Number>(body_a.pose.m[5], body_b.pose.m[5])};
+  return turned(body_a.pose, vertex<Number>(body_a.shape, k)) + offset;
 }
 
 template <class Number>
-Number side_of(const PosedPolygon& guest, const PosedPolygon& host, double turn, const HostLine& line, std::size_t k) {
-  const Vec2<Number> way = turned(host.pose, between<Number>(host.shape, line.from, line.to));
-  const Vec2<Number> base = turned(host.pose, vertex<Number>(host.shape, line.from));
-  const Number side = cross(way, place<Number>(guest, host, k) - base);
+Number side_of(const PosedPolygon& body_a, const PosedPolygon& body_b, double turn, const LineOfB& line,
+               std::size_t k) {
+  const Vec2<Number> way = turned(body_b.pose, between<Number>(body_b.shape, line.from, line.to));
+  const Vec2<Number> base = turned(body_b.pose, vertex<Number>(body_b.shape, line.from));
+  const Number side = cross(way, place<Number>(body_a, body_b, k) - base);
   return turn > 0 ? side : -side;
 }
 
 // The side of a relative to a line, less that of b.
 template <class Number>
-Number side_difference(const PosedPolygon& guest, const PosedPolygon& host, double turn, const HostLine& line,
+Number side_difference(const PosedPolygon& body_a, const PosedPolygon& body_b, double turn, const LineOfB& line,
                        std::size_t a, std::size_t b) {
-  const Vec2<Number> way = turned(host.pose, between<Number>(host.shape, line.from, line.to));
-  const Number difference = cross(way, turned(guest.pose, between<Number>(guest.shape, b, a)));
+  const Vec2<Number> way = turned(body_b.pose, between<Number>(body_b.shape, line.from, line.to));
+  const Number difference = cross(way, turned(body_a.pose, between<Number>(body_a.shape, b, a)));
   return turn > 0 ? difference : -difference;
 }
 
@@ -102,31 +103,31 @@ void check_finite(const PlanarPolygon& polygon, std::size_t k) {
 
 }  // namespace
 
-int PlanarSigns::finer_sign(const HostLine& line, const GuestPoint& point) const {
+int PlanarSigns::finer_sign(const LineOfB& line, const PointOfA& point) const {
   const double size = permanent(line, point);
   if (first_ != Precision::kExact && size > kSmallestSize && size < kLargestSize) {
     ++counters_.double_double;
-    const DoubleDouble finer = side_of<DoubleDouble>(guest_, host_, turn_, line, point.index);
+    const DoubleDouble finer = side_of<DoubleDouble>(body_a_, body_b_, turn_, line, point.index);
     if (std::fabs(finer.high) > kSideDoubleDoubleBound * size) return sign_of_side(finer.high);
   }
   ++counters_.exact;
   return exact_side(line, point).sign();
 }
 
-Dyadic PlanarSigns::exact_side(const HostLine& line, const GuestPoint& point) const {
+Dyadic PlanarSigns::exact_side(const LineOfB& line, const PointOfA& point) const {
   check_finite(line, point.index);
-  return side_of<Dyadic>(guest_, host_, turn_, line, point.index);
+  return side_of<Dyadic>(body_a_, body_b_, turn_, line, point.index);
 }
 
-int PlanarSigns::finer_mixed(const HostLine& i, const HostLine& j, const GuestPoint& a, const GuestPoint& b) const {
+int PlanarSigns::finer_mixed(const LineOfB& i, const LineOfB& j, const PointOfA& a, const PointOfA& b) const {
   const double size_ia = permanent(i, a), size_jb = permanent(j, b), size_ib = permanent(i, b),
                size_ja = permanent(j, a);
   const double smallest = smaller(smaller(size_ia, size_jb), smaller(size_ib, size_ja));
   const double largest = larger(larger(size_ia, size_jb), larger(size_ib, size_ja));
   if (first_ != Precision::kExact && smallest > kSmallestSize && largest < kLargestSize) {
     ++counters_.double_double;
-    const auto finer_side = [&](const HostLine& l, const GuestPoint& p) {
-      return side_of<DoubleDouble>(guest_, host_, turn_, l, p.index);
+    const auto finer_side = [&](const LineOfB& l, const PointOfA& p) {
+      return side_of<DoubleDouble>(body_a_, body_b_, turn_, l, p.index);
     };
     const DoubleDouble fia = finer_side(i, a), fjb = finer_side(j, b), fib = finer_side(i, b), fja = finer_side(j, a);
     const DoubleDouble finer = fia * fjb - fib * fja;
@@ -150,7 +151,7 @@ Side PlanarSigns::value(const LineWeights& weights, const Side& i, const Side& j
 }
 
 double PlanarSigns::meeting(std::size_t from, std::size_t ahead, std::size_t other, std::size_t behind) const {
-  const PlanarPolygon& p = guest_.shape;
+  const PlanarPolygon& p = body_a_.shape;
   const double ax = p.x(ahead) - p.x(from), ay = p.y(ahead) - p.y(from);
   const double bx = p.x(behind) - p.x(other), by = p.y(behind) - p.y(other);
   const double cx = p.x(other) - p.x(from), cy = p.y(other) - p.y(from);
@@ -169,9 +170,9 @@ double PlanarSigns::meeting(std::size_t from, std::size_t ahead, std::size_t oth
 
 int PlanarSigns::finer_compare(const Slope& slope, std::size_t a, std::size_t b) const {
   const auto& [weights, i, j, x, y, size_x, size_y] = slope;
-  const auto& m = guest_.pose.m;
-  const double vx = std::fabs(guest_.shape.x(a) - guest_.shape.x(b)),
-               vy = std::fabs(guest_.shape.y(a) - guest_.shape.y(b));
+  const auto& m = body_a_.pose.m;
+  const double vx = std::fabs(body_a_.shape.x(a) - body_a_.shape.x(b)),
+               vy = std::fabs(body_a_.shape.y(a) - body_a_.shape.y(b));
   const double size_wx = std::fabs(m[0]) * vx + std::fabs(m[1]) * vy,
                size_wy = std::fabs(m[3]) * vx + std::fabs(m[4]) * vy;
   const double size = weights.first * (i.size_dx * size_wy + i.size_dy * size_wx) +
@@ -180,8 +181,8 @@ int PlanarSigns::finer_compare(const Slope& slope, std::size_t a, std::size_t b)
       is_usable(vx + vy)) {
     ++counters_.double_double;
     const DoubleDouble finer =
-        DoubleDouble{weights.first, 0} * side_difference<DoubleDouble>(guest_, host_, turn_, i, a, b) +
-        DoubleDouble{weights.second, 0} * side_difference<DoubleDouble>(guest_, host_, turn_, j, a, b);
+        DoubleDouble{weights.first, 0} * side_difference<DoubleDouble>(body_a_, body_b_, turn_, i, a, b) +
+        DoubleDouble{weights.second, 0} * side_difference<DoubleDouble>(body_a_, body_b_, turn_, j, a, b);
     if (std::fabs(finer.high) > kSideDoubleDoubleBound * size) return sign_of_side(finer.high);
   }
   ++counters_.exact;
@@ -189,16 +190,16 @@ int PlanarSigns::finer_compare(const Slope& slope, std::size_t a, std::size_t b)
   check_finite(j, b);
   const Dyadic first = weights.exact ? (*weights.exact)[0] : Dyadic(weights.first);
   const Dyadic second = weights.exact ? (*weights.exact)[1] : Dyadic(weights.second);
-  Dyadic sum = first * side_difference<Dyadic>(guest_, host_, turn_, i, a, b);
-  if (second.sign() != 0) sum = sum + second * side_difference<Dyadic>(guest_, host_, turn_, j, a, b);
+  Dyadic sum = first * side_difference<Dyadic>(body_a_, body_b_, turn_, i, a, b);
+  if (second.sign() != 0) sum = sum + second * side_difference<Dyadic>(body_a_, body_b_, turn_, j, a, b);
   return sum.sign();
 }
 
 // Numbers that are not finite fail every filter, so they are checked only before exact arithmetic.
-void PlanarSigns::check_finite(const HostLine& line, std::size_t point) const {
-  plannercheck::check_finite(host_.shape, line.from);
-  plannercheck::check_finite(host_.shape, line.to);
-  plannercheck::check_finite(guest_.shape, point);
+void PlanarSigns::check_finite(const LineOfB& line, std::size_t point) const {
+  plannercheck::check_finite(body_b_.shape, line.from);
+  plannercheck::check_finite(body_b_.shape, line.to);
+  plannercheck::check_finite(body_a_.shape, point);
 }
 
 // Three vertices lie on a line. In a convex polygon the arc between the outer two that holds the middle one lies on

@@ -55,37 +55,37 @@ struct NotFiniteError : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-// A vertex of the guest relative to the origin of the host's frame, along the axes of the world, with the sums of the
+// A vertex of A relative to the origin of B's frame, along the axes of the world, with the sums of the
 // absolute values of its coordinates' terms; these are infinite if too large for a filter.
-struct GuestPoint {
+struct PointOfA {
   std::size_t index;
   double x, y, size_x, size_y;
 };
 
-// The line through two vertices of the host, directed so that the host is on its left; sizes as above.
-struct HostLine {
+// The line through two vertices of B, directed so that B is on its left; sizes as above.
+struct LineOfB {
   std::size_t from, to;
-  double dx, dy, size_dx, size_dy;  // M (to - from), turned round if the host runs clockwise
-  double x, y, size_x, size_y;      // M (to - from), reversed if the host runs clockwise
+  double dx, dy, size_dx, size_dy;  // M (to - from), turned round if B runs clockwise
+  double x, y, size_x, size_y;      // M (to - from), reversed if B runs clockwise
 };
 
-// How far a point is on the host's side of a line, times the line's length; the error is infinite where a filter in
+// How far a point is on B's side of a line, times the line's length; the error is infinite where a filter in
 // doubles cannot be trusted.
 struct Side {
   double value, error;
 };
 
-// Non-negative weights of two lines; a guest is pruned along their mixed side function.
+// Non-negative weights of two lines; A is pruned along their mixed side function.
 struct LineWeights {
   double first = 1, second = 0;
   std::optional<std::array<Dyadic, 2>> exact;  // replaces both where no doubles could be certified
 };
 
-// The gradient of the mixed side function w_i i(p) + w_j j(p) along the guest's own axes, and the sums of the absolute
+// The gradient of the mixed side function w_i i(p) + w_j j(p) along A's own axes, and the sums of the absolute
 // values of its terms; infinite or NaN where doubles cannot be trusted.
 struct Slope {
   const LineWeights& weights;
-  const HostLine &i, &j;
+  const LineOfB &i, &j;
   double x, y, size_x, size_y;
 };
 
@@ -125,69 +125,70 @@ inline bool is_usable(double coordinates) { return coordinates < kLargestCoordin
 
 class PlanarSigns {
  public:
-  // `turn`: 1 if the host's vertices run counter-clockwise, -1 if clockwise.
-  PlanarSigns(const PosedPolygon& guest, const PosedPolygon& host, int turn, Precision first, PlanarCounters& counters)
-      : guest_(guest),
-        host_(host),
+  // `turn`: 1 if B's vertices run counter-clockwise, -1 if clockwise.
+  PlanarSigns(const PosedPolygon& body_a, const PosedPolygon& body_b, int turn, Precision first,
+              PlanarCounters& counters)
+      : body_a_(body_a),
+        body_b_(body_b),
         turn_(turn),
         first_(first),
         side_bound_(first == Precision::kDoubles ? planar_detail::kSideBound : planar_detail::kInfinite),
         compare_bound_(first == Precision::kDoubles ? planar_detail::kCompareBound : planar_detail::kInfinite),
-        offset_x_(guest.pose.m[2] - host.pose.m[2]),
-        offset_y_(guest.pose.m[5] - host.pose.m[5]),
+        offset_x_(body_a.pose.m[2] - body_b.pose.m[2]),
+        offset_y_(body_a.pose.m[5] - body_b.pose.m[5]),
         counters_(counters) {}
 
-  GuestPoint point(std::size_t index) const {
+  PointOfA point(std::size_t index) const {
     ++counters_.vertices;
-    const auto& m = guest_.pose.m;
-    const double x = guest_.shape.x(index), y = guest_.shape.y(index);
+    const auto& m = body_a_.pose.m;
+    const double x = body_a_.shape.x(index), y = body_a_.shape.y(index);
     const double xx = m[0] * x, xy = m[1] * y, yx = m[3] * x, yy = m[4] * y;
-    GuestPoint point{index, xx + xy + offset_x_, yx + yy + offset_y_,
-                     std::fabs(xx) + std::fabs(xy) + std::fabs(offset_x_),
-                     std::fabs(yx) + std::fabs(yy) + std::fabs(offset_y_)};
+    PointOfA point{index, xx + xy + offset_x_, yx + yy + offset_y_,
+                   std::fabs(xx) + std::fabs(xy) + std::fabs(offset_x_),
+                   std::fabs(yx) + std::fabs(yy) + std::fabs(offset_y_)};
     if (!planar_detail::is_usable(point.size_x + point.size_y)) point.size_x = point.size_y = planar_detail::kInfinite;
     return point;
   }
 
-  HostLine line(std::size_t from, std::size_t to) const {
+  LineOfB line(std::size_t from, std::size_t to) const {
     counters_.vertices += 2;
-    const auto& m = host_.pose.m;
-    const double x = host_.shape.x(from), y = host_.shape.y(from);
-    const double vx = host_.shape.x(to) - x, vy = host_.shape.y(to) - y;
+    const auto& m = body_b_.pose.m;
+    const double x = body_b_.shape.x(from), y = body_b_.shape.y(from);
+    const double vx = body_b_.shape.x(to) - x, vy = body_b_.shape.y(to) - y;
     const double dxx = m[0] * vx, dxy = m[1] * vy, dyx = m[3] * vx, dyy = m[4] * vy;
     const double xx = m[0] * x, xy = m[1] * y, yx = m[3] * x, yy = m[4] * y;
-    HostLine line{from,
-                  to,
-                  turn_ * (dxx + dxy),
-                  turn_ * (dyx + dyy),
-                  std::fabs(dxx) + std::fabs(dxy),
-                  std::fabs(dyx) + std::fabs(dyy),
-                  xx + xy,
-                  yx + yy,
-                  std::fabs(xx) + std::fabs(xy),
-                  std::fabs(yx) + std::fabs(yy)};
+    LineOfB line{from,
+                 to,
+                 turn_ * (dxx + dxy),
+                 turn_ * (dyx + dyy),
+                 std::fabs(dxx) + std::fabs(dxy),
+                 std::fabs(dyx) + std::fabs(dyy),
+                 xx + xy,
+                 yx + yy,
+                 std::fabs(xx) + std::fabs(xy),
+                 std::fabs(yx) + std::fabs(yy)};
     if (!planar_detail::is_usable(line.size_dx + line.size_dy + line.size_x + line.size_y)) {
       line.size_dx = line.size_dy = planar_detail::kInfinite;
     }
     return line;
   }
 
-  Side side(const HostLine& line, const GuestPoint& point) const {
+  Side side(const LineOfB& line, const PointOfA& point) const {
     const double size = permanent(line, point);
     const bool trusted = size > planar_detail::kSmallestSize && size < planar_detail::kLargestSize;
     const double value = line.dx * (point.y - line.y) - line.dy * (point.x - line.x);
     return {value, trusted ? side_bound_ * size : planar_detail::kInfinite};
   }
 
-  // 1 if `point` is beyond a line, off the host's side, else 0.
-  unsigned is_beyond(const Side& side, const HostLine& line, const GuestPoint& point) const {
+  // 1 if `point` is beyond a line, off B's side, else 0.
+  unsigned is_beyond(const Side& side, const LineOfB& line, const PointOfA& point) const {
     if (std::fabs(side.value) > side.error) return side.value < 0;
     return finer_sign(line, point) < 0;
   }
 
   // Sign of i(a) j(b) - i(b) j(a), where i and j are the sides of two points relative to two lines.
-  int mixed(const HostLine& i, const HostLine& j, const GuestPoint& a, const GuestPoint& b, const Side& ia,
-            const Side& ib, const Side& ja, const Side& jb) const {
+  int mixed(const LineOfB& i, const LineOfB& j, const PointOfA& a, const PointOfA& b, const Side& ia, const Side& ib,
+            const Side& ja, const Side& jb) const {
     const double plus = ia.value * jb.value, minus = ib.value * ja.value;
     const double error =
         planar_detail::kSlack * (std::fabs(ia.value) * jb.error + ia.error * (std::fabs(jb.value) + jb.error) +
@@ -202,8 +203,8 @@ class PlanarSigns {
   Side value(const LineWeights& weights, const Side& i, const Side& j) const;
 
   // The slope keeps references to its arguments.
-  Slope slope(const LineWeights& weights, const HostLine& i, const HostLine& j) const {
-    const auto& m = guest_.pose.m;
+  Slope slope(const LineWeights& weights, const LineOfB& i, const LineOfB& j) const {
+    const auto& m = body_a_.pose.m;
     const double x = -(weights.first * i.dy + weights.second * j.dy), y = weights.first * i.dx + weights.second * j.dx;
     const double size_x = weights.first * i.size_dy + weights.second * j.size_dy;
     const double size_y = weights.first * i.size_dx + weights.second * j.size_dx;
@@ -217,9 +218,9 @@ class PlanarSigns {
             doubt * (std::fabs(m[1]) * size_x + std::fabs(m[4]) * size_y)};
   }
 
-  // The mixed side function at one vertex of the guest less that at another.
+  // The mixed side function at one vertex of A less that at another.
   Side climb(const Slope& slope, std::size_t a, std::size_t b) const {
-    const double vx = guest_.shape.x(a) - guest_.shape.x(b), vy = guest_.shape.y(a) - guest_.shape.y(b);
+    const double vx = body_a_.shape.x(a) - body_a_.shape.x(b), vy = body_a_.shape.y(a) - body_a_.shape.y(b);
     const double size_x = std::fabs(vx), size_y = std::fabs(vy);
     const double error = slope.size_x * size_x + slope.size_y * size_y;
     const bool trusted = error > planar_detail::kSmallestError && error < planar_detail::kLargestError &&
@@ -227,7 +228,7 @@ class PlanarSigns {
     return {slope.x * vx + slope.y * vy, trusted ? error : planar_detail::kInfinite};
   }
 
-  // Where the guest's line through `from` and `ahead` meets that through `other` and `behind`, as a part of `ahead` -
+  // Where A's line through `from` and `ahead` meets that through `other` and `behind`, as a part of `ahead` -
   // `from`; both lines lead towards the meeting point. A lower bound; infinite if no such point is sure.
   double meeting(std::size_t from, std::size_t ahead, std::size_t other, std::size_t behind) const;
 
@@ -238,26 +239,26 @@ class PlanarSigns {
     return a == b ? 0 : finer_compare(slope, a, b);
   }
 
-  Dyadic exact_side(const HostLine& line, const GuestPoint& point) const;
-  const PlanarPolygon& guest() const { return guest_.shape; }
+  Dyadic exact_side(const LineOfB& line, const PointOfA& point) const;
+  const PlanarPolygon& body_a() const { return body_a_.shape; }
 
  private:
-  const PosedPolygon& guest_;
-  const PosedPolygon& host_;
+  const PosedPolygon& body_a_;
+  const PosedPolygon& body_b_;
   double turn_;
   Precision first_;
   double side_bound_, compare_bound_;  // infinite if doubles are not to be used
-  double offset_x_, offset_y_;         // of the guest's origin from the host's, rounded
+  double offset_x_, offset_y_;         // of A's origin from B's, rounded
   PlanarCounters& counters_;
 
-  static double permanent(const HostLine& line, const GuestPoint& point) {
+  static double permanent(const LineOfB& line, const PointOfA& point) {
     return line.size_dx * (point.size_y + line.size_y) + line.size_dy * (point.size_x + line.size_x);
   }
 
-  int finer_sign(const HostLine& line, const GuestPoint& point) const;
-  int finer_mixed(const HostLine& i, const HostLine& j, const GuestPoint& a, const GuestPoint& b) const;
+  int finer_sign(const LineOfB& line, const PointOfA& point) const;
+  int finer_mixed(const LineOfB& i, const LineOfB& j, const PointOfA& a, const PointOfA& b) const;
   int finer_compare(const Slope& slope, std::size_t a, std::size_t b) const;
-  void check_finite(const HostLine& line, std::size_t point) const;
+  void check_finite(const LineOfB& line, std::size_t point) const;
 };
 
 // The orientation of a polygon's vertices: 1 counter-clockwise, -1 clockwise, 0 if it has no area. Takes a few probes,

@@ -72,17 +72,17 @@ inline std::array<std::size_t, 3> probes_around(const PlanarPolygon& polygon, st
 // Three places of a polygon, in order, from which the walk starts. Any three are right; those around the probe furthest
 // towards the other polygon end it soonest.
 struct PlanarStart {
-  std::array<std::size_t, 3> guest, host;
+  std::array<std::size_t, 3> body_a, body_b;
 
   // Takes thirds if `first` rules out doubles.
   PlanarStart(const PosedPolygon& a, const PosedPolygon& b, Precision first, PlanarCounters& counters)
-      : guest(thirds(a.shape.count)), host(thirds(b.shape.count)) {
-    const bool has_guest = a.shape.count >= kFewestProbed, has_host = b.shape.count >= kFewestProbed;
-    if (first != Precision::kDoubles || !(has_guest || has_host)) return;
+      : body_a(thirds(a.shape.count)), body_b(thirds(b.shape.count)) {
+    const bool has_a = a.shape.count >= kFewestProbed, has_b = b.shape.count >= kFewestProbed;
+    if (first != Precision::kDoubles || !(has_a || has_b)) return;
     const auto from = planar_detail::middle(a), to = planar_detail::middle(b);
     const double x = to[0] - from[0], y = to[1] - from[1];
-    if (has_guest) guest = facing(a, x, y, counters);
-    if (has_host) host = facing(b, -x, -y, counters);
+    if (has_a) body_a = facing(a, x, y, counters);
+    if (has_b) body_b = facing(b, -x, -y, counters);
   }
 
  private:

@@ -9,29 +9,29 @@
 namespace plannercheck {
 namespace {
 
-// What is known of the triangles: a line separates them, they share a point, or the host's is inside the guest's.
+// What is known of the triangles: a line separates them, they share a point, or B's is inside A's.
 enum class Relation { kApart, kVertex, kCrossing, kInside };
 
 // Corners and lines are counted 0 to 2, as they are stored.
 struct Finding {
   Relation relation = Relation::kInside;
-  std::size_t a = 0, b = 0;  // kVertex: guest corner a. kCrossing: the side from corner a to b enters over line i.
+  std::size_t a = 0, b = 0;  // kVertex: A corner a. kCrossing: the side from corner a to b enters over line i.
   std::size_t i = 0, j = 0;  // kApart: by lines i and j, with the walk's weights.
 };
 
-// The paper's state: T_P is the triangle of three vertices of the guest, T_Q the intersection of the half-planes of
-// three edges of the host; the chains that are left lie between them. The first round of either side keeps one of three
-// chains, later rounds keep one of two halves. Correctness invariant (the paper's, in a form that also covers a guest
-// inside the host): the polygons share a point if and only if the hull of the guest's remaining vertices meets the
-// intersection of the half-planes of the host's remaining edges.
+// The paper's state: T_P is the triangle of three vertices of A, T_Q the intersection of the half-planes of
+// three edges of B; the chains that are left lie between them. The first round of either side keeps one of three
+// chains, later rounds keep one of two halves. Correctness invariant (the paper's, in a form that also covers A
+// inside B): the polygons share a point if and only if the hull of A's remaining vertices meets the
+// intersection of the half-planes of B's remaining edges.
 class Walk {
  public:
-  Walk(const PosedPolygon& guest, const PosedPolygon& host, const PlanarStart& start, int turn, Precision first,
+  Walk(const PosedPolygon& body_a, const PosedPolygon& body_b, const PlanarStart& start, int turn, Precision first,
        PlanarCounters& counters)
-      : signs_(guest, host, turn, first, counters),
+      : signs_(body_a, body_b, turn, first, counters),
         counters_(counters),
-        vertices_(guest.shape.count, start.guest),
-        lines_(host.shape.count, start.host) {
+        vertices_(body_a.shape.count, start.body_a),
+        lines_(body_b.shape.count, start.body_b) {
     for (std::size_t k = 0; k < 3; ++k) {
       corners_[k] = signs_.point(vertices_.at[k]);
       edges_[k] = edge(lines_.at[k]);
@@ -44,7 +44,7 @@ class Walk {
       ++counters_.rounds;
       const Finding found = relation();
       if (found.relation == Relation::kInside) return true;
-      if (found.relation == Relation::kApart ? !prune_guest(found) : !prune_host(found)) {
+      if (found.relation == Relation::kApart ? !prune_a(found) : !prune_b(found)) {
         return found.relation != Relation::kApart;
       }
     }
@@ -54,13 +54,13 @@ class Walk {
   PlanarSigns signs_;
   PlanarCounters& counters_;
   CyclicPlaces vertices_, lines_;
-  std::array<GuestPoint, 3> corners_;
-  std::array<HostLine, 3> edges_;
+  std::array<PointOfA, 3> corners_;
+  std::array<LineOfB, 3> edges_;
   Side sides_[3][3];  // of edge i, corner k
   LineWeights weights_;
   std::array<unsigned, 3> beyond_{};  // of corner k: bit i, whether it is beyond edge i
 
-  HostLine edge(std::size_t k) const { return signs_.line(k, lines_.after(k)); }
+  LineOfB edge(std::size_t k) const { return signs_.line(k, lines_.after(k)); }
 
   void measure_corner(std::size_t k) {
     unsigned bits = 0;
@@ -205,9 +205,9 @@ class Walk {
     return {bound_i[0] + bound_j[0], bound_i[1] + bound_j[1]};
   }
 
-  // Separation invariant: the mixed side is at least 0 on the host and negative on T_P. The part of the guest where it
+  // Separation invariant: the mixed side is at least 0 on B and negative on T_P. The part of A where it
   // is at least 0 lies beyond one side of T_P. False if there is no such part: the polygons are apart.
-  bool prune_guest(const Finding& apart) {
+  bool prune_a(const Finding& apart) {
     const Slope slope = signs_.slope(weights_, edges_[apart.i], edges_[apart.j]);
     const std::size_t arc = arc_towards(slope);
     if (arc == kNone || is_pocket_apart(apart, slope, arc)) return false;
@@ -235,7 +235,7 @@ class Walk {
   // Index of the k-th corner.
   std::size_t corner(std::size_t k) const { return vertices_.at[vertices_.order[k]]; }
 
-  // The arc of the guest, from which corner to the next, that rises above T_P.
+  // The arc of A, from which corner to the next, that rises above T_P.
   std::size_t arc_towards(const Slope& slope) const {
     std::array<int, 3> step;  // change of the mixed side from each corner to the next
     for (std::size_t k = 0; k < 3; ++k) step[k] = signs_.compare(slope, corner(kNext[k]), corner(k));
@@ -264,7 +264,7 @@ class Walk {
 
   // If all corners are level, the arcs to the middle one lie on that line, so all other vertices are on the third arc.
   std::size_t arc_off_line() const {
-    const PlanarPolygon& shape = signs_.guest();
+    const PlanarPolygon& shape = signs_.body_a();
     const auto x = [&](std::size_t k) { return shape.x(corner(k)); };
     const auto y = [&](std::size_t k) { return shape.y(corner(k)); };
     const bool along_x = x(0) != x(1) || x(0) != x(2);
@@ -278,11 +278,11 @@ class Walk {
   }
 
   // Intersection invariant: x is a point of T_P in T_Q. If x is beyond the chord that joins two of the edges, only the
-  // host's edges between these two matter, as every segment from x to the rest of the host crosses the chord. False if
-  // x is beyond no chord: it is in the host, or sees only edges that were dropped, so the polygons share a point.
-  bool prune_host(const Finding& common) {
+  // B's edges between these two matter, as every segment from x to the rest of B crosses the chord. False if
+  // x is beyond no chord: it is in B, or sees only edges that were dropped, so the polygons share a point.
+  bool prune_b(const Finding& common) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const HostLine &from = edges_[lines_.order[k]], &to = edges_[lines_.order[kNext[k]]];
+      const LineOfB &from = edges_[lines_.order[k]], &to = edges_[lines_.order[kNext[k]]];
       if (lines_.steps(k) < 2 || !is_beyond_chord(common, from.to, to.from)) continue;
       const std::size_t added = lines_.keep(k);
       edges_[added] = edge(lines_.at[added]);
@@ -293,11 +293,11 @@ class Walk {
   }
 
   bool is_beyond_chord(const Finding& common, std::size_t from, std::size_t to) const {
-    const HostLine chord = signs_.line(from, to);
-    const GuestPoint& a = corners_[common.a];
+    const LineOfB chord = signs_.line(from, to);
+    const PointOfA& a = corners_[common.a];
     const Side side_a = signs_.side(chord, a);
     if (common.relation == Relation::kVertex) return signs_.is_beyond(side_a, chord, a) != 0;
-    const GuestPoint& b = corners_[common.b];
+    const PointOfA& b = corners_[common.b];
     return signs_.mixed(edges_[common.i], chord, a, b, sides_[common.i][common.a], sides_[common.i][common.b], side_a,
                         signs_.side(chord, b)) > 0;
   }
@@ -305,7 +305,7 @@ class Walk {
 
 }  // namespace
 
-// A polygon without area has no half-planes, so it has to be the guest. Two such are segments or points.
+// A polygon without area has no half-planes, so it has to be A. Two such are segments or points.
 bool planar_intersect(const PosedPolygon& a, const PosedPolygon& b, Precision first, PlanarCounters& counters) {
   const int turn_b = planar_turn(b.shape, counters);
   if (turn_b != 0) return Walk(a, b, PlanarStart(a, b, first, counters), turn_b, first, counters).run();

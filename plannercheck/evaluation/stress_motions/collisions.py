@@ -33,8 +33,8 @@ def ends_and_contacts(draw: Draw, used: Subject, answers: Answers, judged: Judge
     known = first[motions.touching[first]]
     if not len(known):
         return
-    in_company = said(used, motions.through[known])
-    for row, answer in zip(known.tolist(), in_company.tolist(), strict=True):
+    in_a_batch = said(used, motions.through[known])
+    for row, answer in zip(known.tolist(), in_a_batch.tolist(), strict=True):
         if answer == 1 or said(used, motions.through[row][None])[0] == 1:
             judged.add(COLLISION, row, "a state in contact by construction is called valid")
 

@@ -1,7 +1,7 @@
 # kSideDoubleDoubleBound: sides and climbs in DoubleDouble; differences of coordinates are exact there.
 #
 # error: side_of: M (to − from) 2, X − Y: 2 and the offset and this difference, 4, product and difference, 2: c. finer_compare:
-#        line 2, guest 2, product and difference 2, weight and sum 2: as many. finer_mixed: products of two sides, each off
+#        line 2, body_a 2, product and difference 2, weight and sum 2: as many. finer_mixed: products of two sides, each off
 #        by the same part g of its permanent, and three operations more (of which the bound has as much again).
 # bound: the permanent in doubles, at most 11 roundings and the constant, s; f: the high part rounded to a double.
 # By hand: "terms". Sizes are above 1e-100, so that low parts are normal.

@@ -97,7 +97,7 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("name", UNHEEDED)
-def test_unheeded(name, folder, capsys):
+def test_unused(name, folder, capsys):
     words, begins = UNHEEDED[name]
     before = sorted(folder.iterdir())
     assert main(words) == 2
@@ -107,7 +107,7 @@ def test_unheeded(name, folder, capsys):
     assert sorted(folder.iterdir()) == before
 
 
-def test_heeded(folder, capsys):
+def test_used(folder, capsys):
     """The same options where they count."""
     names = [f"panda_joint{k}" for k in range(1, 8)]
     row = np.load("q.npy")[0].tolist()

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from plannercheck.common.errors import PlannercheckError
 
 
-def check_heeded(options: argparse.Namespace, names: Sequence[str], when: str) -> None:
+def check_used(options: argparse.Namespace, names: Sequence[str], when: str) -> None:
     """Raises if options are given that do not count.
 
     Args:
