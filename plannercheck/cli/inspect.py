@@ -51,7 +51,6 @@ STAGES = {
     "cached_plane": "apart by the plane that separated them last",
     "box_face": "apart along the normal of a face of a bounding box",
     "centre_axis": "apart along the line between their centres",
-    "facet_plane": "apart along the normal of a facet",
     "trees": "of solids: their trees of triangles, before their hulls were tested",
     "solver": "search for a separating plane or a common point, in doubles",
     "nearest_points": "nearest points (GJK), in doubles",

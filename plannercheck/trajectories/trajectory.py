@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import contiguous, shown_array
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.public_names import set_module
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.controllers import Controller, Points, curve_of
 from plannercheck.trajectories.curve import Curve
@@ -25,6 +26,7 @@ from plannercheck.trajectories.limits import Excess, Kind, broken_limits
 from plannercheck.trajectories.messages import read_points
 
 
+@set_module("plannercheck")
 class Trajectory:
     """A trajectory of a robot; it can't be changed.
 

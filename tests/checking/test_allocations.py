@@ -82,7 +82,7 @@ for cached_plane in (False, True):
         before = counter()
         _, stages, _ = core.intersect_batch(*arguments)
         found.setdefault(str(cached_plane), []).append(counter() - before)
-assert {2, 4} <= set(stages.tolist()) <= {0, 2, 4}, stages  # none but planes, axes and the solver
+assert {2, 3} <= set(stages.tolist()) <= {0, 2, 3}, stages  # none but planes, axes and the solver
 print(json.dumps(found))
 """
 

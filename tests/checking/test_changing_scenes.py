@@ -54,15 +54,19 @@ def preparations(monkeypatch):
     """Names of the bodies that are prepared from now on; nothing that other tests prepared is known any more."""
     names = []
 
-    def counted(prepare):
-        def call(points, faces=None, inflation_radius=0.0, name="polytope"):
+    class Counted(prepared_bodies.Polytope):
+        def __init__(self, points, faces=None, inflation_radius=0.0, name="polytope"):
             names.append(name)
-            return prepare(points, faces, inflation_radius, name)
+            super().__init__(points, faces, inflation_radius, name)
 
-        return call
+    prepared = prepared_bodies.prepared
 
-    monkeypatch.setattr(prepared_bodies, "Polytope", counted(prepared_bodies.Polytope))
-    monkeypatch.setattr(prepared_bodies, "prepared", counted(prepared_bodies.prepared))
+    def counted(points, faces=None, inflation_radius=0.0, name="polytope"):
+        names.append(name)
+        return prepared(points, faces, inflation_radius, name)
+
+    monkeypatch.setattr(prepared_bodies, "Polytope", Counted)
+    monkeypatch.setattr(prepared_bodies, "prepared", counted)
     of_boxes = prepared_bodies.polytopes_of_boxes
 
     def counted_boxes(sizes, radii):

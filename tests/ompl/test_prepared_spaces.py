@@ -95,13 +95,13 @@ def test_plans_of_many_threads_have_their_own_ends(checker, ends, simplify):
             assert checker.check_motions(plan.path[:-1], plan.path[1:]).all()
 
 
-def test_a_space_is_lent_to_one_plan_at_a_time_and_used_again():
+def test_a_space_is_borrowed_by_one_plan_at_a_time_and_used_again():
     checker = forklift()
-    lent = [prepared_spaces.lent(checker, "RRTConnect", None, "straight", None, ()) for _ in range(3)]
-    assert len({id(each.information.getStateSpace()) for each in lent}) == 3
-    for each in lent:
+    borrowed = [prepared_spaces.borrowed_space(checker, "RRTConnect", None, "straight", None, ()) for _ in range(3)]
+    assert len({id(each.information.getStateSpace()) for each in borrowed}) == 3
+    for each in borrowed:
         prepared_spaces.returned_space(each)
-    assert prepared_spaces.lent(checker, "RRT", None, "straight", None, ()) in lent
+    assert prepared_spaces.borrowed_space(checker, "RRT", None, "straight", None, ()) in borrowed
     assert len(kept_of(checker)) == 2
 
 
