@@ -133,7 +133,7 @@ COMMANDS = {
     "solids": ["stress", "--solids", "10000000"],
     "solids in processes": ["stress", "--solids", "10000000", "--processes", "2"],
     "acm": ["acm", "--robot", "pr2", "--states", "300000"],
-    "inspect": ["inspect", "--robot", "panda", "--scene", "kitchen", "--states", "5000000"],
+    "inspect": ["inspect", "--robot", "panda", "--scene", "kitchen", "--states", "3000000"],
     "bench": ["bench", "pairs", "--output", "{out}"],
     "view": ["view", "--robot", "panda", "--path", "{set}", "--frames", "1000000", "--html", "{out}/page.html"],
 }
