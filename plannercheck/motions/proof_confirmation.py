@@ -23,7 +23,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.package_files import folders_above, package_file
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.proof_model import space_model
-from plannercheck.proofs.data import WORLD, Joint, Model, PosedBody
+from plannercheck.proofs.data import JOINTS, WORLD, Joint, Model, PosedBody
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.urdf_joints import UrdfJoint, UrdfTree, read_tree
 from plannercheck.proofs.urdf_shapes import MeshFiles, confirm_shapes
@@ -154,7 +154,7 @@ class _TreeComparison:
         self._compare(f"joint {joint.name!r}", joint.parent, joint.placement, on, placement @ found.placement)
         if joint.kind not in _KINDS.get(found.kind, ()):
             raise UnprovedError(f"joint {joint.name!r} is of kind {joint.kind!r}, in the URDF {found.kind!r}")
-        sign = self._sign(joint, found) if joint.kind in ("turn", "slide", "circle") else 1.0
+        sign = self._sign(joint, found) if JOINTS[joint.kind].has_axis else 1.0
         if max(joint.columns) >= 0:
             self._compare_value(joint, found, sign)
 
@@ -169,9 +169,10 @@ class _TreeComparison:
         """Checks that a joint's value is its own column, or that of its leader, times a multiplier plus an offset."""
         expected: tuple[float, ...] = (1.0,) * len(joint.multipliers)
         given = joint.multipliers
-        if joint.kind == "circle":
+        form = JOINTS[joint.kind]
+        if form.has_axis and form.has_unit:
             expected = (1.0, sign)
-        elif joint.kind in ("turn", "slide"):
+        elif form.numbers == 1:
             factor, offset = (1.0, 0.0) if self._whole else self._followed(found)
             expected, given = (sign * factor, sign * offset), (joint.multipliers[0], joint.offsets[0])
         limit = _AGREEMENT * max(1.0, *map(abs, expected))

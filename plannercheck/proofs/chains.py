@@ -10,7 +10,7 @@ from typing import Any
 
 from flint import arb, arb_mat
 
-from plannercheck.proofs.data import Joint, Model, Motion
+from plannercheck.proofs.data import JOINTS, Joint, Model, Motion
 from plannercheck.proofs.jets import Jet, affine, ball_between, product
 from plannercheck.proofs.joint_motions import held_map, joint_motion
 
@@ -116,8 +116,8 @@ def _defect(model: Model) -> float:
 def _motion_defect(joint: Joint) -> Any:
     if max(joint.columns) < 0:
         return off_rigid(held_map(joint))
-    square = sum((arb(part) ** 2 for part in joint.axis), arb(0))
-    return (square - 1).abs_upper() * (1 + 4 * square) if joint.kind in ("turn", "circle") else arb(0)
+    form, square = JOINTS[joint.kind], sum((arb(part) ** 2 for part in joint.axis), arb(0))
+    return (square - 1).abs_upper() * (1 + 4 * square) if form.has_axis and not form.lengths else arb(0)
 
 
 def off_rigid(matrix: Any) -> Any:

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from plannercheck.proofs.data import ProofData
+from plannercheck.proofs.data import JOINTS, ProofData
 from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
 
 # Kinds of joints whose way between two configurations `Motion.path` names.
-_FREE = ("planar", "free")
+_FREE = tuple(kind for kind, form in JOINTS.items() if form.is_pose)
 
 
 def motion_of(proof: ProofData) -> dict[str, Any]:

@@ -34,11 +34,41 @@ from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
 
 FORMAT, VERSION = "plannercheck motion proof", 1
 
-# The kinds of joints, and how many numbers each takes.
-JOINT_VALUES = {"turn": 1, "slide": 1, "circle": 2, "planar": 4, "ball": 4, "free": 7}
-
 # The world, where an index of a joint, link or frame is expected.
 WORLD = -1
+
+
+@dataclass(frozen=True)
+class JointForm:
+    """What the verifier knows of a kind of joints: all of `proofs/` reads it here, by `JOINTS[kind]`.
+
+    Attributes:
+        numbers: How many numbers a joint takes.
+        lengths: How many of its first numbers are lengths, m, by which it slides.
+        has_axis: Whether it turns about an axis, or slides along one.
+        has_unit: Whether its other numbers have the length 1: a cosine and a sine, or a quaternion.
+    """
+
+    numbers: int
+    lengths: int
+    has_axis: bool
+    has_unit: bool
+
+    @property
+    def is_pose(self) -> bool:
+        """Whether it both slides and turns, so that `Motion.path` names its way."""
+        return self.lengths > 0 and self.has_unit
+
+
+# The kinds of joints.
+JOINTS = {
+    "turn": JointForm(numbers=1, lengths=0, has_axis=True, has_unit=False),
+    "slide": JointForm(numbers=1, lengths=1, has_axis=True, has_unit=False),
+    "circle": JointForm(numbers=2, lengths=0, has_axis=True, has_unit=True),
+    "planar": JointForm(numbers=4, lengths=2, has_axis=False, has_unit=True),
+    "ball": JointForm(numbers=4, lengths=0, has_axis=False, has_unit=True),
+    "free": JointForm(numbers=7, lengths=3, has_axis=False, has_unit=True),
+}
 
 
 @dataclass(frozen=True)
@@ -47,7 +77,7 @@ class Joint:
 
     Attributes:
         name: Its name in the URDF.
-        kind: One of `JOINT_VALUES`.
+        kind: One of `JOINTS`.
         parent: Index of the joint before it in the tree, less than its own; -1 for the world.
         placement: Rows of the (3, 4) placement on the parent joint's frame, 12 numbers, m: fixed joints are part of it.
         axis: (3,) unit vector about which it turns or along which it slides; zeros for the other kinds.

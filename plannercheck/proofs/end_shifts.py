@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from plannercheck.proofs.data import Model
+from plannercheck.proofs.data import JOINTS, Model
 from plannercheck.proofs.heights import Seen
 from plannercheck.proofs.rounding import UP
 from plannercheck.proofs.well_formed import unreached
@@ -38,7 +38,7 @@ def _length(rows: Sequence[float]) -> float:
 
 def _slide(joint: Any, motion: Any) -> float:
     """How far a joint shifts its frame at most, m: on any path at most pi / 2 of the way between its ends."""
-    count = {"slide": 1, "planar": 2, "free": 3}.get(joint.kind, 0)
+    count = JOINTS[joint.kind].lengths
     ends = [
         [
             offset if column < 0 else factor * q[column] + offset

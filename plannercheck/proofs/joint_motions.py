@@ -17,7 +17,7 @@ from typing import Any
 from flint import arb, arb_mat
 
 from plannercheck.common.motion_paths import MotionPath
-from plannercheck.proofs.data import Joint
+from plannercheck.proofs.data import JOINTS, Joint
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.jets import Jet, affine, linear, product
 
@@ -60,7 +60,7 @@ def joint_motion(joint: Joint, start: Sequence[float], end: Sequence[float], pat
         angle, rate = arb.atan2(arb(here[1]), arb(here[0])), _shorter_turn(here, there)
         return _turning(placement, joint.axis, angle, rate, joint.multipliers)
     before, after = _placed(joint.kind, here), _placed(joint.kind, there)
-    if path == "slerp" and joint.kind in ("planar", "free"):
+    if path == "slerp" and JOINTS[joint.kind].is_pose:
         return _straight_and_turning(placement, before, after, _turn_vector(joint.kind, here, there))
     return _screw(placement * before, _twist(before, after, _turn_vector(joint.kind, here, there)))
 
@@ -74,11 +74,7 @@ def held_map(joint: Joint) -> Any:
         return _turned(joint.axis, values[0].cos(), values[0].sin())
     if joint.kind == "circle":
         return _turned(joint.axis, values[0], values[1])
-    if joint.kind == "planar":
-        return shifted([values[0], values[1], arb(0)]) * _turned((0.0, 0.0, 1.0), values[2], values[3])
-    if joint.kind == "ball":
-        return _rotation(values)
-    return shifted(values[:3]) * _rotation(values[3:])
+    return _pose(joint.kind, values)
 
 
 def shifted(by: Sequence[Any]) -> Any:
@@ -163,9 +159,10 @@ def _shorter_turn(a: Sequence[float], b: Sequence[float]) -> Any:
     return arb.atan2(cross, dot)
 
 
-def _unit(q: Sequence[float]) -> list[Any]:
-    """A quaternion, normalised."""
-    values = [arb(x) for x in q[:4]]
+def _unit(kind: str, q: Sequence[float]) -> list[Any]:
+    """The numbers of a joint that are a quaternion, or cosine and sine, normalised."""
+    form = JOINTS[kind]
+    values = [arb(x) for x in q[form.lengths : form.numbers]]
     length = sum((x * x for x in values), arb(0)).sqrt()
     return [x / length for x in values]
 
@@ -184,21 +181,25 @@ def _rotation(q: Sequence[Any]) -> Any:
 
 def _placed(kind: str, q: Sequence[float]) -> Any:
     """The map of a ball, planar or free joint at one end, its unit part normalised."""
+    return _pose(kind, [*(arb(x) for x in q[: JOINTS[kind].lengths]), *_unit(kind, q)])
+
+
+def _pose(kind: str, values: Sequence[Any]) -> Any:
+    """The map of a ball, planar or free joint by its numbers as they are."""
     if kind == "ball":
-        return _rotation(_unit(q))
+        return _rotation(values)
+    if kind == "planar":
+        return shifted([values[0], values[1], arb(0)]) * _turned((0.0, 0.0, 1.0), values[2], values[3])
     if kind == "free":
-        return shifted([arb(x) for x in q[:3]]) * _rotation(_unit(q[3:]))
-    length = (arb(q[2]) ** 2 + arb(q[3]) ** 2).sqrt()
-    turn = _turned((0.0, 0.0, 1.0), arb(q[2]) / length, arb(q[3]) / length)
-    return shifted([arb(q[0]), arb(q[1]), arb(0)]) * turn
+        return shifted(values[:3]) * _rotation(values[3:])
+    raise KeyError(kind)
 
 
 def _turn_vector(kind: str, a: Sequence[float], b: Sequence[float]) -> list[Any]:
     """The rotation vector from one end to the other, the short way, in the frame of the first."""
     if kind == "planar":
         return [arb(0), arb(0), _shorter_turn(a[2:], b[2:])]
-    skipped = 3 if kind == "free" else 0
-    (x0, y0, z0, w0), (x1, y1, z1, w1) = _unit(a[skipped:]), _unit(b[skipped:])
+    (x0, y0, z0, w0), (x1, y1, z1, w1) = _unit(kind, a), _unit(kind, b)
     w = w0 * w1 + x0 * x1 + y0 * y1 + z0 * z1
     vector = [
         w0 * x1 - x0 * w1 - y0 * z1 + z0 * y1,

@@ -17,7 +17,7 @@ from flint import arb
 from plannercheck.common.arrays import distinct_rows
 from plannercheck.common.motion_paths import PATHS
 from plannercheck.proofs.covers import check_covers, check_directions, pairs_in_parts
-from plannercheck.proofs.data import JOINT_VALUES, WORLD, Entry, Hashes, Joint, Model, Motion, PosedBody, ProofData
+from plannercheck.proofs.data import JOINTS, WORLD, Entry, Hashes, Joint, Model, Motion, PosedBody, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
 from plannercheck.proofs.numbers_of_proofs import (
@@ -104,14 +104,14 @@ def _check_margin(margin: float) -> None:
 def _check_tree(model: Model) -> None:
     for index, joint in enumerate(model.joints):
         what = f"joint {index} ({joint.name!r})"
-        if joint.kind not in JOINT_VALUES:
+        if joint.kind not in JOINTS:
             raise UnprovedError(f"{what} is of kind {joint.kind!r:.40}, which is not known")
         if not WORLD <= joint.parent < index:
             raise UnprovedError(f"{what} has the parent {joint.parent}, which is no joint before it")
         _check_placement(joint.placement, what)
         _check_axis(joint, what)
         for values in (joint.columns, joint.multipliers, joint.offsets):
-            check_length(values, JOINT_VALUES[joint.kind], what)
+            check_length(values, JOINTS[joint.kind].numbers, what)
         check_numbers((*joint.multipliers, *joint.offsets), what)
         _check_columns(joint, model.columns, what)
     for index, link in enumerate(model.links):
@@ -123,7 +123,7 @@ def _check_tree(model: Model) -> None:
 def _check_axis(joint: Joint, what: str) -> None:
     check_length(joint.axis, 3, what)
     check_numbers(joint.axis, what)
-    if joint.kind in ("turn", "slide", "circle") and not abs(math.hypot(*joint.axis) - 1) <= LARGEST_STRETCH:
+    if JOINTS[joint.kind].has_axis and not abs(math.hypot(*joint.axis) - 1) <= LARGEST_STRETCH:
         raise UnprovedError(f"{what} has an axis of length {math.hypot(*joint.axis)!r}, not 1")
 
 
@@ -131,9 +131,10 @@ def _check_columns(joint: Joint, columns: int, what: str) -> None:
     used = [column for column in joint.columns if column != WORLD]
     if not all(0 <= column < columns for column in used):
         raise UnprovedError(f"{what} takes a column that there is not")
-    if not used or joint.kind in ("turn", "slide"):
+    form = JOINTS[joint.kind]
+    if not used or form.numbers == 1:
         return
-    plain = (-1.0, 1.0) if joint.kind == "circle" else (1.0,)
+    plain = (-1.0, 1.0) if form.has_axis else (1.0,)
     consecutive = joint.columns == tuple(range(used[0], used[0] + len(joint.columns)))
     if not consecutive or any(joint.offsets) or not all(factor in plain for factor in joint.multipliers):
         raise UnprovedError(f"{what} takes several numbers, which have to be columns in a row as they are")
@@ -235,13 +236,13 @@ def _check_ends(model: Model, motion: Motion) -> None:
 
 
 def _check_unit(joint: Joint, motion: Motion) -> None:
-    skipped = {"circle": 0, "planar": 2, "ball": 0, "free": 3}.get(joint.kind)
-    if skipped is None:
+    form = JOINTS[joint.kind]
+    if not form.has_unit:
         return
     held = max(joint.columns) < 0
     ends = [joint.offsets] if held else [[q[c] for c in joint.columns] for q in (motion.start, motion.end)]
     for values in ends:
-        if not abs(math.hypot(*values[skipped:]) - 1) <= LARGEST_STRETCH:
+        if not abs(math.hypot(*values[form.lengths :]) - 1) <= LARGEST_STRETCH:
             raise UnprovedError(f"joint {joint.name!r} has a quaternion, or cosine and sine, that is not of length 1")
 
 

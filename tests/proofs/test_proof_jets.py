@@ -25,7 +25,7 @@ import plannercheck as pc
 from plannercheck.motions.proof_builder import Builder
 from plannercheck.proofs import Joint, Motion, entries, joint_motions
 from plannercheck.proofs.chains import Chains
-from plannercheck.proofs.data import JOINT_VALUES
+from plannercheck.proofs.data import JOINTS
 
 
 def chains_of(checker, q0, q1):
@@ -123,7 +123,7 @@ def row_of(matrix):
     return np.array([float(x) for x in matrix.entries()])
 
 
-@pytest.mark.parametrize("kind", sorted(JOINT_VALUES))
+@pytest.mark.parametrize("kind", sorted(JOINTS))
 def test_held_joints_stand_where_they_are_held(kind):
     values = {
         "turn": (0.7,),
@@ -133,7 +133,7 @@ def test_held_joints_stand_where_they_are_held(kind):
         "ball": (0.5, -0.5, 0.5, 0.5),
         "free": (0.1, 0.2, 0.3, 0.1, 0.7, 0.1, 0.7),
     }[kind]
-    axis = (0.6, 0.0, 0.8) if kind in ("turn", "slide", "circle") else (0.0, 0.0, 0.0)
+    axis = (0.6, 0.0, 0.8) if JOINTS[kind].has_axis else (0.0, 0.0, 0.0)
     joint = Joint("h", kind, 0, at(0.1, 0.2, 0.3), axis, (-1,) * len(values), (0.0,) * len(values), values)
     proof = claim([turn(), joint], [point("a", -1), point("b", 1)], (0.2,), (0.4,), [])
     pose = middle(Chains(proof.model, proof.motion).at(0.5, -1, 1))
@@ -142,7 +142,7 @@ def test_held_joints_stand_where_they_are_held(kind):
 
 @pytest.mark.parametrize("kind", ["circle", "planar", "ball", "free"])
 def test_numbers_off_unit_length_are_normalised(kind):
-    count = JOINT_VALUES[kind]
+    count = JOINTS[kind].numbers
     joint = Joint("j", kind, -1, STILL, (0.0, 0.0, 1.0), tuple(range(count)), (1.0,) * count, (0.0,) * count)
     unit = np.array([0.6, 0.8] if kind in ("circle", "planar") else [0.1, 0.7, 0.1, 0.7])
     start = (*(0.5,) * (count - len(unit)), *(unit * (1 + 5e-7)).tolist())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from plannercheck.proofs.data import JOINT_VALUES
+from plannercheck.proofs.data import JOINTS
 from plannercheck.robots.joints import KINDS, kind_of, number_of
 
 ROOT = Path(__file__).parents[2]
@@ -41,13 +42,27 @@ def test_numbers_are_those_of_the_kernel():
     assert [kind.first for kind in KINDS] == [KINDS.index(kind) for kind in KINDS]
 
 
-def test_the_verifier_takes_as_many_numbers():
-    assert {kind.name: kind.numbers for kind in KINDS} == JOINT_VALUES
+def test_the_verifier_knows_the_same_of_each_kind():
+    forms = {kind.name: (kind.numbers, kind.lengths, kind.has_axis, kind.unit is not None) for kind in KINDS}
+    assert {name: dataclasses.astuple(form) for name, form in JOINTS.items()} == forms
 
 
-def test_a_new_kind_touches_at_most_eight_files():
+def files_that_tell_kinds_apart():
+    """Those that name two kinds or more: one alone may be another word, such as "free"."""
+    kinds = "|".join(JOINTS)
+    patterns = {"*.py": rf'"({kinds})"', "*.[ch]pp": r"\b(?:JointKind|PartKind)::k(\w+)|^  k(\w+),"}
+    for suffix, pattern in patterns.items():
+        for file in sorted((ROOT / "plannercheck").rglob(suffix)):
+            found = re.findall(pattern, file.read_text(encoding="utf-8"), re.MULTILINE)
+            names = {"".join(name) for name in found}
+            if len(names) >= 2 and (suffix == "*.py" or names & {"Ball", "Planar", "TurnX"}):
+                yield str(file.relative_to(ROOT))
+
+
+def test_the_page_lists_every_file_that_tells_kinds_apart():
     page = (ROOT / "docs/explanation/add_a_part.md").read_text(encoding="utf-8")
     part = page.partition("\n## A joint\n")[2].partition("\n## ")[0]
     files = re.findall(r"^\| `([^`]+)` \|", part, re.MULTILINE)
-    assert 4 <= len(files) <= 8
     assert [file for file in files if not (ROOT / file).exists()] == []
+    assert [file for file in files_that_tell_kinds_apart() if Path(file).name not in part] == []
+    assert len([file for file in files if "/evaluation/" not in file]) <= 8

@@ -16,15 +16,11 @@ from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.motion_paths import MotionPath
+from plannercheck.robots.joints import KINDS, JointKind
 from plannercheck.robots.robot import Robot
 
-# The kernel's joint kinds (JointKind in cpp/robots/joints.hpp): unit turns, and joints of several numbers.
-_CIRCLES = range(4, 8)
-_PLANAR, _BALL, _FREE = 9, 10, 11
-# Numbers of a configuration and of a tangent vector that a part takes.
-_WIDTHS = {**dict.fromkeys(_CIRCLES, (2, 1)), _PLANAR: (4, 3), _BALL: (4, 3), _FREE: (7, 6)}
-# Of a tangent vector, which are lengths: of planar and floating joints the first ones.
-_LENGTHS = {_PLANAR: 2, _FREE: 3}
+# Numbers of a tangent vector that a turn takes.
+_TURNS = {"pair": 1, "quaternion": 3}
 
 # Below this angle, rad, sin(a) / a and the like are taken from their series.
 _SMALL = 1e-4
@@ -36,7 +32,7 @@ class Tangents:
 
     Attributes:
         linear: Columns that are angles or lengths of their own.
-        parts: Kind, first column, first number in a tangent vector, of what takes several numbers.
+        parts: Kind, first column, first number in a tangent vector, of joints with a unit vector.
         slides: (dimension,) which numbers of a tangent vector are lengths, m, else angles, rad.
         turning: (dimension,) which numbers are angles of which only the short way counts.
         owners: (dimension,) the joint, or column, that each number belongs to.
@@ -44,7 +40,7 @@ class Tangents:
     """
 
     linear: Ints64
-    parts: tuple[tuple[int, int, int], ...]
+    parts: tuple[tuple[JointKind, int, int], ...]
     slides: NDArray[np.bool_]
     turning: NDArray[np.bool_]
     owners: Ints64
@@ -60,11 +56,8 @@ class Tangents:
         out = np.array(np.broadcast_to(q, (len(way), q.shape[-1])))
         out[:, self.linear] += way[:, : len(self.linear)]
         for kind, column, first in self.parts:
-            width, tangent = _WIDTHS[kind]
-            move = _moved_straight if self.path == "slerp" and kind in _LENGTHS else _moved
-            out[:, column : column + width] = move(
-                kind, out[:, column : column + width], way[:, first : first + tangent]
-            )
+            own = slice(column, column + kind.numbers)
+            out[:, own] = _moved(kind, out[:, own], way[:, first : first + _width(kind)], self.path)
         return out
 
 
@@ -72,55 +65,47 @@ def tangents_of(robot: Robot, path: MotionPath = "screw") -> Tangents:
     """The tangent space of a robot that the compiled kernel poses; `path` is how planar and floating joints move."""
     table = robot.joint_table
     assert table is not None
-    found = sorted(
-        {
-            (int(columns[0]), kind)
-            for kind, columns in zip(table.kinds.tolist(), table.columns.tolist(), strict=True)
-            if kind in _WIDTHS and columns[0] >= 0
-        }
-    )
-    covered = {column + k for column, kind in found for k in range(_WIDTHS[kind][0])}
+    pairs = zip((KINDS[k] for k in table.kinds.tolist()), table.columns.tolist(), strict=True)
+    moved = [(columns, kind) for kind, columns in pairs if columns[0] >= 0]
+    found = sorted({columns[0]: kind for columns, kind in moved if kind.unit}.items())
+    covered = {column + k for column, kind in found for k in range(kind.numbers)}
     linear = np.array([c for c in range(robot.nq) if c not in covered], dtype=np.int64)
-    lengths = {
-        int(columns[0])
-        for kind, columns in zip(table.kinds.tolist(), table.columns.tolist(), strict=True)
-        if kind == 8 and columns[0] >= 0
-    }
+    lengths = {column for columns, kind in moved if not kind.unit for column in columns[: kind.lengths]}
     free = np.isinf(robot.lower) & np.isinf(robot.upper)
     slides, turning = [c in lengths for c in linear.tolist()], free[linear].tolist()
     owners, parts = linear.tolist(), []
     for column, kind in found:
         parts.append((kind, column, len(slides)))
-        many, straight = _WIDTHS[kind][1], _LENGTHS.get(kind, 0)
-        slides += [k < straight for k in range(many)]
-        turning += [k >= straight for k in range(many)]
-        owners += [column] * many
+        turns = _TURNS[kind.turn]
+        slides += [True] * kind.lengths + [False] * turns
+        turning += [False] * kind.lengths + [True] * turns
+        owners += [column] * _width(kind)
     return Tangents(
         linear, tuple(parts), np.array(slides, bool), np.array(turning, bool), np.array(owners, np.int64), path
     )
 
 
-def _moved(kind: int, q: Floats, way: Floats) -> Floats:
-    if kind in _CIRCLES:
-        return _turned_circle(q, way[:, 0])
-    if kind == _PLANAR:
-        return np.hstack([q[:, :2] + _planar_shift(q[:, 2:], way), _turned_circle(q[:, 2:], way[:, 2])])
-    if kind == _BALL:
-        return _product(q, _exponential(way))
-    shift = _rotated(q[:, 3:], _screw_shift(way[:, :3], way[:, 3:]))
-    return np.hstack([q[:, :3] + shift, _product(q[:, 3:], _exponential(way[:, 3:]))])
+def _width(kind: JointKind) -> int:
+    """How many numbers of a tangent vector a joint with a unit vector takes."""
+    return kind.lengths + _TURNS[kind.turn]
 
 
-def _moved_straight(kind: int, q: Floats, way: Floats) -> Floats:
-    """Planar or floating joints whose position and turn move by themselves."""
-    count = _LENGTHS[kind]
-    turn = _turned_circle(q[:, 2:], way[:, 2]) if kind == _PLANAR else _product(q[:, 3:], _exponential(way[:, 3:]))
-    return np.hstack([q[:, :count] + way[:, :count], turn])
+def _moved(kind: JointKind, q: Floats, way: Floats, path: MotionPath) -> Floats:
+    """The numbers (n, numbers) of one joint, moved: it slides along a screw, or straight, and turns."""
+    shift = way[:, : kind.lengths]
+    if kind.is_pose and path != "slerp":
+        shift = _SCREW_SHIFTS[kind.turn](q[:, kind.lengths :], way)
+    turned = _TURNED[kind.turn](q[:, kind.lengths :], way[:, kind.lengths :])
+    return np.hstack([q[:, : kind.lengths] + shift, turned])
 
 
 def _turned_circle(q: Floats, angle: Floats) -> Floats:
-    whole = np.arctan2(q[:, 1], q[:, 0]) + angle
+    whole = np.arctan2(q[:, 1], q[:, 0]) + angle[:, 0]
     return np.stack([np.cos(whole), np.sin(whole)], axis=1)
+
+
+def _turned_ball(q: Floats, turn: Floats) -> Floats:
+    return _product(q, _exponential(turn))
 
 
 def _planar_shift(circle: Floats, way: Floats) -> Floats:
@@ -129,6 +114,11 @@ def _planar_shift(circle: Floats, way: Floats) -> Floats:
     own = _screw_shift(np.stack([way[:, 0], way[:, 1], zero], 1), np.stack([zero, zero, way[:, 2]], 1))
     c, s = circle[:, 0], circle[:, 1]
     return np.stack([c * own[:, 0] - s * own[:, 1], s * own[:, 0] + c * own[:, 1]], axis=1)
+
+
+def _floating_shift(q: Floats, way: Floats) -> Floats:
+    """The same for a twist in space."""
+    return _rotated(q, _screw_shift(way[:, :3], way[:, 3:]))
 
 
 def _screw_shift(slide: Floats, turn: Floats) -> Floats:
@@ -158,3 +148,8 @@ def _product(a: Floats, b: Floats) -> Floats:
 def _rotated(q: Floats, v: Floats) -> Floats:
     twice = 2 * np.cross(q[:, :3], v)
     return np.asarray(v + q[:, 3:] * twice + np.cross(q[:, :3], twice))
+
+
+# By how a joint turns: where its screw takes it, and its turn's numbers after a rotation.
+_SCREW_SHIFTS = {"pair": _planar_shift, "quaternion": _floating_shift}
+_TURNED = {"pair": _turned_circle, "quaternion": _turned_ball}
