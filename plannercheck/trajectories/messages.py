@@ -6,6 +6,7 @@ In: a .yaml or .json file, as `ros2 topic echo` prints it. Out: `Points` in the 
 from __future__ import annotations
 
 import json
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -27,10 +28,11 @@ from plannercheck.common.checked_yaml import (
 )
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.robot import Robot
+from plannercheck.scenes.moveit_messages import transform
 from plannercheck.trajectories.controllers import Points
 
-_TRAJECTORY_KEYS = ("header", "joint_names", "points")
-_POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
+TRAJECTORY_KEYS = ("header", "joint_names", "points")
+POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
 
 
 def read_points(path: Path, robot: Robot) -> Points:
@@ -46,7 +48,14 @@ def read_points(path: Path, robot: Robot) -> Points:
                 f"needs a robot whose joints take one number each: choose a group; {robot.name}'s"
                 f" {robot.configuration_map.described_columns()}"
             )
-        found = list(_joint_trajectories(_document(path)))
+        document = _document(path)
+        if document.get("trajectory_start"):
+            warnings.warn(
+                f"trajectory file {str(path)!r}: trajectory_start is not looked at: give start=, and hold other joints"
+                " by robot.holding",
+                stacklevel=3,
+            )
+        found = joint_trajectories(document)
         if len(found) != 1:
             raise PlannercheckError(f"holds {len(found)} JointTrajectory messages, and must hold one")
         return _points(found[0], robot)
@@ -64,20 +73,29 @@ def _document(path: Path) -> Node:
         raise PlannercheckError(f"is no JSON: {error!s:.200}") from None
 
 
-def _joint_trajectories(document: Node) -> list[Node]:
+def joint_trajectories(document: Node) -> list[Node]:
     """The JointTrajectory messages in a document, in order."""
     if "points" in document:
         return [document]
-    for key in ("multi_dof_joint_trajectory", "multi_dof_trajectory"):
-        if sequence(mapping(document.get(key), repr(key)).get("points"), "'points'"):
-            raise PlannercheckError(f"{key} moves a joint of several degrees of freedom, which is not supported")
+    for key in ("multi_dof_joint_trajectory", "multi_dof_trajectory"):  # of MoveIt, and of control_msgs' goals
+        with error_context(key):
+            _check_base(mapping(document.get(key), repr(key)))
     inner = document.get("joint_trajectory", document.get("trajectory", []))
     items = inner if isinstance(inner, list) else [inner]
-    return [found for item in items for found in _joint_trajectories(mapping(item, "a trajectory"))]
+    return [found for item in items if isinstance(item, dict) for found in joint_trajectories(mapping(item, "it"))]
+
+
+def _check_base(node: Node) -> None:
+    """Raises if a joint of several degrees of freedom, such as a mobile base, leaves the identity."""
+    for point in sequence(node.get("points"), "'points'"):
+        for item in sequence(mapping(point, "a point").get("transforms"), "'transforms'"):
+            if not np.array_equal(transform(mapping(item, "a transform")), np.eye(4)):
+                moved = ", ".join(map(str, node.get("joint_names") or ())) or "a joint"
+                raise PlannercheckError(f"moves {moved}: only joint_trajectory is supported")
 
 
 def _points(message: Node, robot: Robot) -> Points:
-    check_keys(message, _TRAJECTORY_KEYS)
+    check_keys(message, TRAJECTORY_KEYS)
     names = [text(name, "joint_names") for name in sequence(required(message, "joint_names"), "'joint_names'")]
     for name in names:
         if name not in robot.joint_names:
@@ -86,12 +104,14 @@ def _points(message: Node, robot: Robot) -> Points:
     if missing or len(set(names)) != len(names):
         raise PlannercheckError(f"must have each joint of {robot.name} once: {', '.join(missing or names)}")
     order = [names.index(name) for name in robot.joint_names]
+    if not sequence(required(message, "points"), "'points'"):
+        raise PlannercheckError("has no points")
     times: list[float] = []
     rows: dict[str, list[Any]] = {"positions": [], "velocities": [], "accelerations": []}
     for k, item in enumerate(sequence(required(message, "points"), "'points'")):
         with error_context(f"point {k}"):
             point = mapping(item, "it")
-            check_keys(point, _POINT_KEYS)
+            check_keys(point, POINT_KEYS)
             if not point.get("positions"):
                 raise PlannercheckError("has no positions: a controller would integrate velocities, which is refused")
             times.append(_seconds(required(point, "time_from_start")))

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import contiguous, shown_array
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.robots.robot import Robot
@@ -116,7 +117,8 @@ class Trajectory:
         points = read_points(Path(path), robot)
         turning = np.flatnonzero(robot.configuration_map.turning_columns()).tolist()
         arrays = (points.times, points.positions, points.velocities, points.accelerations)
-        return cls(*arrays, controller, start, turning)
+        with error_context(f"trajectory file {str(path)!r}"):
+            return cls(*arrays, controller, start, turning)
 
     @property
     def duration(self) -> float:

@@ -238,7 +238,8 @@ def test_messages_are_read_in_the_robots_order(tmp_path: Path, wrapped: str):
     [
         ({"joint_names": ["a"] * 7}, "has joint 'a', which panda has not"),
         ({"joint_names": ["panda_joint1"] * 7}, "must have each joint of panda once: panda_joint2"),
-        ({"points": []}, "times"),
+        ({"points": []}, r"t\.json.*has no points"),
+        ({"points": [point([0.0] * 7, 1), point([0.1] * 7, 1)]}, r"t\.json.*times must grow"),
         ({"points": [{"time_from_start": 1}]}, "point 0.*has no positions"),
         ({"points": [point([0.0] * 6, 1)]}, "point 0.*positions"),
         ({"points": [point([0.0] * 7, 1, velocity=[0])]}, "velocity"),
@@ -258,4 +259,13 @@ def test_several_trajectories_in_a_row_are_refused(tmp_path: Path):
     one = {"joint_trajectory": message(list(robot.joint_names), [point([0.0] * 7, 1), point([0.1] * 7, 2)])}
     (tmp_path / "t.json").write_text(json.dumps({"trajectory": [one, one]}))
     with pytest.raises(pc.PlannercheckError, match="holds 2 JointTrajectory messages"):
+        pc.Trajectory.load(tmp_path / "t.json", robot)
+
+
+def test_a_start_that_is_not_looked_at_is_said(tmp_path: Path):
+    robot = pc.Robot.load("panda")
+    inner = message(list(robot.joint_names), [point([0.0] * 7, 1), point([0.1] * 7, 2)])
+    file = {"trajectory_start": {"joint_state": {"name": ["a"]}}, "trajectory": [{"joint_trajectory": inner}]}
+    (tmp_path / "t.json").write_text(json.dumps(file))
+    with pytest.warns(UserWarning, match=r"t\.json.*trajectory_start is not looked at: give start="):
         pc.Trajectory.load(tmp_path / "t.json", robot)

@@ -21,11 +21,8 @@ import numpy as np
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.scenes.moveit_messages import transform
 from plannercheck.scenes.moveit_states import check_robot_state, joint_values
-
-_TRAJECTORY_KEYS = ("header", "joint_names", "points")
-_POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
+from plannercheck.trajectories.messages import POINT_KEYS, TRAJECTORY_KEYS, joint_trajectories
 
 # The fields that bend the way between two points.
 _BENDING = ("velocities", "accelerations")
@@ -63,7 +60,7 @@ def read_trajectory(document: Node) -> Trajectory | None:
     Raises:
         PlannercheckError: If its parts name different joints, or if something moves that joints do not.
     """
-    nodes = _joint_trajectories(document)
+    nodes = joint_trajectories(document)
     if not nodes:
         return None
     names = _names(nodes[0])
@@ -72,13 +69,13 @@ def read_trajectory(document: Node) -> Trajectory | None:
     bent: set[str] = set()
     for node in nodes:
         firsts.append(len(rows))
-        check_keys(node, _TRAJECTORY_KEYS)
+        check_keys(node, TRAJECTORY_KEYS)
         if _names(node) != names:
             raise PlannercheckError(f"its trajectories name different joints: {', '.join(_names(node))}")
         for k, item in enumerate(sequence(required(node, "points"), "'points'")):
             with error_context(f"point {k}"):
                 point = mapping(item, "it")
-                check_keys(point, _POINT_KEYS)
+                check_keys(point, POINT_KEYS)
                 rows.append(numbers(required(point, "positions"), "positions", len(names)))
                 bent.update(key for key in _BENDING if _is_set(point, key, len(names)))
     held = _held(mapping(document.get("trajectory_start"), "'trajectory_start'"), names)
@@ -86,27 +83,6 @@ def read_trajectory(document: Node) -> Trajectory | None:
     as_given = np.ones(max(len(rows) - 1, 0), dtype=bool)
     as_given[[first - 1 for first in firsts if 0 < first < len(rows)]] = False
     return Trajectory(names, positions, held, tuple(key for key in _BENDING if key in bent), as_given)
-
-
-def _joint_trajectories(document: Node) -> list[Node]:
-    """The JointTrajectory messages in a document, in order."""
-    if "points" in document:
-        return [document]
-    for key in ("multi_dof_joint_trajectory", "multi_dof_trajectory"):  # of MoveIt, and of control_msgs' goals
-        with error_context(key):
-            _check_base(mapping(document.get(key), repr(key)))
-    inner = document.get("joint_trajectory", document.get("trajectory", []))
-    items = inner if isinstance(inner, list) else [inner]
-    return [found for item in items if isinstance(item, dict) for found in _joint_trajectories(mapping(item, "it"))]
-
-
-def _check_base(node: Node) -> None:
-    """Raises if a joint of several degrees of freedom, such as a mobile base, leaves the identity."""
-    for point in sequence(node.get("points"), "'points'"):
-        for item in sequence(mapping(point, "a point").get("transforms"), "'transforms'"):
-            if not np.array_equal(transform(mapping(item, "a transform")), np.eye(4)):
-                moved = ", ".join(map(str, node.get("joint_names") or ())) or "a joint"
-                raise PlannercheckError(f"moves {moved}: only joint_trajectory is supported")
 
 
 def _names(node: Node) -> list[str]:
