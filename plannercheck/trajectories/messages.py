@@ -30,6 +30,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.moveit_messages import transform
 from plannercheck.trajectories.controllers import Points
+from plannercheck.trajectories.joint_columns import check_plain_joints, columns_of
 
 TRAJECTORY_KEYS = ("header", "joint_names", "points")
 POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
@@ -43,11 +44,7 @@ def read_points(path: Path, robot: Robot) -> Points:
         robot: Its joints, which take one number each; the message must have them all and no others.
     """
     with error_context(f"trajectory file {str(path)!r}"):
-        if len(robot.joint_names) != robot.nq:
-            raise PlannercheckError(
-                f"needs a robot whose joints take one number each: choose a group; {robot.name}'s"
-                f" {robot.configuration_map.described_columns()}"
-            )
+        check_plain_joints(robot)
         document = _document(path)
         if document.get("trajectory_start"):
             warnings.warn(
@@ -97,13 +94,7 @@ def _check_base(node: Node) -> None:
 def _points(message: Node, robot: Robot) -> Points:
     check_keys(message, TRAJECTORY_KEYS)
     names = [text(name, "joint_names") for name in sequence(required(message, "joint_names"), "'joint_names'")]
-    for name in names:
-        if name not in robot.joint_names:
-            raise PlannercheckError(f"has joint {name!r}, which {robot.name} has not: {', '.join(robot.joint_names)}")
-    missing = [name for name in robot.joint_names if name not in names]
-    if missing or len(set(names)) != len(names):
-        raise PlannercheckError(f"must have each joint of {robot.name} once: {', '.join(missing or names)}")
-    order = [names.index(name) for name in robot.joint_names]
+    order = columns_of(names, robot)
     if not sequence(required(message, "points"), "'points'"):
         raise PlannercheckError("has no points")
     times: list[float] = []
