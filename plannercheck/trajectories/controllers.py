@@ -53,12 +53,18 @@ class Points(OwnsArrays):
         positions: (n, nq) rad and m.
         velocities: (n, nq) rad/s and m/s; rows of points without velocities are NaN.
         accelerations: (n, nq) rad/s² and m/s²; likewise.
+        joint_names: Of the columns; empty if they are not known.
     """
 
     times: Floats
     positions: Floats
     velocities: Floats
     accelerations: Floats
+    joint_names: tuple[str, ...] = ()
+
+    def named(self, column: int) -> str:
+        """A column in words."""
+        return f"joint {self.joint_names[column]!r}" if self.joint_names else f"column {column}"
 
     @property
     def has_velocities(self) -> Bools:
@@ -134,7 +140,7 @@ def _check(points: Points, controller: Controller) -> None:
     if controller in ("jtc", "jtc-upsampled") and last.max(initial=0.0) > REST:
         joint = int(last.argmax())
         raise PlannercheckError(
-            f"the last point has velocity {points.velocities[-1, joint]:.3g} in column {joint}:"
+            f"the last point has velocity {points.velocities[-1, joint]:.3g} in {points.named(joint)}:"
             " joint_trajectory_controller refuses a trajectory that does not end at rest"
         )
     v, a = points.has_velocities, points.has_accelerations
@@ -159,8 +165,8 @@ def _approached(points: Points, start: Points, continuous: Sequence[int]) -> Poi
         if not np.array_equal(from_there, first):
             joint = int(np.abs(from_there - first).argmax())
             raise PlannercheckError(
-                f"the first point is at 0 s and differs from start by {abs(from_there - first)[joint]:.3g} in column"
-                f" {joint}: the robot would jump; give the first point a later time"
+                f"the first point is at 0 s and differs from start by {abs(from_there - first)[joint]:.3g} in"
+                f" {points.named(joint)}: the robot would jump; give the first point a later time"
             )
         return points
     zero = np.zeros_like(first)
@@ -168,7 +174,8 @@ def _approached(points: Points, start: Points, continuous: Sequence[int]) -> Poi
     accelerations = start.accelerations[0] if start.has_accelerations[0] else zero
     before = (np.zeros(1), from_there[None], velocities[None], accelerations[None])
     after = (points.times, points.positions, points.velocities, points.accelerations)
-    return Points(*(np.concatenate(pair) for pair in zip(before, after, strict=True)))
+    times, positions, velocities, accelerations = (np.concatenate(pair) for pair in zip(before, after, strict=True))
+    return Points(times, positions, velocities, accelerations, points.joint_names)
 
 
 def _segment(points: Points, k: int) -> Floats:

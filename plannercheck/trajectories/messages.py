@@ -109,7 +109,7 @@ def _points(message: Node, robot: Robot) -> Points:
             for key, found in rows.items():
                 found.append(numbers(point[key], key, len(names)) if point.get(key) else [np.nan] * len(names))
     columns = {key: _ordered(found, order) for key, found in rows.items()}
-    return Points(np.array(times), **columns)
+    return Points(np.array(times), joint_names=robot.joint_names, **columns)
 
 
 def _ordered(rows: list[list[float]], order: list[int]) -> Floats:
@@ -122,7 +122,13 @@ def _seconds(duration: Any) -> float:
         return number(duration, "time_from_start")
     check_keys(duration, ("sec", "nanosec", "secs", "nsecs"))
     whole, parts = (
-        number(next((duration[key] for key in keys if key in duration), 0), keys[0])
+        _whole(next((duration[key] for key in keys if key in duration), 0), keys[0])
         for keys in (("sec", "secs"), ("nanosec", "nsecs"))
     )
     return (whole * 10**9 + parts) / 10**9
+
+
+def _whole(value: Any, key: str) -> int:
+    if not isinstance(value, int) or isinstance(value, bool):
+        raise PlannercheckError(f"{key!r} must be a whole number, not {value!r:.60}")
+    return value

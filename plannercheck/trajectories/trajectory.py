@@ -25,6 +25,7 @@ from plannercheck.trajectories.curve import Curve
 from plannercheck.trajectories.forms import of_bezier, of_bspline, of_polynomials
 from plannercheck.trajectories.limits import Excess, Kind, broken_limits
 from plannercheck.trajectories.messages import read_points
+from plannercheck.trajectories.written_messages import write_message
 
 
 @set_module("plannercheck")
@@ -46,6 +47,7 @@ class Trajectory:
         controller: Controller = "jtc",
         start: ArrayLike | tuple[ArrayLike, ArrayLike] | None = None,
         continuous: Sequence[int] = (),
+        joint_names: Sequence[str] = (),
     ) -> None:
         """A trajectory of points.
 
@@ -59,11 +61,12 @@ class Trajectory:
                 first point. None: the robot is at the first point.
             continuous: Columns of joints that turn without end, from which the controller takes whole turns on the
                 way to the first point.
+            joint_names: Of the columns, for `save` and for errors.
 
         Raises:
             PlannercheckError: If an array is malformed, times do not grow, or the controller refuses the points.
         """
-        self.points: Points | None = _points(times, positions, velocities, accelerations)
+        self.points: Points | None = _points(times, positions, velocities, accelerations, tuple(joint_names))
         self.controller: Controller | None = controller
         width = self.points.positions.shape[1]
         self.curve = curve_of(self.points, controller, _start(start, width), continuous)
@@ -118,7 +121,20 @@ class Trajectory:
         turning = np.flatnonzero(robot.configuration_map.turning_columns()).tolist()
         arrays = (points.times, points.positions, points.velocities, points.accelerations)
         with error_context(f"trajectory file {str(path)!r}"):
-            return cls(*arrays, controller, start, turning)
+            return cls(*arrays, controller, start, turning, points.joint_names)
+
+    def save(self, path: str | Path) -> None:
+        """Writes the points as a JointTrajectory, which `load` reads back to the same doubles.
+
+        Args:
+            path: A .yaml or .json file. The message has neither `controller` nor `start`.
+
+        Raises:
+            PlannercheckError: If the trajectory is a curve, has no joint_names, or its times are not whole nanoseconds.
+        """
+        if self.points is None:
+            raise PlannercheckError("a curve is no message: only a trajectory of points can be saved")
+        write_message(self.points, Path(path))
 
     @property
     def duration(self) -> float:
@@ -170,7 +186,11 @@ class Trajectory:
 
 
 def _points(
-    times: ArrayLike, positions: ArrayLike, velocities: ArrayLike | None, accelerations: ArrayLike | None
+    times: ArrayLike,
+    positions: ArrayLike,
+    velocities: ArrayLike | None,
+    accelerations: ArrayLike | None,
+    joint_names: tuple[str, ...] = (),
 ) -> Points:
     at, q = contiguous(times), contiguous(positions)
     if at.ndim != 1 or not len(at) or q.ndim != 2 or len(q) != len(at) or not q.shape[1]:
@@ -180,7 +200,10 @@ def _points(
         raise PlannercheckError(f"times must grow from 0 s on, but point {wrong} is at {at[wrong]} s")
     if not np.isfinite(q).all():
         raise PlannercheckError(f"positions must be finite: point {int(np.argmin(np.isfinite(q).all(axis=1)))} is not")
-    return Points(at, q, _derivatives(velocities, "velocities", q), _derivatives(accelerations, "accelerations", q))
+    if joint_names and len(joint_names) != q.shape[1]:
+        raise PlannercheckError(f"joint_names must name the {q.shape[1]} columns, not {len(joint_names)}")
+    v, a = _derivatives(velocities, "velocities", q), _derivatives(accelerations, "accelerations", q)
+    return Points(at, q, v, a, joint_names)
 
 
 def _derivatives(values: ArrayLike | None, name: str, positions: Floats) -> Floats:
