@@ -128,8 +128,11 @@ def test_a_first_point_at_once_is_where_the_robot_stands():
         ({"times": [-1, 0.5, 1]}, "point 0 is at -1.0 s"),
         ({"times": [0, np.nan, 1]}, "point 1 is at nan s"),
         ({"times": [0, 1]}, r"not \(2,\) and \(3, 2\)"),
-        ({"positions": np.where(np.arange(6).reshape(3, 2) == 3, np.nan, Q)}, "point 1 is not"),
-        ({"velocities": np.where(np.arange(6).reshape(3, 2) == 3, np.nan, V)}, "NaN for a whole point: point 1"),
+        ({"positions": np.where(np.arange(6).reshape(3, 2) == 3, np.nan, Q)}, "point 1, column 1 has nan"),
+        (
+            {"velocities": np.where(np.arange(6).reshape(3, 2) == 3, np.nan, V)},
+            "NaN for a whole point: point 1, column 1",
+        ),
         ({"velocities": V[:2]}, r"shape of positions, \(3, 2\), not \(2, 2\)"),
         ({"velocities": V + np.array([[0], [0], [0.1]])}, "does not end at rest"),
         ({"start": [1.0]}, r"start must be a configuration \(2,\)"),
