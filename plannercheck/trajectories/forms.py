@@ -1,6 +1,6 @@
 """Curves in the forms that libraries have them: powers, B-splines, Bézier curves.
 
-In: arrays, or objects of drake, ndcurves and SciPy by their methods. Out: `Curve`.
+In: arrays. Out: `Curve`.
 """
 
 from __future__ import annotations
@@ -84,7 +84,8 @@ def checked_breaks(breaks: ArrayLike) -> Floats:
 
 
 def joined(breaks: Floats, pieces: list[Floats]) -> Curve:
-    """A curve without jumps; what rounding leaves between pieces goes into the later one."""
+    """A curve without jumps, of pieces of degree 1 at least; rounding between pieces goes into the later one."""
+    pieces = [np.repeat(piece, 2, axis=0) if len(piece) == 1 else piece for piece in pieces]
     for k in range(1, len(pieces)):
         before, after = pieces[k - 1][-1], pieces[k]
         size = max(np.abs(pieces[k - 1]).max(), np.abs(after).max())

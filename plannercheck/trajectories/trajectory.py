@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +25,7 @@ from plannercheck.trajectories.controllers import Controller, Points, curve_of
 from plannercheck.trajectories.curve import Curve
 from plannercheck.trajectories.files import read_points
 from plannercheck.trajectories.forms import of_bezier, of_bspline, of_polynomials
+from plannercheck.trajectories.library_curves import of_library
 from plannercheck.trajectories.limits import Excess, Kind, broken_limits
 from plannercheck.trajectories.written_messages import write_message
 
@@ -79,24 +81,25 @@ class Trajectory:
         return made
 
     @classmethod
-    def polynomials(cls, breaks: ArrayLike, coefficients: ArrayLike) -> Trajectory:
-        """A trajectory of polynomials, as drake's PiecewisePolynomial and SciPy's PPoly have them.
+    def polynomials(cls, breaks: Any, coefficients: ArrayLike | None = None) -> Trajectory:
+        """A trajectory of polynomials.
 
         Args:
-            breaks: (m + 1,) s, growing.
+            breaks: (m + 1,) s, growing; or, here and in `bezier` and `bspline`, an object of drake, ndcurves or SciPy
+                alone (library_curves.py lists them).
             coefficients: (m, nq, degree + 1), of 1, t − breaks[k], its square and so on.
         """
-        return cls.of_curve(of_polynomials(breaks, coefficients))
+        return cls.of_curve(of_library(breaks) if coefficients is None else of_polynomials(breaks, coefficients))
 
     @classmethod
-    def bezier(cls, breaks: ArrayLike, points: ArrayLike) -> Trajectory:
+    def bezier(cls, breaks: Any, points: ArrayLike | None = None) -> Trajectory:
         """A trajectory of Bézier curves: breaks (m + 1,) s, control points (m, degree + 1, nq)."""
-        return cls.of_curve(of_bezier(breaks, points))
+        return cls.of_curve(of_library(breaks) if points is None else of_bezier(breaks, points))
 
     @classmethod
-    def bspline(cls, knots: ArrayLike, points: ArrayLike) -> Trajectory:
+    def bspline(cls, knots: Any, points: ArrayLike | None = None) -> Trajectory:
         """A trajectory that is a B-spline: knots (n + degree + 1,) s, control points (n, nq)."""
-        return cls.of_curve(of_bspline(knots, points))
+        return cls.of_curve(of_library(knots) if points is None else of_bspline(knots, points))
 
     @classmethod
     def load(
