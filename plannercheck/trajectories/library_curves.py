@@ -30,6 +30,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.trajectories.curve import Curve
 from plannercheck.trajectories.forms import MOST_DEGREE, joined, of_bezier, of_bspline, of_polynomials
 from plannercheck.trajectories.limits import extremes
+from plannercheck.trajectories.rounding import UNIT
 
 # How far an object's own values may be from the curve, relative to the largest control point: rounding of both.
 _AGREEMENT = 1e-9
@@ -150,17 +151,19 @@ def _in_a_row(parts: list[Curve]) -> Curve:
         if apart > _INSTANT * span or parts[k].nq != parts[0].nq:
             raise PlannercheckError(f"parts {k - 1} and {k} do not follow each other: {apart:.3g} s between them")
     breaks = np.concatenate([parts[0].breaks[:1], *(part.breaks[1:] for part in parts)])
-    return joined(breaks, [control for part in parts for control in part.pieces])
+    error = np.max([part.error for part in parts], axis=0)
+    return joined(breaks, [control for part in parts for control in part.pieces], error)
 
 
 def _path_parameterized(thing: Any) -> Curve:
     path, scaling = of_library(thing.path()), of_library(thing.time_scaling())
-    pieces = [_composed(path, control) for control in scaling.pieces]
-    return joined(scaling.breaks, pieces)
+    composed = [_composed(path, control, float(scaling.error[0])) for control in scaling.pieces]
+    error = path.error + np.max([each for _, each in composed], axis=0)
+    return joined(scaling.breaks, [control for control, _ in composed], error)
 
 
-def _composed(path: Curve, scaling: Floats) -> Floats:
-    """Control points of a path along one piece of a time scaling, whose control points are (degree + 1, 1)."""
+def _composed(path: Curve, scaling: Floats, scaling_error: float) -> tuple[Floats, Floats]:
+    """Control points of a path along one piece of a time scaling (degree + 1, 1), and how far they are off (nq,)."""
     values = [value for _, value in extremes(scaling[:, 0])]
     low, high = min(values), max(values)
     near = _INSTANT * (path.breaks[-1] - path.breaks[0])
@@ -172,14 +175,21 @@ def _composed(path: Curve, scaling: Floats) -> Floats:
         )
     start, end = path.breaks[inside[0] : inside[0] + 2]
     control = path.pieces[inside[0]]
-    if (len(control) - 1) * (len(scaling) - 1) > MOST_DEGREE:
+    degree, steps = len(scaling) - 1, len(control) - 1
+    if degree * steps > MOST_DEGREE:
         raise PlannercheckError(f"path and time scaling give a degree above {MOST_DEGREE}: give its path()")
     # De Casteljau's algorithm with a polynomial as the parameter.
     share = (scaling - start) / (end - start)
     points = list(control[:, None, :])
     while len(points) > 1:
         points = [_product(first, 1 - share) + _product(second, share) for first, second in pairwise(points)]
-    return np.asarray(points[0])
+    # Each step has some errors of the share, of products, and of sums over the degree that is reached; its terms are at
+    # most `growth` larger. Beyond a break the neighbouring piece would count: at most twice the way at full speed.
+    growth = float(np.abs(1 - share).max() + np.abs(share).max())
+    rounded = steps * (degree * steps + 12) * UNIT * growth**steps * np.abs(control).max(axis=0)
+    fastest = np.max([(len(c) - 1) * np.abs(np.diff(c, axis=0)).max(axis=0) for c in path.pieces], axis=0)
+    slowest = float(np.diff(path.breaks).min())
+    return np.asarray(points[0]), rounded + fastest / slowest * (2 * near + scaling_error)
 
 
 def _product(values: Floats, factor: Floats) -> Floats:

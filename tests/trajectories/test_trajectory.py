@@ -134,7 +134,7 @@ def test_a_first_point_at_once_is_where_the_robot_stands():
             "NaN for a whole point: point 1, column 1",
         ),
         ({"velocities": V[:2]}, r"shape of positions, \(3, 2\), not \(2, 2\)"),
-        ({"velocities": V + np.array([[0], [0], [0.1]])}, "does not end at rest"),
+        ({"velocities": V + np.array([[0], [0], [0.1]])}, "jtc refuses a trajectory that does not end at rest"),
         ({"start": [1.0]}, r"start must be a configuration \(2,\)"),
         ({"times": [1.0], "positions": Q[:1], "velocities": None}, "one point needs start="),
     ],
