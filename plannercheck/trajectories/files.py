@@ -61,7 +61,7 @@ def _chosen(found: Sequence[tuple[str, Node]], message: int | None) -> Node:
         return found[message][1]
     listed = "; ".join(f"{k}: {_described(topic, node)}" for k, (topic, node) in enumerate(found[:_MOST_LISTED]))
     listed += f"; and {len(found) - _MOST_LISTED} more" if len(found) > _MOST_LISTED else ""
-    choose = "choose one by message=" if found else "there is none to choose"
+    choose = "choose one by message= (--message)" if found else "there is none to choose"
     raise PlannercheckError(f"holds {len(found)} JointTrajectory messages: {choose}{listed and f': {listed}'}")
 
 
