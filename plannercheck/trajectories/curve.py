@@ -9,9 +9,10 @@ of control points are those of the derivative, and a piece of degree 1 is a stra
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays, contiguous
@@ -37,6 +38,13 @@ class Curve(OwnsArrays):
     def nq(self) -> int:
         """Numbers of a configuration."""
         return int(self.pieces[0].shape[1])
+
+    @cached_property
+    def by_count(self) -> dict[int, tuple[NDArray[np.int64], Floats]]:
+        """The pieces by the count of their control points: their numbers (m,), and (m, degree + 1, nq)."""
+        counts = np.array([len(piece) for piece in self.pieces])
+        numbers = {count: np.flatnonzero(counts == count) for count in sorted(set(counts.tolist()))}
+        return {count: (some, np.array([self.pieces[k] for k in some.tolist()])) for count, some in numbers.items()}
 
     def at(self, times: ArrayLike, derivative: int = 0) -> Floats:
         """Positions, or derivatives by time.
