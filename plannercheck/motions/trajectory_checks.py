@@ -133,13 +133,16 @@ class TrajectoryChecks:
         points, (start, end) = trajectory.curve.pieces[piece], trajectory.curve.breaks[piece : piece + 2].tolist()
         tube = _tube(trajectory.curve, self.tube, 0.0)
         result = self._certifier.result(Curves(points[None], tube[None]), self._tolerance)
-        states = partial(self._certifier.states_on, points)
+
+        def states(s: Floats) -> Floats:
+            return trajectory.position(np.minimum(start + (end - start) * s, end))
+
+        def time(s: float) -> float:
+            return min(start + (end - start) * s, end)
+
         found = explained_motion(self._checker, result, states, self._tolerance)
-
-        def time(parameter: float | None) -> float | None:
-            return None if parameter is None else start + (end - start) * parameter
-
-        return Stop(start + (end - start) * found.free_until, time(found.collides_at), time(found.near_at), found.pair)
+        collides_at, near_at = (None if s is None else time(s) for s in (found.collides_at, found.near_at))
+        return Stop(time(found.free_until), collides_at, near_at, found.pair)
 
     def _is_free(self, trajectory: Trajectory, tube: Floats, room: float) -> bool:
         return bool(self.free_pieces([trajectory], 1, tube, room)[0].all())
@@ -168,6 +171,10 @@ class TrajectoryChecks:
         if trajectory.curve.nq != robot.nq:
             columns = robot.configuration_map.described_columns()
             raise PlannercheckError(f"the trajectory has {trajectory.curve.nq} columns, but {columns}")
+        if trajectory.curve.units != self._units:
+            raise PlannercheckError(
+                f"columns of {robot.name!r} form unit vectors, which turn by slerp: give trajectory.of_robot(robot)"
+            )
 
     def _checked_tube(self, given: Floats) -> Floats:
         nq = self._checker.robot.nq

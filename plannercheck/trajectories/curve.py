@@ -28,11 +28,14 @@ class Curve(OwnsArrays):
         pieces: (degree + 1, nq) each, the control points, rad and m.
         error: (nq,) how far the pieces, and a known controller's own evaluation, are at most from the polynomials that
             the numbers given define, rad and m (rounding.py).
+        units: (first, past) of columns that form a unit vector: cosine and sine, or a quaternion. They turn from the
+            first control point of a piece to its last by slerp, the short way.
     """
 
     breaks: Floats
     pieces: tuple[Floats, ...]
     error: Floats
+    units: tuple[tuple[int, int], ...] = ()
 
     @property
     def nq(self) -> int:
@@ -71,8 +74,25 @@ class Curve(OwnsArrays):
             here = piece == k
             start, end = self.breaks[k], self.breaks[k + 1]
             control = differentiated(self.pieces[k], end - start, derivative)
-            found[here] = _de_casteljau(control, (asked[here] - start) / (end - start))
+            s = (asked[here] - start) / (end - start)
+            found[here] = _de_casteljau(control, s)
+            for first, past in self.units:
+                a, b = self.pieces[k][[0, -1], first:past]
+                found[here, first:past] = _slerp(a, b, s, derivative) / (end - start) ** derivative
         return found[0] if np.ndim(times) == 0 else found
+
+
+def _slerp(start: Floats, end: Floats, s: Floats, derivative: int) -> Floats:
+    """Unit vectors (n, 2) or (n, 4) on the way from one to another at s (n,) from 0 to 1, or derivatives by s."""
+    a, b = start / np.linalg.norm(start), end / np.linalg.norm(end)
+    if len(a) == 4 and a @ b < 0:  # quaternions of both signs turn alike
+        b = -b
+    across = b - (a @ b) * a
+    length = np.linalg.norm(across)
+    angle = np.arctan2(length, a @ b)
+    phase = angle * s[:, None] + derivative * np.pi / 2
+    sideways = across / length if length > 0 else across
+    return np.asarray(angle**derivative * (np.cos(phase) * a + np.sin(phase) * sideways))
 
 
 def differentiated(control: Floats, duration: float, times: int = 1) -> Floats:
