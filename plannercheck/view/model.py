@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+import numpy as np
+
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.errors import PlannercheckError, with_article
 from plannercheck.view.drawn_parts import DrawnParts
@@ -124,6 +126,8 @@ class Drawing:
         centre: (3,) what to look at, m.
         radius: Radius of the ball to look at, m.
         parts: Bodies of very many parts.
+        times: (frames,) when each frame is, s, so that they are played in real time; None: they have no times.
+        clearances: (frames,) the least clearance at each, m, which is plotted over time; None likewise.
     """
 
     title: str
@@ -136,6 +140,13 @@ class Drawing:
     centre: Floats
     radius: float
     parts: tuple[DrawnParts, ...] = ()
+    times: Floats | None = None
+    clearances: Floats | None = None
+
+    def frame_at(self, time: float) -> int:
+        """The last frame that is not later than a time, s."""
+        assert self.times is not None
+        return max(int(np.searchsorted(self.times, time, side="right")) - 1, 0)
 
     @property
     def frames(self) -> int:

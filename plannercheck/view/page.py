@@ -23,7 +23,7 @@ from plannercheck.view.drawn_parts import DrawnParts
 from plannercheck.view.model import COLLIDING, COLOURS, PLANE, Drawing, Mesh, checked_drawing
 
 _TEMPLATE, *_SCRIPTS = (
-    Path(__file__).with_name(name) for name in ("viewer.html", "viewer_parts.js", "viewer_layer.js")
+    Path(__file__).with_name(name) for name in ("viewer.html", "viewer_parts.js", "viewer_layer.js", "viewer_plot.js")
 )
 _TITLE, _DATA, _PARTS = "<!--TITLE-->", "/*DATA*/", "/*PARTS*/"
 
@@ -69,6 +69,8 @@ def data_of(picture: Drawing) -> dict[str, Any]:
         "title": picture.title,
         "labels": list(picture.labels),
         "animated": picture.animated,
+        "times": None if picture.times is None else picture.times.tolist(),
+        "clearances": None if picture.clearances is None else picture.clearances.tolist(),
         "verdicts": [picture.verdict(frame) for frame in range(picture.frames)],
         "valid": [not pairs for pairs in picture.collisions],
         "colours": {layer: list(colour) for layer, colour in COLOURS.items()},
