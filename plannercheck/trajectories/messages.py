@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -48,17 +49,30 @@ def read_points(path: Path, robot: Robot) -> Points:
                 f"needs a robot whose joints take one number each: choose a group; {robot.name}'s"
                 f" {robot.configuration_map.described_columns()}"
             )
+    return read_named_points(path, robot.joint_names, robot.name)
+
+
+def read_named_points(path: str | Path, joint_names: Sequence[str], owner: str = "the proof") -> Points:
+    """Reads the points of one message.
+
+    Args:
+        path: The file.
+        joint_names: The joints, in the order of the columns; the message must have them all and no others.
+        owner: Whose joints these are, for errors.
+    """
+    path = Path(path)
+    with error_context(f"trajectory file {str(path)!r}"):
         document = _document(path)
         if document.get("trajectory_start"):
             warnings.warn(
                 f"trajectory file {str(path)!r}: trajectory_start is not looked at: give start=, and hold other joints"
                 " by robot.holding",
-                stacklevel=3,
+                stacklevel=4,
             )
         found = joint_trajectories(document)
         if len(found) != 1:
             raise PlannercheckError(f"holds {len(found)} JointTrajectory messages, and must hold one")
-        return _points(found[0], robot)
+        return _points(found[0], joint_names, owner)
 
 
 def _document(path: Path) -> Node:
@@ -94,16 +108,16 @@ def _check_base(node: Node) -> None:
                 raise PlannercheckError(f"moves {moved}: only joint_trajectory is supported")
 
 
-def _points(message: Node, robot: Robot) -> Points:
+def _points(message: Node, joint_names: Sequence[str], owner: str) -> Points:
     check_keys(message, TRAJECTORY_KEYS)
     names = [text(name, "joint_names") for name in sequence(required(message, "joint_names"), "'joint_names'")]
     for name in names:
-        if name not in robot.joint_names:
-            raise PlannercheckError(f"has joint {name!r}, which {robot.name} has not: {', '.join(robot.joint_names)}")
-    missing = [name for name in robot.joint_names if name not in names]
+        if name not in joint_names:
+            raise PlannercheckError(f"has joint {name!r}, which {owner} has not: {', '.join(joint_names)}")
+    missing = [name for name in joint_names if name not in names]
     if missing or len(set(names)) != len(names):
-        raise PlannercheckError(f"must have each joint of {robot.name} once: {', '.join(missing or names)}")
-    order = [names.index(name) for name in robot.joint_names]
+        raise PlannercheckError(f"must have each joint of {owner} once: {', '.join(missing or names)}")
+    order = [names.index(name) for name in joint_names]
     if not sequence(required(message, "points"), "'points'"):
         raise PlannercheckError("has no points")
     times: list[float] = []
