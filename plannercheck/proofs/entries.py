@@ -131,6 +131,11 @@ class EntryChecker:
         radii = self._model.bodies[a].radius + self._model.bodies[b].radius
         return radii + self._tube.widening(frame, a, b)
 
+    def needed(self, pair: int) -> float:
+        """How far apart a pair has to be, at least, in the frame of either body, m."""
+        frames = (self._model.bodies[k].link for k in self._model.pairs[pair])
+        return min(self._radii(Entry(pair, 0.0, 1.0, "plane", frame)) for frame in frames) + self._margin
+
     def _joint(self, link: int) -> int:
         return WORLD if link == WORLD else self._model.links[link].joint
 

@@ -20,9 +20,8 @@ length by more than some times its part of all lengths between frame and body.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,8 +31,9 @@ from plannercheck.proofs.data import JOINTS, WORLD, Joint, Model, Motion, PosedB
 from plannercheck.proofs.joint_motions import held_map
 from plannercheck.proofs.rounding import ROUNDING, UP
 
-# Points of an axis that are tried: those nearest to the origins of this many joints before and after it.
-_NEIGHBOURS = 3
+# Points of an axis that are tried: those nearest to the origins of joints up to so many moving joints away, so many at
+# most, and to two middles of the body.
+_NEAR, _MOST_TRIED = 3, 24
 
 # How many times its part of all lengths the defect of maps changes a length, at most.
 _DEFECTS = 16
@@ -49,9 +49,30 @@ class _Room:
         extent: How far its origin is from where it is at rest, at most, all along the motion and its tube, m.
     """
 
-    turn: float
-    slide: float
-    extent: float
+    turn: float = 0.0
+    slide: float = 0.0
+    extent: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class _View:
+    """A body as seen from a joint's frame, all joints between them at rest.
+
+    Attributes:
+        points: (n, 3) the body's own, or some of the last axis between them, m.
+        reaches: (n,) how far all of the body is from each of these points, at most; none of the body's own points.
+        middles: (2, 3) middles of the body.
+        slid: How far the joints between them may slide, together, m.
+        lengths: At least the sum of all lengths between them, and within the body, m.
+        shift: How far the body is displaced, m.
+    """
+
+    points: Floats
+    reaches: Floats | None
+    middles: Floats
+    slid: float
+    lengths: float
+    shift: float
 
 
 class Tube:
@@ -60,100 +81,127 @@ class Tube:
     def __init__(self, model: Model, motion: Motion, chains: Chains) -> None:
         """Reads a well-formed model and motion."""
         self._model, self._chains, self._is_any = model, chains, any(motion.tube)
+        self._views: dict[tuple[int, int], _View] = {}
         if self._is_any:
             self._rooms = [_room(joint, motion) for joint in model.joints]
             self._maps = [_map_at_rest(joint) for joint in model.joints]
-        self._known: dict[tuple[int, int, int], float] = {}
+            self._tried = _tried_points(model, self._maps)
 
     def widening(self, frame: int, a: int, b: int) -> float:
         """By how much two bodies together are displaced, at most, seen from a joint's frame, m."""
-        return (self._displacement(frame, a, b) + self._displacement(frame, b, a)) * UP if self._is_any else 0.0
+        return (self._view(frame, a).shift + self._view(frame, b).shift) * UP if self._is_any else 0.0
 
-    def _displacement(self, frame: int, body: int, other: int) -> float:
-        """How far the points of a body are displaced; the path to the other body says which points are tried."""
-        key = (frame, body, self._joint(other))
-        if key not in self._known:
-            self._known[key] = self._sum(*key)
-        return self._known[key]
+    def _view(self, frame: int, body: int) -> _View:
+        steps = list(self._steps(frame, body))
+        known = next((k for k, (at, _) in enumerate(steps) if (at, body) in self._views), len(steps))
+        if known == len(steps):
+            known -= 1
+            self._views[steps[known][0], body] = _own_view(self._model, body)
+        for (before, _), (at, joint) in zip(steps[known:0:-1], steps[known - 1 :: -1], strict=False):
+            self._views[at, body] = self._crossed(self._views[before, body], joint, is_up=joint == before)
+        return self._views[frame, body]
 
-    def _joint(self, body: int) -> int:
+    def _steps(self, frame: int, body: int) -> Iterator[tuple[int, int]]:
+        """The frames from a frame to a body's, and for each the joint that is crossed to it from the next one."""
         link = self._model.bodies[body].link
-        return WORLD if link == WORLD else self._model.links[link].joint
+        own = WORLD if link == WORLD else self._model.links[link].joint
+        meeting, parents = self._chains.meeting(frame, own), [joint.parent for joint in self._model.joints]
+        while frame != meeting:
+            yield frame, frame
+            frame = parents[frame]
+        up = [own]
+        while up[-1] != meeting:
+            up.append(parents[up[-1]])
+        below = [*up[-2::-1], WORLD]
+        yield from zip(reversed(up), below, strict=True)
 
-    def _path(self, start: int, end: int) -> list[int]:
-        """The joints that move between two joints' frames."""
-        meeting = self._chains.meeting(start, end)
-        return [*self._to(meeting, start), *reversed(self._to(meeting, end))]
+    def _crossed(self, view: _View, joint: int, is_up: bool) -> _View:
+        """The view from a joint's other side; from its parent's frame if it goes up."""
+        matrix = self._maps[joint]
+        longer = replace(view, lengths=view.lengths + 2 * math.hypot(*matrix[:3, 3]) + 2 * self._rooms[joint].extent)
+        if is_up:
+            return _moved(self._moved_by(longer, joint), matrix)
+        return self._moved_by(_moved(longer, np.asarray(np.linalg.inv(matrix), dtype=np.float64)), joint)
 
-    def _to(self, above: int, joint: int) -> list[int]:
-        """The joints that move from a joint up to one above it, which is left out."""
-        found = []
-        while joint != above:
-            found += [joint] if max(self._model.joints[joint].columns) >= 0 else []
-            joint = self._model.joints[joint].parent
-        return found
+    def _moved_by(self, view: _View, joint: int) -> _View:
+        """What a joint adds, seen from its frame; its axis leads through the origin."""
+        own, room = self._model.joints[joint], self._rooms[joint]
+        further = replace(view, slid=view.slid + room.extent, shift=view.shift + room.slide)
+        if max(own.columns) < 0 or own.kind == "slide":
+            return further
+        axis = _axis(own)
+        tried = np.concatenate([self._tried[joint], view.middles @ axis])[:, None] * axis
+        if not axis.any():
+            tried = np.zeros((1, 3))
+        loose = view.lengths * (_DEFECTS * self._chains.defect + (len(self._maps) + 8) * ROUNDING)
+        arms, apart = _distances(view.points, axis), np.linalg.norm(view.points[:, None] - tried, axis=2)
+        if view.reaches is None:
+            arm, reaches = arms.max(), apart.max(axis=0)  # all of the body's points count
+        else:  # any point of the last axis will do
+            arm, reaches = (arms + view.reaches).min(), (apart + view.reaches[:, None]).min(axis=0)
+        shift = further.shift + room.turn * (float(arm) + view.slid + loose) * UP
+        return replace(further, points=tried, reaches=reaches, shift=shift)
 
-    def _sum(self, frame: int, body: int, other: int) -> float:
-        own = self._joint(body)
-        path = self._path(own, frame)
-        total = sum(self._rooms[k].slide for k in path)
-        if not any(self._rooms[k].turn for k in path):
-            return total * UP
-        near = path + self._path(frame, other)
-        top = min(self._chains.meeting(own, frame), self._chains.meeting(frame, other))
-        poses = {k: self._at_rest(top, k) for k in {own, *near}}
-        points = _points(self._model, body) @ poses[own][:3, :3].T + poses[own][:3, 3]
-        lengths = self._lengths(top, near, own, points)
-        loose = lengths * (_DEFECTS * self._chains.defect + (len(near) + 8) * 8 * ROUNDING)
-        arms = self._arms(path, near, poses, points)
-        return (total + sum(self._rooms[k].turn * (arm + loose) for k, arm in arms.items())) * UP
 
-    def _arms(
-        self, path: Sequence[int], near: Sequence[int], poses: dict[int, Floats], points: Floats
-    ) -> dict[int, float]:
-        """How far a body's points are from the axis of each joint that turns, at most; joints from the body on."""
-        centre, reaches = points.mean(axis=0), np.zeros(len(points))  # of points: how far the body's are from it
-        slid, arms = 0.0, dict[int, float]()
-        for k, joint in enumerate(path):
-            if self._model.joints[joint].kind != "slide":
-                origin, direction = self._axis(joint, poses[joint])
-                tried = [poses[other][:3, 3] for other in near[max(k - _NEIGHBOURS, 0) : k + _NEIGHBOURS + 1]]
-                feet = origin + np.outer((np.array([*tried, centre]) - origin) @ direction, direction)
-                best = np.min if arms else np.max  # any point of an axis will do, but all points of the body count
-                arms[joint] = float(best(_distances(points, origin, direction) + reaches)) + slid
-                reaches = best(np.linalg.norm(points[:, None] - feet, axis=2) + reaches[:, None], axis=0)
-                points = feet
-            slid += self._rooms[joint].extent
-        return arms
+def _own_view(model: Model, body: int) -> _View:
+    points = _points(model, body) if len(model.bodies[body].vertices) else np.zeros((1, 3))
+    middles = np.array([points.mean(axis=0), (points.min(axis=0) + points.max(axis=0)) / 2])
+    return _View(points, None, middles, 0.0, 2 * float(np.linalg.norm(points, axis=1).max()) * UP, 0.0)
 
-    def _axis(self, joint: int, pose: Floats) -> tuple[Floats, Floats]:
-        """Origin and direction of a joint's axis; 0 for one without."""
-        direction = pose[:3, :3] @ self._model.joints[joint].axis
-        length = float(np.linalg.norm(direction))
-        return pose[:3, 3], direction / length if JOINTS[self._model.joints[joint].kind].has_axis else np.zeros(3)
 
-    def _at_rest(self, above: int, joint: int) -> Floats:
-        """The map from a joint's frame to that of one above it, 4 x 4, with all joints at rest."""
-        out = np.eye(4)
-        while joint != above:
-            out, joint = self._maps[joint] @ out, self._model.joints[joint].parent
-        return out
+def _moved(view: _View, matrix: Floats) -> _View:
+    turn, shift = matrix[:3, :3].T, matrix[:3, 3]
+    return replace(view, points=view.points @ turn + shift, middles=view.middles @ turn + shift)
 
-    def _lengths(self, top: int, near: Sequence[int], own: int, points: Floats) -> float:
-        """At least the sum of all lengths between the joints, and within the body."""
-        joints = set[int]()
-        for joint in (own, *near):
-            while joint != top and joint not in joints:
-                joints.add(joint)
-                joint = self._model.joints[joint].parent
-        between = sum(math.hypot(*self._maps[k][:3, 3]) + self._rooms[k].extent for k in joints)
-        return 2 * float(between + np.linalg.norm(points, axis=1).max(initial=0.0)) * UP
+
+def _axis(joint: Joint) -> Floats:
+    """The direction of a joint's axis, 0 if it has none."""
+    axis = np.array(joint.axis)
+    return np.asarray(axis / np.linalg.norm(axis)) if JOINTS[joint.kind].has_axis else np.zeros(3)
+
+
+def _distances(points: Floats, axis: Floats) -> Floats:
+    """(n,) of points from the line along an axis through the origin, or from the origin."""
+    return np.asarray(np.linalg.norm(points - np.outer(points @ axis, axis), axis=1))
+
+
+def _tried_points(model: Model, maps: Sequence[Floats]) -> list[Floats]:
+    """For each joint places on its axis, m: a choice, on which no bound depends."""
+    poses: list[Floats] = []
+    for joint, matrix in zip(model.joints, maps, strict=True):
+        poses.append(poses[joint.parent] @ matrix if joint.parent != WORLD else matrix)
+    places = []
+    for k, near in enumerate(_near_joints(model)):
+        offsets = np.array([poses[other][:3, 3] for other in near]) - poses[k][:3, 3]
+        places.append(np.unique(offsets @ poses[k][:3, :3] @ _axis(model.joints[k])))
+    return places
+
+
+def _near_joints(model: Model) -> list[list[int]]:
+    """For each joint those that may follow it on a path between bodies, the nearest first, and itself."""
+    moves = [max(joint.columns) >= 0 for joint in model.joints]
+    above: list[int] = []  # the next joint above that moves
+    for joint in model.joints:
+        above.append(joint.parent if joint.parent == WORLD or moves[joint.parent] else above[joint.parent])
+    below: dict[int, list[int]] = {}
+    for k, parent in enumerate(above):
+        if moves[k]:
+            below.setdefault(parent, []).append(k)
+    found = []
+    for k in range(len(above)):
+        near, last = {k: None}, [k]
+        for _ in range(_NEAR):
+            if len(near) < _MOST_TRIED:
+                last = [j for i in last for j in (above[i], *below.get(i, ()), *below.get(above[i], ())) if j != WORLD]
+                near.update(dict.fromkeys(last))
+        found.append(list(near)[:_MOST_TRIED])
+    return found
 
 
 def _room(joint: Joint, motion: Motion) -> _Room:
     form = JOINTS[joint.kind]
     if max(joint.columns) < 0:
-        return _Room(0.0, 0.0, 0.0)
+        return _Room()
     if form.numbers == 1:
         (column,), (factor,), (offset,) = joint.columns, joint.multipliers, joint.offsets
         width = abs(factor) * motion.tube[column] * UP
@@ -203,9 +251,3 @@ def _own_points(body: PosedBody) -> Floats:
         signs = np.arange(8)[:, None] >> np.arange(3) & 1
         return np.where(signs, vertices[1::2, None], vertices[::2, None]).reshape(-1, 3)
     return vertices
-
-
-def _distances(points: Floats, origin: Floats, direction: Any) -> Floats:
-    """(n,) of points from a line, or from a point where the direction is 0."""
-    off = points - origin
-    return np.asarray(np.linalg.norm(off - np.outer(off @ direction, direction), axis=1))

@@ -114,9 +114,9 @@ def points(proof, body, maps):
     return [pose * mpmath.matrix([*map(float, v), 1]) for v in own.vertices.reshape(-1, 3)]
 
 
-def seen(proof, t):
+def seen(proof, t, offsets=None):
     """By frame, -1 for the world, and body: points in doubles."""
-    maps = link_maps(proof, state(proof, t))
+    maps = link_maps(proof, state(proof, t, offsets))
     world = [
         np.array([[float(x) for x in p[:3]] for p in points(proof, k, maps)]) for k in range(len(proof.model.bodies))
     ]
