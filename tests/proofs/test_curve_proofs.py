@@ -272,7 +272,11 @@ FORGERIES = {
     "a tube that is no number": lambda p: moved(p, tube=(0.02, NAN, 0.0)),
     "a tube without end": lambda p: moved(p, tube=(0.02, float("inf"), 0.0)),
     "a wider tube": lambda p: moved(p, tube=(0.3, 0.3, 0.3)),
-    "a tube and another end asked for": lambda p: moved(p, inner=(), asked_end=(0.0, 0.0, 0.05)),
+    "a tube and another end, by a whole turn": lambda p: moved(
+        replace(p, model=replace(p.model, whole_turns=(0,))),
+        inner=(),
+        asked_end=(p.motion.end[0] + 2 * np.pi, *p.motion.end[1:]),
+    ),
     "entries with a gap": lambda p: replace(p, entries=(*p.entries[:3], *p.entries[4:])),
     "entries that end too early": lambda p: replace(p, entries=p.entries[:-1]),
     "entries with a gap of one bit": lambda p: replace(

@@ -204,3 +204,12 @@ def test_a_tube_of_a_free_base_shifts_by_its_diagonal():
     for wall, holds in ((1.301, True), (1.299, False)):
         bodies = [point("wall", -1, at(y=wall)), point("base", 0)]
         assert bool(curve([base], bodies, rows, [plane()], tube, "slerp").verify()) == holds
+
+
+def test_a_base_that_slides_lengthens_the_arms_of_what_is_seen_from_it():
+    # The base goes 2 m along x, so a post in the world is up to 3 m from the axis of the arm on it.
+    base = Joint("base", "free", -1, STILL, (0.0, 0.0, 0.0), tuple(range(7)), (1.0,) * 7, (0.0,) * 7)
+    rows = [(x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0) for x in (0.0, -2.0, 0.0)]
+    bodies = [point("post", -1, at(x=1.0)), point("tip", 1)]
+    proof = curve([base, turn(0, column=7)], bodies, rows, [plane()], (0.0,) * 7 + (1e-3,), "slerp")
+    assert EntryChecker(proof)._tube.widening(1, 0, 1) == pytest.approx(3e-3, rel=1e-9)
