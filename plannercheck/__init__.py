@@ -111,7 +111,8 @@ def _read_path(path: Any, joint_names: Sequence[str], width: int) -> Any:
 
 
 def _read_message(path: Any, joint_names: Sequence[str]) -> Any:
-    return importlib.import_module("plannercheck.trajectories.messages").read_named_points(path, joint_names)
+    joints = importlib.import_module("plannercheck.trajectories.joint_columns").NamedJoints("the proof", joint_names)
+    return importlib.import_module("plannercheck.trajectories.files").read_points_of(path, joints)
 
 
 # `Proof.verify` with a robot compares the proof's model with files, which takes folders above `proofs`.

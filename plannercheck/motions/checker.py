@@ -259,7 +259,8 @@ class Checker(StateChecker):
         checks = TrajectoryChecks(self, tube, tolerance)
         if not checks.free_pieces([trajectory])[0].all():
             return None
-        proofs = [self._prover.curve_proof(points, checks.tube, tolerance) for points in trajectory.curve.pieces]
+        around = checks.tube_of(trajectory)
+        proofs = [self._prover.curve_proof(points, around, tolerance) for points in trajectory.curve.pieces]
         found = tuple(proof for proof in proofs if proof is not None)
         return found if len(found) == len(proofs) else None
 
@@ -274,14 +275,14 @@ class Checker(StateChecker):
     def certifier_of(self, path: MotionPath) -> MotionCertifier:
         """Proves motions along a path free; arguments as for `check_motion`, errors as of `motion_certifier`."""
         check_path(path)
-        table = self.robot.joint_table
-        if table is None or not split_joints(table, path):
-            return self.motion_certifier
-        return self._slerp_certifier
+        return self.motion_certifier if path == "screw" else self._slerp_certifier
 
     @cached_property
     def _slerp_certifier(self) -> MotionCertifier:
-        return self._made_certifier("slerp")
+        """The one along screws where no joint both slides and turns."""
+        table = self.robot.joint_table
+        splits = table is not None and split_joints(table, "slerp")
+        return self._made_certifier("slerp") if splits else self.motion_certifier
 
     @cached_property
     def motion_certifier(self) -> MotionCertifier:

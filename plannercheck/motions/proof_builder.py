@@ -49,10 +49,6 @@ _WITHIN = 2
 _ROUNDING = 2.0**-44
 _OFF_UNIT = 12.0
 
-# Control points that are computed from positions, velocities and accelerations at both ends of a piece err by at most
-# this part of the largest of them: some ten roundings of terms that are at most four times as large.
-_CONTROL_ROUNDING = 2.0**-47
-
 
 class CertifiedPairs(PosedPairs, Protocol):
     """The parts of a `Checker` from which proofs of motions in space are built."""
@@ -111,19 +107,19 @@ class Builder:
 
         Args:
             points: (degree + 1, nq) control points.
-            tube: (nq,) by how much each number may be off, rad and m. The proof has more by the rounding of control
-                points, so that it covers the polynomial of the numbers that they were computed from.
+            tube: (nq,) by how much each number may be off, rad and m; the errors of the control points included.
             tolerance: m.
 
         Raises:
             PlannercheckError: As of `proof`.
         """
-        wider = tube + _CONTROL_ROUNDING * np.abs(points).max(axis=0)
-        for first, past in self._checker.robot.configuration_map.units:
-            wider[first:past] = 0.0
+        wider = tube.copy()
         turns = list(self._model.whole_turns)
         if len(points) == 2 and np.abs(points[1] - points[0])[turns].max(initial=0.0) > np.pi:
             points = np.stack([points[0], points.mean(axis=0), points[1]])  # a straight motion would be the short way
+            wider += 2.0**-51 * np.abs(points).max(axis=0)
+        for first, past in self._checker.robot.configuration_map.units:
+            wider[first:past] = 0.0
         start, end = tuple(points[0].tolist()), tuple(points[-1].tolist())
         motion = Motion(start, end, end, "slerp", tuple(points[1:-1].ravel().tolist()), tuple(wider.tolist()))
         return self._proof(Curves(points[None], np.append(wider, 0.0)[None]), motion, tolerance)

@@ -1,6 +1,6 @@
 """Whether proofs prove what a controller runs between the points of a message: the exact polynomials of its doubles.
 
-In: confirmed proofs of one file, a JointTrajectory file, who runs it. Out: what is missing. Piece k of the message is
+In: confirmed proofs of one file, a file of a trajectory, who runs it. Out: what is missing. Piece k of the message is
 proved by proof k. Both polynomials are brought to one degree, in fractions. Their control points may differ, in each
 column, by what the proof's tube has more than the tube that is asked for: polynomials differ no more than their control
 points do.
@@ -33,7 +33,7 @@ def trajectory_proved(proofs: Sequence[ProofData], path: Any, controller: str = 
 
     Args:
         proofs: At least one, of one model; those that are confirmed, in their order.
-        path: A .yaml or .json file of a JointTrajectory.
+        path: A file that `pc.Trajectory.load` reads.
         controller: "jtc" (joint_trajectory_controller of ros2_control), "motoros2", or "linear".
         tube: How far each number may be off the curve at any instant, rad and m.
 
@@ -55,11 +55,14 @@ def trajectory_proved(proofs: Sequence[ProofData], path: Any, controller: str = 
     if not names or len(names) != model.columns:
         raise PlannercheckError("the proof has no joints, or numbers that no joint takes")
     points = message_reader()(path, names)
-    count = len(points.times) - 1
+    times = _instants(points.times.tolist())
+    count = len(times) - 1
     if count < 1:
         raise PlannercheckError(f"trajectory file {str(path)!r}: has one point, and no way between points")
     missing = [
-        k for k in range(count) if k >= len(proofs) or not _is_proved(proofs[k], _piece(points, k, controller), tube)
+        k
+        for k in range(count)
+        if k >= len(proofs) or not _is_proved(proofs[k], _piece(points, k, times[k + 1] - times[k], controller), tube)
     ]
     return PathProved(count, tuple(missing), _sentence(missing, count, len(proofs), tube))
 
@@ -91,9 +94,15 @@ def _raised(control: Control, count: int) -> Control:
     return control
 
 
-def _piece(points: Any, k: int, controller: str) -> list[Control]:
-    """Control points by column of the way from a point to the next."""
-    step = Fraction(points.times[k + 1]) - Fraction(points.times[k])
+def _instants(times: Sequence[float]) -> list[Fraction]:
+    """The times of points, s: whole nanoseconds, as a message has them, if the doubles are the nearest to such."""
+    stamps = [round(Fraction(time) * 10**9) for time in times]
+    is_message = all(stamp / 10**9 == time for stamp, time in zip(stamps, times, strict=True))
+    return [Fraction(stamp, 10**9) for stamp in stamps] if is_message else [Fraction(time) for time in times]
+
+
+def _piece(points: Any, k: int, step: Fraction, controller: str) -> list[Control]:
+    """Control points by column of the way from a point to the next, which takes `step` s."""
     p, v, a = (_exact(rows[k]) for rows in (points.positions, points.velocities, points.accelerations))
     q, w, b = (_exact(rows[k + 1]) for rows in (points.positions, points.velocities, points.accelerations))
     has_velocities, has_accelerations = bool(v and w), bool(a and b)

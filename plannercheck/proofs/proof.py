@@ -140,7 +140,7 @@ def verify_trajectory(
 
     Args:
         proofs: Of one file, at least one.
-        path: A .yaml or .json file of a JointTrajectory.
+        path: A file that `pc.Trajectory.load` reads.
         controller: "jtc" (joint_trajectory_controller of ros2_control), "motoros2", or "linear".
         tube: How far each number may be off the curve at any instant, rad and m.
 

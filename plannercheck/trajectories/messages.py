@@ -1,13 +1,13 @@
 """Messages of trajectories: JointTrajectory, also within a RobotTrajectory, a DisplayTrajectory or a goal.
 
-In: a .yaml or .json file, as `ros2 topic echo` prints it. Out: `Points` in the order of a robot's joints.
+In: a message as plain data, e.g. of a .yaml or .json file as `ros2 topic echo` prints it. Out: `Points` in the order of
+a robot's joints.
 """
 
 from __future__ import annotations
 
 import json
 import warnings
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,63 +28,33 @@ from plannercheck.common.checked_yaml import (
     text,
 )
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.robots.robot import Robot
 from plannercheck.scenes.moveit_messages import transform
 from plannercheck.trajectories.controllers import Points
+from plannercheck.trajectories.joint_columns import Joints, columns_of
 
 TRAJECTORY_KEYS = ("header", "joint_names", "points")
 POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
 
 
-def read_points(path: Path, robot: Robot) -> Points:
-    """Reads the points of one message.
-
-    Args:
-        path: The file.
-        robot: Its joints, which take one number each; the message must have them all and no others.
-    """
-    with error_context(f"trajectory file {str(path)!r}"):
-        if len(robot.joint_names) != robot.nq:
-            raise PlannercheckError(
-                f"needs a robot whose joints take one number each: choose a group; {robot.name}'s"
-                f" {robot.configuration_map.described_columns()}"
-            )
-    return read_named_points(path, robot.joint_names, robot.name)
-
-
-def read_named_points(path: str | Path, joint_names: Sequence[str], owner: str = "the proof") -> Points:
-    """Reads the points of one message.
-
-    Args:
-        path: The file.
-        joint_names: The joints, in the order of the columns; the message must have them all and no others.
-        owner: Whose joints these are, for errors.
-    """
-    path = Path(path)
-    with error_context(f"trajectory file {str(path)!r}"):
-        document = _document(path)
-        if document.get("trajectory_start"):
-            warnings.warn(
-                f"trajectory file {str(path)!r}: trajectory_start is not looked at: give start=, and hold other joints"
-                " by robot.holding",
-                stacklevel=4,
-            )
-        found = joint_trajectories(document)
-        if len(found) != 1:
-            raise PlannercheckError(f"holds {len(found)} JointTrajectory messages, and must hold one")
-        return _points(found[0], joint_names, owner)
-
-
-def _document(path: Path) -> Node:
+def read_document(path: Path) -> Node:
+    """The message in a .yaml or .json file, as plain data."""
     content = read_bytes(path)
     if path.suffix.lower() in (".yaml", ".yml"):
         return mapping(parse_yaml(content), "it")
-    if path.suffix.lower() != ".json":
-        raise PlannercheckError("must be a .yaml or a .json file")
     try:
         return mapping(json.loads(content), "it")
     except (ValueError, RecursionError) as error:
         raise PlannercheckError(f"is no JSON: {error!s:.200}") from None
+
+
+def warn_of_start(path: Path, document: Node) -> None:
+    """Warns if a message says where the robot starts: nothing looks at it."""
+    if document.get("trajectory_start"):
+        warnings.warn(
+            f"trajectory file {str(path)!r}: trajectory_start is not looked at: give start=, and hold other joints"
+            " by robot.holding",
+            stacklevel=4,
+        )
 
 
 def joint_trajectories(document: Node) -> list[Node]:
@@ -108,16 +78,11 @@ def _check_base(node: Node) -> None:
                 raise PlannercheckError(f"moves {moved}: only joint_trajectory is supported")
 
 
-def _points(message: Node, joint_names: Sequence[str], owner: str) -> Points:
+def points_of(message: Node, robot: Joints) -> Points:
+    """The points of a JointTrajectory in the order of a robot's joints, which must be the message's."""
     check_keys(message, TRAJECTORY_KEYS)
     names = [text(name, "joint_names") for name in sequence(required(message, "joint_names"), "'joint_names'")]
-    for name in names:
-        if name not in joint_names:
-            raise PlannercheckError(f"has joint {name!r}, which {owner} has not: {', '.join(joint_names)}")
-    missing = [name for name in joint_names if name not in names]
-    if missing or len(set(names)) != len(names):
-        raise PlannercheckError(f"must have each joint of {owner} once: {', '.join(missing or names)}")
-    order = [names.index(name) for name in joint_names]
+    order = columns_of(names, robot)
     if not sequence(required(message, "points"), "'points'"):
         raise PlannercheckError("has no points")
     times: list[float] = []
@@ -132,7 +97,7 @@ def _points(message: Node, joint_names: Sequence[str], owner: str) -> Points:
             for key, found in rows.items():
                 found.append(numbers(point[key], key, len(names)) if point.get(key) else [np.nan] * len(names))
     columns = {key: _ordered(found, order) for key, found in rows.items()}
-    return Points(np.array(times), **columns)
+    return Points(np.array(times), joint_names=robot.joint_names, **columns)
 
 
 def _ordered(rows: list[list[float]], order: list[int]) -> Floats:
@@ -145,7 +110,13 @@ def _seconds(duration: Any) -> float:
         return number(duration, "time_from_start")
     check_keys(duration, ("sec", "nanosec", "secs", "nsecs"))
     whole, parts = (
-        number(next((duration[key] for key in keys if key in duration), 0), keys[0])
+        _whole(next((duration[key] for key in keys if key in duration), 0), keys[0])
         for keys in (("sec", "secs"), ("nanosec", "nsecs"))
     )
     return (whole * 10**9 + parts) / 10**9
+
+
+def _whole(value: Any, key: str) -> int:
+    if not isinstance(value, int) or isinstance(value, bool):
+        raise PlannercheckError(f"{key!r} must be a whole number, not {value!r:.60}")
+    return value

@@ -9,12 +9,14 @@ A trajectory that is slowed down, by speed scaling or by a pendant, runs through
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import contiguous, shown_array
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
@@ -22,9 +24,11 @@ from plannercheck.common.public_names import set_module
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.controllers import Controller, Points, curve_of
 from plannercheck.trajectories.curve import Curve
+from plannercheck.trajectories.files import read_points
 from plannercheck.trajectories.forms import of_bezier, of_bspline, of_polynomials
+from plannercheck.trajectories.library_curves import of_library
 from plannercheck.trajectories.limits import Excess, Kind, broken_limits
-from plannercheck.trajectories.messages import read_points
+from plannercheck.trajectories.written_messages import write_message
 
 
 @set_module("plannercheck")
@@ -46,6 +50,7 @@ class Trajectory:
         controller: Controller = "jtc",
         start: ArrayLike | tuple[ArrayLike, ArrayLike] | None = None,
         continuous: Sequence[int] = (),
+        joint_names: Sequence[str] = (),
     ) -> None:
         """A trajectory of points.
 
@@ -59,11 +64,12 @@ class Trajectory:
                 first point. None: the robot is at the first point.
             continuous: Columns of joints that turn without end, from which the controller takes whole turns on the
                 way to the first point.
+            joint_names: Of the columns, for `save` and for errors.
 
         Raises:
             PlannercheckError: If an array is malformed, times do not grow, or the controller refuses the points.
         """
-        self.points: Points | None = _points(times, positions, velocities, accelerations)
+        self.points: Points | None = _points(times, positions, velocities, accelerations, tuple(joint_names))
         self.controller: Controller | None = controller
         width = self.points.positions.shape[1]
         self.curve = curve_of(self.points, controller, _start(start, width), continuous)
@@ -76,24 +82,25 @@ class Trajectory:
         return made
 
     @classmethod
-    def polynomials(cls, breaks: ArrayLike, coefficients: ArrayLike) -> Trajectory:
-        """A trajectory of polynomials, as drake's PiecewisePolynomial and SciPy's PPoly have them.
+    def polynomials(cls, breaks: Any, coefficients: ArrayLike | None = None) -> Trajectory:
+        """A trajectory of polynomials.
 
         Args:
-            breaks: (m + 1,) s, growing.
+            breaks: (m + 1,) s, growing; or, here and in `bezier` and `bspline`, an object of drake, ndcurves or SciPy
+                alone (library_curves.py lists them).
             coefficients: (m, nq, degree + 1), of 1, t − breaks[k], its square and so on.
         """
-        return cls.of_curve(of_polynomials(breaks, coefficients))
+        return cls.of_curve(of_library(breaks) if coefficients is None else of_polynomials(breaks, coefficients))
 
     @classmethod
-    def bezier(cls, breaks: ArrayLike, points: ArrayLike) -> Trajectory:
+    def bezier(cls, breaks: Any, points: ArrayLike | None = None) -> Trajectory:
         """A trajectory of Bézier curves: breaks (m + 1,) s, control points (m, degree + 1, nq)."""
-        return cls.of_curve(of_bezier(breaks, points))
+        return cls.of_curve(of_library(breaks) if points is None else of_bezier(breaks, points))
 
     @classmethod
-    def bspline(cls, knots: ArrayLike, points: ArrayLike) -> Trajectory:
+    def bspline(cls, knots: Any, points: ArrayLike | None = None) -> Trajectory:
         """A trajectory that is a B-spline: knots (n + degree + 1,) s, control points (n, nq)."""
-        return cls.of_curve(of_bspline(knots, points))
+        return cls.of_curve(of_library(knots) if points is None else of_bspline(knots, points))
 
     @classmethod
     def load(
@@ -102,23 +109,63 @@ class Trajectory:
         robot: Robot,
         controller: Controller = "jtc",
         start: ArrayLike | tuple[ArrayLike, ArrayLike] | None = None,
+        message: int | None = None,
     ) -> Trajectory:
         """Reads a JointTrajectory, also within a RobotTrajectory, DisplayTrajectory or FollowJointTrajectory goal.
 
         Args:
-            path: A .yaml or .json file, e.g. of `ros2 topic echo --once`.
+            path: A .yaml or .json file, e.g. of `ros2 topic echo --once`; a .csv or .npz (tables.py says which columns
+                and arrays); or a bag: its folder, .mcap, .db3 or .bag, which needs the extra `rosbags`.
             robot: Whose it is: its joints take one number each.
             controller: Who interpolates.
             start: Where the robot stands, as in the constructor.
+            message: Which of several messages, counted from 0.
 
         Raises:
-            PlannercheckError: If the file is malformed, or its joints are not the robot's.
+            PlannercheckError: If the file is malformed, its joints are not the robot's, or it holds several messages
+                and `message` is None; the error lists them.
         """
-        points = read_points(Path(path), robot)
+        points = read_points(Path(path), robot, message)
         turning = np.flatnonzero(robot.configuration_map.turning_columns()).tolist()
         arrays = (points.times, points.positions, points.velocities, points.accelerations)
         with error_context(f"trajectory file {str(path)!r}"):
-            return cls(*arrays, controller, start, turning)
+            return cls(*arrays, controller, start, turning, points.joint_names)
+
+    def save(self, path: str | Path) -> None:
+        """Writes the points as a JointTrajectory, which `load` reads back to the same doubles.
+
+        Args:
+            path: A .yaml or .json file. The message has neither `controller` nor `start`.
+
+        Raises:
+            PlannercheckError: If the trajectory is a curve, has no joint_names, or its times are not whole nanoseconds.
+        """
+        if self.points is None:
+            raise PlannercheckError("a curve is no message: only a trajectory of points can be saved")
+        write_message(self.points, Path(path))
+
+    def of_robot(self, robot: Robot) -> Trajectory:
+        """The same trajectory, of a robot whose configurations hold unit vectors: cosines and sines, or quaternions.
+
+        They turn from the start of a piece to its end by slerp, the short way; what the trajectory says of them in
+        between does not count. Positions of floating and planar bases follow their polynomials.
+
+        Raises:
+            PlannercheckError: If the robot has another number of columns, a unit vector has another length, or points
+                have velocities of one.
+        """
+        units, columns = robot.configuration_map.units, robot.configuration_map.described_columns()
+        if robot.nq != self.curve.nq:
+            raise PlannercheckError(f"the trajectory has {self.curve.nq} columns, but {columns}")
+        robot.check_configurations(np.concatenate([piece[[0, -1]] for piece in self.curve.pieces]))
+        for first, past in units:
+            if self.points is not None and np.nan_to_num(self.points.velocities[:, first:past]).any():
+                raise PlannercheckError(
+                    f"columns {first} to {past - 1} turn by slerp between points: set their velocities to 0"
+                )
+        made = Trajectory.of_curve(replace(self.curve, units=units))
+        made.points, made.controller = self.points, self.controller
+        return made
 
     @property
     def duration(self) -> float:
@@ -170,7 +217,11 @@ class Trajectory:
 
 
 def _points(
-    times: ArrayLike, positions: ArrayLike, velocities: ArrayLike | None, accelerations: ArrayLike | None
+    times: ArrayLike,
+    positions: ArrayLike,
+    velocities: ArrayLike | None,
+    accelerations: ArrayLike | None,
+    joint_names: tuple[str, ...] = (),
 ) -> Points:
     at, q = contiguous(times), contiguous(positions)
     if at.ndim != 1 or not len(at) or q.ndim != 2 or len(q) != len(at) or not q.shape[1]:
@@ -178,23 +229,32 @@ def _points(
     if not np.isfinite(at).all() or at[0] < 0 or not (np.diff(at) > 0).all():
         wrong = int(np.argmin(np.concatenate([[at[0] >= 0], np.diff(at) > 0])))
         raise PlannercheckError(f"times must grow from 0 s on, but point {wrong} is at {at[wrong]} s")
-    if not np.isfinite(q).all():
-        raise PlannercheckError(f"positions must be finite: point {int(np.argmin(np.isfinite(q).all(axis=1)))} is not")
-    return Points(at, q, _derivatives(velocities, "velocities", q), _derivatives(accelerations, "accelerations", q))
+    if joint_names and len(joint_names) != q.shape[1]:
+        raise PlannercheckError(f"joint_names must name the {q.shape[1]} columns, not {len(joint_names)}")
+    v, a = _derivatives(velocities, "velocities", q), _derivatives(accelerations, "accelerations", q)
+    points = Points(at, q, v, a, joint_names)
+    _check_finite(points, "positions", np.isfinite(q))
+    for name, rows in (("velocities", v), ("accelerations", a)):
+        _check_finite(points, name, np.isfinite(rows) | np.isnan(rows).all(axis=1, keepdims=True))
+    return points
+
+
+def _check_finite(points: Points, name: str, good: Bools) -> None:
+    """Raises for the first number that is not good."""
+    if not good.all():
+        k, joint = np.argwhere(~good)[0].tolist()
+        value = getattr(points, name)[k, joint]
+        whole = "" if name == "positions" else ", or NaN for a whole point"
+        raise PlannercheckError(f"{name} must be finite{whole}: point {k}, {points.named(joint)} has {value}")
 
 
 def _derivatives(values: ArrayLike | None, name: str, positions: Floats) -> Floats:
-    """(n, nq) numbers whose rows are finite, or NaN throughout."""
+    """(n, nq) numbers; NaN if there are none."""
     if values is None:
         return np.full_like(positions, np.nan)
     rows = contiguous(values)
     if rows.shape != positions.shape:
         raise PlannercheckError(f"{name} must have the shape of positions, {positions.shape}, not {rows.shape}")
-    whole = np.isfinite(rows).all(axis=1) | np.isnan(rows).all(axis=1)
-    if not whole.all():
-        raise PlannercheckError(
-            f"{name} must be finite, or NaN for a whole point: point {int(np.argmin(whole))} is not"
-        )
     return rows
 
 

@@ -125,6 +125,18 @@ def test_times_count(proofs, rows, tmp_path):
     assert trajectory_proved(proofs, written(tmp_path / "t.json", document), "jtc", TUBE).missing == (0, 1)
 
 
+def test_times_are_whole_nanoseconds(tmp_path):
+    # Late in a long trajectory the difference of two doubles is off by far more than the rounding of control points.
+    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene("empty"))
+    q = np.array([0.1, -0.7, 0.2, -2.1, 0.1, 1.6, 0.7])
+    times = np.array([123456.7, 123456.7 + 0.1])
+    rows = [q, q + 0.01], [0.2 * np.ones(7), np.zeros(7)]
+    path = written(tmp_path / "t.json", message(times, *rows))
+    trajectory = pc.Trajectory.load(path, checker.robot)
+    found = checker.certify_trajectory(trajectory)
+    assert verify_trajectory(found, path), verify_trajectory(found, path).fault
+
+
 def test_another_controller_runs_another_curve(proofs, traj):
     assert trajectory_proved(proofs, traj, "motoros2", TUBE).missing == (0,)  # which leaves accelerations out
     assert trajectory_proved(proofs, traj, "linear", TUBE).missing == (0, 1)
