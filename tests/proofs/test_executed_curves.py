@@ -168,11 +168,13 @@ def test_a_proof_of_another_curve_does_not_count(proofs, traj, forge):
 
 
 def test_a_curve_may_be_given_by_a_higher_degree(proofs, traj):
-    straight = proofs[2].motion
-    middle = [float((Fraction(a) + Fraction(b)) / 2) for a, b in zip(straight.start, straight.end, strict=True)]
-    raised = [*proofs[:2], replace(proofs[2], motion=replace(straight, inner=tuple(middle)))]
-    assert raised[2].verify()
-    assert trajectory_proved(raised, traj, "jtc", TUBE)
+    cubic = proofs[1].motion
+    rows = np.array([[Fraction(x) for x in row] for row in cubic.control])
+    inner = [(k * rows[k - 1] + (4 - k) * rows[k]) / 4 for k in range(1, 4)]
+    raised = replace(cubic, inner=tuple(float(x) for row in inner for x in row))
+    changed = [proofs[0], replace(proofs[1], motion=raised), proofs[2]]
+    assert changed[1].verify()
+    assert trajectory_proved(changed, traj, "jtc", TUBE * (1 - 1e-9))
 
 
 def test_messages_that_no_controller_runs_are_errors(proofs, rows, tmp_path):
@@ -209,7 +211,7 @@ def test_proofs_of_free_trajectories_are_confirmed(seed, tmp_path):
             tube[first:past] = 0.0
             points[0, :, first:past] = q[first:past] + generator.uniform(-0.1, 0.1, (degree + 1, past - first))
             points[0, :, first:past] /= np.linalg.norm(points[0, :, first:past], axis=1, keepdims=True)
-        found = checker.certify_trajectory(pc.Trajectory.bezier([0.0, 1.0], points), tube)
+        found = checker.certify_trajectory(pc.Trajectory.bezier([0.0, 1.0], points).of_robot(robot), tube)
         if found is not None:
             verified = found[0].verify()
             assert verified, verified.fault

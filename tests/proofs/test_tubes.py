@@ -101,8 +101,8 @@ def test_every_kind_of_entry_is_widened():
 def test_a_set_that_moves_is_widened_by_its_furthest_part():
     for parts, listed, own, furthest in (
         ("balls", [(0.0, 0.0, 0.0), (0.3, 0.4, 0.0)], {"radii": np.array([0.1])}, 0.5),
-        ("boxes", [(0.0, 0.0, 0.0), (0.3, 0.4, 9.0)], {}, 0.5),
-        ("prisms", [(0.3, 0.0, 0.0), (0.0, 0.1, 0.0), (0.3, 0.4, 0.0)], {"base": -4.0}, 0.5),
+        ("boxes", [(0.3, 0.0, 9.0), (0.0, 0.4, 0.0)], {}, 0.5),
+        ("prisms", [(0.3, 0.0, 0.0), (0.0, 0.1, 0.0), (0.3, 0.4, 0.0)], {"base": -7.0}, 0.5),
     ):
         vertices, above = np.array(listed), np.array([0.0, 0.0, 5.0])
         body = replace(point("cloud", 0), vertices=vertices, parts=parts, **own)
@@ -114,7 +114,7 @@ def test_a_set_that_moves_is_widened_by_its_furthest_part():
         proof = curve([about_x], [point("wall", -1, at(y=9.0)), swung], [(0.0,), (0.0,)], [plane()], (1e-3,))
         points = vertices + above
         if parts == "prisms":
-            points = np.concatenate([points, [[*p[:2], -4.0] for p in points]])
+            points = np.concatenate([points, [[*p[:2], -7.0] for p in points]])
         if parts == "boxes":
             points = np.array([[x, y, z] for x in (0, 0.3) for y in (0, 0.4) for z in (5.0, 14.0)])
         expected = 1e-3 * np.hypot(points[:, 1], points[:, 2]).max()
