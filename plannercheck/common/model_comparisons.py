@@ -14,8 +14,9 @@ from typing import Any, TypeAlias
 # compared with which file.
 Comparison: TypeAlias = Callable[[Any, Any, str | None, Any, Any, Any], tuple[str, ...]]
 
-# Takes a path file, the names of its joints, and the length of a configuration; see `validation.formats.paths`.
-PathReader: TypeAlias = Callable[[Any, Sequence[str], int], Any]
+# Takes a path, the names of its joints, the length of a configuration, and the robot or None; see `read_proved_path` in
+# `validation.formats.paths`.
+PathReader: TypeAlias = Callable[[Any, Sequence[str], int, Any], Any]
 
 # Takes a file of a JointTrajectory and the names of its joints; returns its points, see `trajectories.messages`.
 MessageReader: TypeAlias = Callable[[Any, Sequence[str]], Any]

@@ -8,6 +8,7 @@ of control points are those of the derivative, and a piece of degree 1 is a stra
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,6 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays, contiguous
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.robots.configurations import LARGEST_VALUE
+
+# s: 1 ns, less the rounding of late times.
+_SHORTEST = 0.9e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +98,16 @@ def _slerp(start: Floats, end: Floats, s: Floats, derivative: int) -> Floats:
     phase = angle * s[:, None] + derivative * np.pi / 2
     sideways = across / length if length > 0 else across
     return np.asarray(angle**derivative * (np.cos(phase) * a + np.sin(phase) * sideways))
+
+
+def check_size(breaks: Floats, pieces: Sequence[Floats]) -> None:
+    """Raises for pieces that are shorter than any message has them, or larger than any robot."""
+    if not (np.diff(breaks) >= _SHORTEST).all():
+        k = int(np.argmin(np.diff(breaks) >= _SHORTEST))
+        raise PlannercheckError(f"piece {k} takes {breaks[k + 1] - breaks[k]:.3g} s, less than 1 ns")
+    for k, piece in enumerate(pieces):
+        if not (np.abs(piece) <= LARGEST_VALUE).all():
+            raise PlannercheckError(f"piece {k} has control points beyond {LARGEST_VALUE:g}")
 
 
 def differentiated(control: Floats, duration: float, times: int = 1) -> Floats:

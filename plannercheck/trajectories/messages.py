@@ -35,6 +35,9 @@ from plannercheck.trajectories.joint_columns import Joints, columns_of
 TRAJECTORY_KEYS = ("header", "joint_names", "points")
 POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
 
+# Of a Duration's parts.
+_MOST_STAMP = 2**32
+
 
 def read_document(path: Path) -> Node:
     """The message in a .yaml or .json file, as plain data."""
@@ -117,6 +120,6 @@ def _seconds(duration: Any) -> float:
 
 
 def _whole(value: Any, key: str) -> int:
-    if not isinstance(value, int) or isinstance(value, bool):
-        raise PlannercheckError(f"{key!r} must be a whole number, not {value!r:.60}")
+    if not isinstance(value, int) or isinstance(value, bool) or abs(value) >= _MOST_STAMP:
+        raise PlannercheckError(f"{key!r} must be a whole number of at most 32 bits, not {value!s:.60}")
     return value

@@ -162,6 +162,22 @@ def test_polynomials_are_those_of_scipy(degree):
         np.testing.assert_allclose(values, peer(at, derivative), atol=1e-12 * size)
 
 
+def test_sizes_that_no_robot_has_are_refused():
+    with pytest.raises(pc.PlannercheckError, match=r"piece 0 has control points beyond 1e\+15"):
+        pc.Trajectory([0, 1], [[0.0], [1e300]])
+    with pytest.raises(pc.PlannercheckError, match="piece 1 takes 1e-10 s, less than 1 ns"):
+        pc.Trajectory.bezier([0, 1, 1 + 1e-10], [[[0.0], [1.0]], [[1.0], [1.0]]])
+
+
+def test_limits_with_leading_terms_below_rounding():
+    """A cubic of which rounding leaves 1e-300: its roots would overflow."""
+    robot = pc.Robot.load("panda").with_group(["panda_joint1"])
+    found = pc.Trajectory.polynomials([0, 1], [[[0.0, 8.0, -8.0, 1e-300]]])
+    (excess,) = found.limits(robot, velocity=7.0)
+    assert (excess.kind, excess.value, excess.time) == ("velocity", 8.0, 0.0)
+    assert found.limits(robot.with_group(["panda_joint1"]), velocity=8.0) == []
+
+
 def test_pieces_must_meet():
     with pytest.raises(pc.PlannercheckError, match="pieces 0 and 1 are 1 apart where they meet"):
         pc.Trajectory.polynomials([0, 1, 2], [[[0.0]], [[1.0]]])
