@@ -254,7 +254,13 @@ class Checker(StateChecker):
         self, trajectory: Trajectory, tube: ArrayLike = 0.0, tolerance: float = DEFAULT_TOLERANCE
     ) -> tuple[Proof, ...] | None:
         """Proofs of a trajectory's pieces, in order; None if it is not free. Arguments as for `check_trajectory`."""
-        raise NotImplementedError
+        checks = TrajectoryChecks(self, tube, tolerance)
+        if not checks.free_pieces([trajectory])[0].all():
+            return None
+        around = checks.tube_of(trajectory)
+        proofs = [self._prover.curve_proof(points, around, tolerance) for points in trajectory.curve.pieces]
+        found = tuple(proof for proof in proofs if proof is not None)
+        return found if len(found) == len(proofs) else None
 
     def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:
         return self._prover.proof(start, end, asked_end, tolerance, path)

@@ -93,6 +93,10 @@ class TrajectoryChecks:
             free[rows] = self._certifier.check_curves(Curves(points, tubes[rows]), self._tolerance, threads)
         return free
 
+    def tube_of(self, trajectory: Trajectory) -> Floats:
+        """(nq,) the tube with the errors of a trajectory's control points."""
+        return np.asarray(self._tubes([trajectory.curve], self.tube, 0.0)[0, :-1])
+
     def _tubes(self, curves: Sequence[Curve], tube: Floats, room: float) -> Floats:
         """(n, nq + 1) a tube around the polynomials that each curve stands for, and how far bodies stay apart, m."""
         tubes = np.full((len(curves), len(tube) + 1), room)
