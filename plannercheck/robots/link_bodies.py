@@ -7,7 +7,6 @@ it reads no mesh: those are read here, in doubles, by `read_mesh`.
 
 from __future__ import annotations
 
-import warnings
 from collections import Counter, defaultdict, deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -24,6 +23,7 @@ from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_files import address_hint, folders_above, package_file, where_sought
 from plannercheck.common.silence import urdf_silence
+from plannercheck.common.user_warnings import warn
 from plannercheck.robots.geometry_elements import ElementKind, GeometryElement, MeshReference, geometry_elements
 from plannercheck.robots.urdf_file import UrdfFile
 
@@ -172,4 +172,4 @@ def warn_of_large_hulls(path: Path, links: LinkBodies) -> None:
 
 
 def _warn(message: str) -> None:
-    warnings.warn(message, RuntimeWarning, stacklevel=7)
+    warn(message)

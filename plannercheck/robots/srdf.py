@@ -8,7 +8,6 @@ warning, as in MoveIt.
 from __future__ import annotations
 
 import difflib
-import warnings
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from plannercheck.common.errors import PlannercheckError, shortened, unknown_nam
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.input_limits import INPUT_LIMITS, check_xml
 from plannercheck.common.package_data import is_file
+from plannercheck.common.user_warnings import warn
 
 if TYPE_CHECKING:
     from plannercheck.robots.link_tree import LinkTree
@@ -253,7 +253,7 @@ def warn_about_ignored_elements(srdf: Srdf, tree: LinkTree) -> None:
 
 
 def _warn(message: str) -> None:
-    warnings.warn(message, RuntimeWarning, stacklevel=7)
+    warn(message)
 
 
 def virtual_joints(root: Element) -> set[str]:
