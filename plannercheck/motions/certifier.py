@@ -107,6 +107,18 @@ class MotionCertifier:
     def _all_pairs(self) -> ChainedPairs:
         return self._pairs_within_limits if self._limits is None else self._compile_all_pairs()
 
+    def check_curves(self, curves: Curves, tolerance: float, threads: int) -> Bools:
+        """`check` of curves; those within the limits are judged without Python in between."""
+        part, (low, high) = self._pairs_within_limits, self._range
+        check_tolerance(tolerance)
+        if not part.touching:
+            known = core.curve_validity(
+                part.core, self._kernel, low, high, self._errors.usual, *curves, tolerance, threads
+            )
+            if known is not None:
+                return np.asarray(known).view(bool)
+        return self.check(curves, tolerance, threads)
+
     def check(self, motions: Motions | Curves, tolerance: float, threads: int) -> Bools:
         """Whether each of n motions is free.
 

@@ -269,14 +269,14 @@ class Checker(StateChecker):
     def certifier_of(self, path: MotionPath) -> MotionCertifier:
         """Proves motions along a path free; arguments as for `check_motion`, errors as of `motion_certifier`."""
         check_path(path)
-        table = self.robot.joint_table
-        if table is None or not split_joints(table, path):
-            return self.motion_certifier
-        return self._slerp_certifier
+        return self.motion_certifier if path == "screw" else self._slerp_certifier
 
     @cached_property
     def _slerp_certifier(self) -> MotionCertifier:
-        return self._made_certifier("slerp")
+        """The one along screws where no joint both slides and turns."""
+        table = self.robot.joint_table
+        splits = table is not None and split_joints(table, "slerp")
+        return self._made_certifier("slerp") if splits else self.motion_certifier
 
     @cached_property
     def motion_certifier(self) -> MotionCertifier:

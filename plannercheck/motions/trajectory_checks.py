@@ -26,6 +26,7 @@ from plannercheck.motions.motion_ends import Curves
 from plannercheck.motions.trajectory_verdict import Stop, TrajectoryVerdict
 from plannercheck.proofs.proof import Proof
 from plannercheck.robots.robot import Robot
+from plannercheck.trajectories.curve import Curve
 from plannercheck.trajectories.trajectory import Trajectory
 
 # The clearance is looked at so many instants a piece, and at most so many in all.
@@ -81,15 +82,18 @@ class TrajectoryChecks:
         """
         for trajectory in trajectories:
             self._check(trajectory)
-        pieces = [piece for each in trajectories for piece in each.curve.pieces]
-        tubes = self._tubes(trajectories, self.tube if tube is None else tube, room)
-        counts = np.array([len(piece) for piece in pieces], dtype=np.int64)
-        free = np.empty(len(pieces), dtype=bool)
-        for count in np.flatnonzero(np.bincount(counts)).tolist():
-            rows = np.flatnonzero(counts == count)
-            curves = Curves(np.array([pieces[k] for k in rows.tolist()]), tubes[rows] if tubes.any() else tubes[:0])
-            free[rows] = self._certifier.check(curves, self._tolerance, max(1, min(threads, len(rows))))
-        starts = accumulate((len(each.curve.pieces) for each in trajectories), initial=0)
+        curves = [each.curve for each in trajectories]
+        starts = list(accumulate((len(curve.pieces) for curve in curves), initial=0))
+        around = self.tube if tube is None else tube
+        free = np.empty(starts[-1], dtype=bool)
+        for count in sorted({count for curve in curves for count in curve.by_count}):
+            some = [(k, *curve.by_count[count]) for k, curve in enumerate(curves) if count in curve.by_count]
+            points = np.concatenate([points for _, _, points in some])
+            tubes = [np.tile(_tube(curves[k], around, room), (len(pieces), 1)) for k, pieces, _ in some]
+            rows = np.concatenate(tubes)
+            judged = Curves(points, rows if rows.any() else rows[:0])
+            found = self._certifier.check_curves(judged, self._tolerance, threads)
+            free[np.concatenate([starts[k] + pieces for k, pieces, _ in some])] = found
         return [free[start:past] for start, past in pairwise(starts)]
 
     def explain(self, trajectory: Trajectory, prover: Callable[[], tuple[Proof, ...] | None]) -> TrajectoryVerdict:
@@ -127,15 +131,18 @@ class TrajectoryChecks:
 
     def _stopped_on(self, trajectory: Trajectory, piece: int) -> Stop:
         points, (start, end) = trajectory.curve.pieces[piece], trajectory.curve.breaks[piece : piece + 2].tolist()
-        tubes = self._tubes([trajectory], self.tube, 0.0)[piece : piece + 1]
-        result = self._certifier.result(Curves(points[None], tubes), self._tolerance)
-        states = partial(self._certifier.states_on, points)
+        tube = _tube(trajectory.curve, self.tube, 0.0)
+        result = self._certifier.result(Curves(points[None], tube[None]), self._tolerance)
+
+        def states(s: Floats) -> Floats:
+            return trajectory.position(np.minimum(start + (end - start) * s, end))
+
+        def time(s: float) -> float:
+            return min(start + (end - start) * s, end)
+
         found = explained_motion(self._checker, result, states, self._tolerance)
-
-        def time(parameter: float | None) -> float | None:
-            return None if parameter is None else start + (end - start) * parameter
-
-        return Stop(start + (end - start) * found.free_until, time(found.collides_at), time(found.near_at), found.pair)
+        collides_at, near_at = (None if s is None else time(s) for s in (found.collides_at, found.near_at))
+        return Stop(time(found.free_until), collides_at, near_at, found.pair)
 
     def _is_free(self, trajectory: Trajectory, tube: Floats, room: float) -> bool:
         return bool(self.free_pieces([trajectory], 1, tube, room)[0].all())
@@ -155,11 +162,6 @@ class TrajectoryChecks:
         least = int(clearances.argmin())
         return float(times[least]), float(clearances[least])
 
-    def _tubes(self, trajectories: Sequence[Trajectory], tube: Floats, room: float) -> Floats:
-        """(pieces, nq + 1) the tube of each piece, and the room."""
-        row = np.append(tube, room)
-        return np.tile(row, (sum(len(each.curve.pieces) for each in trajectories), 1))
-
     def _check(self, trajectory: Trajectory) -> None:
         robot = self._checker.robot
         if not isinstance(trajectory, Trajectory):
@@ -169,6 +171,10 @@ class TrajectoryChecks:
         if trajectory.curve.nq != robot.nq:
             columns = robot.configuration_map.described_columns()
             raise PlannercheckError(f"the trajectory has {trajectory.curve.nq} columns, but {columns}")
+        if trajectory.curve.units != self._units:
+            raise PlannercheckError(
+                f"columns of {robot.name!r} form unit vectors, which turn by slerp: give trajectory.of_robot(robot)"
+            )
 
     def _checked_tube(self, given: Floats) -> Floats:
         nq = self._checker.robot.nq
@@ -176,7 +182,7 @@ class TrajectoryChecks:
             raise PlannercheckError(
                 f"tube must be a number of at least 0, or a row of {nq}, rad and m, not {shown_array(given)}"
             )
-        row = np.array(np.broadcast_to(given, nq))
+        row = given if len(given) == nq else np.full(nq, given[0])
         for first, past in self._units:
             if row[first:past].any():
                 raise PlannercheckError(
@@ -184,6 +190,11 @@ class TrajectoryChecks:
                     f" tube: give tube as a row of {nq} numbers that is 0 there"
                 )
         return row
+
+
+def _tube(curve: Curve, tube: Floats, room: float) -> Floats:
+    """(nq + 1,) a tube around the polynomials that a curve stands for, and how far bodies have to stay apart, m."""
+    return np.append((tube + curve.error) * (1 + 2.0**-52), room)
 
 
 def _largest(is_free: Callable[[float], bool], smallest: float, largest: float) -> float:

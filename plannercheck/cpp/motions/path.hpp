@@ -50,14 +50,18 @@ struct Segments {
 // The highest degree of a curve.
 inline constexpr std::size_t kMostDegree = 31;
 
-// Whether each of n numbers stays between bounds on a straight motion; those of unit vectors are at most 1 and do not
-// count.
+// Whether each of n numbers stays between bounds on a motion, its tube included; those of unit vectors are at most 1
+// and do not count.
 inline bool stays_within(const Segment& motion, std::size_t n, const double* low, const double* high) {
   bool within = true;
-  for (std::size_t c = 0; c < n; ++c) {
-    within &= motion.start[c] >= low[c] && motion.start[c] <= high[c];
-    within &= motion.end[c] >= low[c] && motion.end[c] <= high[c];
-  }
+  const auto look_at = [&](const double* row) {
+    for (std::size_t c = 0; c < n; ++c) {
+      const double off = motion.tube == nullptr ? 0 : motion.tube[c];
+      within &= row[c] - off >= low[c] && row[c] + off <= high[c];
+    }
+  };
+  for (std::size_t k = 0; k < motion.degree; ++k) look_at(motion.start + k * n);
+  look_at(motion.end);
   return within;
 }
 
