@@ -106,8 +106,10 @@ def _comparison(home: str) -> Comparison:
     return compare
 
 
-def _read_path(path: Any, joint_names: Sequence[str], width: int) -> Any:
-    return importlib.import_module("plannercheck.validation.formats.paths").read_path(path, joint_names, width)
+def _read_path(path: Any, joint_names: Sequence[str], width: int, robot: Any) -> Any:
+    return importlib.import_module("plannercheck.validation.formats.paths").read_proved_path(
+        path, joint_names, width, robot
+    )
 
 
 # `Proof.verify` with a robot compares the proof's model with files, which takes folders above `proofs`.

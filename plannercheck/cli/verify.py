@@ -113,7 +113,7 @@ def _path(proofs: tuple[Proof, ...], found: list[Verification], options: argpars
         return {"fault": None}
     if not confirmed:
         return {"file": str(options.path), "motions": None, "missing": None, "fault": "no motion is proved"}
-    known = path_proved(confirmed, options.path, options.straight)
+    known = path_proved(confirmed, options.path, options.straight, None if options.robot is None else _robot(options))
     missing = list(known.missing)
     return {"file": str(options.path), "motions": known.motions, "missing": missing, "fault": known.fault}
 
@@ -155,7 +155,7 @@ def _lines(result: dict[str, Any]) -> list[str]:
     lines += [f"  padding: {result['padding']:.9g} m"] if result["padding"] is not None else []
     if result["path"] is not None:
         path = result["path"]
-        whole = f"all {_counted(path['motions'] or 0, 'motion', 'motions')} proved"
+        whole = "its only motion is proved" if path["motions"] == 1 else f"all {path['motions']} motions proved"
         lines.append(f"  path {path['file']!r}: {path['fault'] or whole}")
     lines.append(f"  model: {result['model'] or 'not compared with files (--robot, --scene)'}")
     return lines + [f"    {sentence}" for sentence in result["compared"]]

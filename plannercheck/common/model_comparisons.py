@@ -14,8 +14,9 @@ from typing import Any, TypeAlias
 # compared with which file.
 Comparison: TypeAlias = Callable[[Any, Any, str | None, Any, Any, Any], tuple[str, ...]]
 
-# Takes a path file, the names of its joints, and the length of a configuration; see `validation.formats.paths`.
-PathReader: TypeAlias = Callable[[Any, Sequence[str], int], Any]
+# Takes a path, the names of its joints, the length of a configuration, and the robot or None; see `read_proved_path` in
+# `validation.formats.paths`.
+PathReader: TypeAlias = Callable[[Any, Sequence[str], int, Any], Any]
 
 _comparisons: dict[str, Comparison] = {}
 _path_readers: list[PathReader] = []

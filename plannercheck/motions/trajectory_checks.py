@@ -83,18 +83,27 @@ class TrajectoryChecks:
         for trajectory in trajectories:
             self._check(trajectory)
         curves = [each.curve for each in trajectories]
-        starts = list(accumulate((len(curve.pieces) for curve in curves), initial=0))
-        around = self.tube if tube is None else tube
+        counts = [len(curve.pieces) for curve in curves]
+        starts = list(accumulate(counts, initial=0))
+        tubes = self._tubes(curves, self.tube if tube is None else tube, room).repeat(counts, axis=0)
         free = np.empty(starts[-1], dtype=bool)
         for count in sorted({count for curve in curves for count in curve.by_count}):
-            some = [(k, *curve.by_count[count]) for k, curve in enumerate(curves) if count in curve.by_count]
-            points = np.concatenate([points for _, _, points in some])
-            tubes = [np.tile(_tube(curves[k], around, room), (len(pieces), 1)) for k, pieces, _ in some]
-            rows = np.concatenate(tubes)
-            judged = Curves(points, rows if rows.any() else rows[:0])
-            found = self._certifier.check_curves(judged, self._tolerance, threads)
-            free[np.concatenate([starts[k] + pieces for k, pieces, _ in some])] = found
+            some = [
+                (start, *curve.by_count[count])
+                for start, curve in zip(starts, curves, strict=False)
+                if count in curve.by_count
+            ]
+            rows = np.concatenate([start + pieces for start, pieces, _ in some])
+            judged = Curves(np.concatenate([points for _, _, points in some]), tubes[rows])
+            free[rows] = self._certifier.check_curves(judged, self._tolerance, threads)
         return [free[start:past] for start, past in pairwise(starts)]
+
+    def _tubes(self, curves: Sequence[Curve], tube: Floats, room: float) -> Floats:
+        """(n, nq + 1) a tube around the polynomials that each curve stands for, and how far bodies stay apart, m."""
+        tubes = np.full((len(curves), len(tube) + 1), room)
+        for row, curve in zip(tubes, curves, strict=True):
+            row[:-1] = (tube + curve.error) * (1 + 2.0**-52)
+        return tubes
 
     def explain(self, trajectory: Trajectory, prover: Callable[[], tuple[Proof, ...] | None]) -> TrajectoryVerdict:
         """How far a trajectory is free and what stops it; `prover` computes its proof."""
@@ -130,9 +139,10 @@ class TrajectoryChecks:
         return first
 
     def _stopped_on(self, trajectory: Trajectory, piece: int) -> Stop:
-        points, (start, end) = trajectory.curve.pieces[piece], trajectory.curve.breaks[piece : piece + 2].tolist()
-        tube = _tube(trajectory.curve, self.tube, 0.0)
-        result = self._certifier.result(Curves(points[None], tube[None]), self._tolerance)
+        points = trajectory.curve.pieces[piece]
+        start, end = (float(time) for time in trajectory.curve.breaks[piece : piece + 2])
+        curve = Curves(points[None], self._tubes([trajectory.curve], self.tube, 0.0))
+        result = self._certifier.result(curve, self._tolerance)
 
         def states(s: Floats) -> Floats:
             return trajectory.position(np.minimum(start + (end - start) * s, end))
@@ -190,11 +200,6 @@ class TrajectoryChecks:
                     f" tube: give tube as a row of {nq} numbers that is 0 there"
                 )
         return row
-
-
-def _tube(curve: Curve, tube: Floats, room: float) -> Floats:
-    """(nq + 1,) a tube around the polynomials that a curve stands for, and how far bodies have to stay apart, m."""
-    return np.append((tube + curve.error) * (1 + 2.0**-52), room)
 
 
 def _largest(is_free: Callable[[float], bool], smallest: float, largest: float) -> float:

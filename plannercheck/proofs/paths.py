@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import row_length
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.model_comparisons import path_reader
 from plannercheck.proofs.claims import column_names, held_joints, motion_of
@@ -51,13 +52,14 @@ class PathProved:
         return self.fault is None
 
 
-def path_proved(proofs: Sequence[ProofData], path: Any, straight: bool = False) -> PathProved:
+def path_proved(proofs: Sequence[ProofData], path: Any, straight: bool = False, robot: Any = None) -> PathProved:
     """Whether proofs prove a path.
 
     Args:
         proofs: At least one, of one model; those that are confirmed, in their order.
         path: A file, or configurations (k, columns), which are joined the short way.
         straight: Whether straight motions are meant although a file has velocities or accelerations.
+        robot: The robot, as for `Proof.verify`, for paths of one number a joint.
 
     Returns:
         What is missing.
@@ -66,8 +68,10 @@ def path_proved(proofs: Sequence[ProofData], path: Any, straight: bool = False) 
         PlannercheckError: If the file can't be read, holds other joints, or is run along splines.
     """
     proof, as_given = proofs[0], None
+    names, columns = column_names(proof), proof.model.columns
+    robot = None if isinstance(proof.model, PlanarModel) else robot
     if isinstance(path, str) or hasattr(path, "__fspath__"):
-        file = path_reader()(path, column_names(proof), proof.model.columns)
+        file = path_reader()(path, names, columns, robot)
         if file.bent_by and not straight:
             raise PlannercheckError(
                 f"path file {str(path)!r}: its {' and '.join(file.bent_by)} are not zero, so a controller runs splines "
@@ -75,10 +79,17 @@ def path_proved(proofs: Sequence[ProofData], path: Any, straight: bool = False) 
             )
         other = _held_elsewhere(proof, file.others) or _moved_otherwise(proofs, file.motion_path)
         states, as_given = file.states, file.as_given
+        if states.shape[1] != columns:
+            raise PlannercheckError(
+                f"path file {str(path)!r}: its configurations have {states.shape[1]} numbers, the proof's {columns}: "
+                "name the robot, too (--robot, robot=)"
+            )
         if other:
             return PathProved(max(1, len(states) - 1), tuple(range(max(1, len(states) - 1))), other)
+    elif robot is not None and row_length(path) != columns:
+        states = path_reader()(path, names, columns, robot).states
     else:
-        states = _configurations(path, proof.model.columns)
+        states = _configurations(path, columns)
     return _compared(proofs, states, as_given)
 
 
@@ -88,7 +99,10 @@ def _configurations(path: ArrayLike, columns: int) -> Floats:
     except (TypeError, ValueError):
         states = np.zeros((0, 0))
     if states.ndim != 2 or states.shape[1] != columns or not len(states) or not np.isfinite(states).all():
-        raise PlannercheckError(f"path= must be a file, or finite configurations (k, {columns}), k at least 1")
+        raise PlannercheckError(
+            f"path= must be a file, or finite configurations (k, {columns}), k at least 1; with robot= they may have "
+            "one number a joint"
+        )
     return states
 
 

@@ -37,8 +37,9 @@ class Proof(ProofData):
         Args:
             robot: If given, the model has to be that of this robot: the name of a shipped one, a YAML or a URDF file.
             scene: With `robot`: a shipped scene's name, or a file; None for the empty one.
-            path: If given, the proof has to prove all of this path: a file, or configurations (k, columns). A file of
-                several proofs is compared with a path by `plannercheck.proofs.verify_path`.
+            path: If given, the proof has to prove all of this path: a file, or configurations (k, columns); with
+                `robot` they may have one number a joint. A file of several proofs is compared with a path by
+                `plannercheck.proofs.verify_path`.
             meshes: What meshes of the scene are, as for `Scene.load`.
             geometry: What meshes of the robot are, as for `Robot.load`; None for what its YAML says.
             mesh_units: How mesh files are read, as for `Robot.load` and `Scene.load`.
@@ -61,7 +62,7 @@ class Proof(ProofData):
             model = model_confirmed(self, robot, scene, meshes, geometry, mesh_units)
             found = replace(model, entries=found.entries, seconds=found.seconds + model.seconds)
         if found and path is not None:
-            missing = path_proved([self], path).fault
+            missing = path_proved([self], path, robot=robot).fault
             found = replace(found, proved=missing is None, fault=missing)
         return found
 
@@ -116,12 +117,14 @@ def load_proofs(path: str | Path) -> tuple[Proof, ...]:
     return tuple(Proof(*(getattr(data, field.name) for field in fields(data))) for data in read_proofs(path))
 
 
-def verify_path(proofs: Sequence[Proof], path: str | Path | ArrayLike) -> Verification:
+def verify_path(proofs: Sequence[Proof], path: str | Path | ArrayLike, robot: str | None = None) -> Verification:
     """Confirms proofs, and that they prove every motion of a path, in order, end to end.
 
     Args:
         proofs: Of one file, at least one.
         path: A path file, or configurations (k, columns).
+        robot: For paths of one number a joint, where joints follow others or turn without end: the robot, as for
+            `Proof.verify`. It is not compared with the proofs.
 
     Returns:
         The verification; `fault` is that of the first proof that fails, or names what is missing of the path.
@@ -130,5 +133,5 @@ def verify_path(proofs: Sequence[Proof], path: str | Path | ArrayLike) -> Verifi
         PlannercheckError: If python-flint is not installed, or the file can't be read.
     """
     found = [proof.verify() for proof in proofs]
-    fault = next((each.fault for each in found if not each), None) or path_proved(proofs, path).fault
+    fault = next((each.fault for each in found if not each), None) or path_proved(proofs, path, robot=robot).fault
     return Verification(fault is None, fault, sum(each.entries for each in found), sum(each.seconds for each in found))

@@ -87,16 +87,6 @@ class Curve(OwnsArrays):
         return found[0] if np.ndim(times) == 0 else found
 
 
-def check_size(breaks: Floats, pieces: Sequence[Floats]) -> None:
-    """Raises for pieces that are shorter than any message has them, or larger than any robot."""
-    if not (np.diff(breaks) >= _SHORTEST).all():
-        k = int(np.argmin(np.diff(breaks) >= _SHORTEST))
-        raise PlannercheckError(f"piece {k} takes {breaks[k + 1] - breaks[k]:.3g} s, less than 1 ns")
-    for k, piece in enumerate(pieces):
-        if not (np.abs(piece) <= LARGEST_VALUE).all():
-            raise PlannercheckError(f"piece {k} has control points beyond {LARGEST_VALUE:g}")
-
-
 def _slerp(start: Floats, end: Floats, s: Floats, derivative: int) -> Floats:
     """Unit vectors (n, 2) or (n, 4) on the way from one to another at s (n,) from 0 to 1, or derivatives by s."""
     a, b = start / np.linalg.norm(start), end / np.linalg.norm(end)
@@ -108,6 +98,16 @@ def _slerp(start: Floats, end: Floats, s: Floats, derivative: int) -> Floats:
     phase = angle * s[:, None] + derivative * np.pi / 2
     sideways = across / length if length > 0 else across
     return np.asarray(angle**derivative * (np.cos(phase) * a + np.sin(phase) * sideways))
+
+
+def check_size(breaks: Floats, pieces: Sequence[Floats]) -> None:
+    """Raises for pieces that are shorter than any message has them, or larger than any robot."""
+    if not (np.diff(breaks) >= _SHORTEST).all():
+        k = int(np.argmin(np.diff(breaks) >= _SHORTEST))
+        raise PlannercheckError(f"piece {k} takes {breaks[k + 1] - breaks[k]:.3g} s, less than 1 ns")
+    for k, piece in enumerate(pieces):
+        if not (np.abs(piece) <= LARGEST_VALUE).all():
+            raise PlannercheckError(f"piece {k} has control points beyond {LARGEST_VALUE:g}")
 
 
 def differentiated(control: Floats, duration: float, times: int = 1) -> Floats:

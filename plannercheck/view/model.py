@@ -12,6 +12,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from plannercheck.common.array_types import Bools, Floats, Ints
+from plannercheck.common.errors import PlannercheckError, with_article
 from plannercheck.view.drawn_parts import DrawnParts
 
 # What a mesh is: the hull of a link, a link's mesh for collisions as it was delivered, or for the eye; an obstacle, a
@@ -161,3 +162,17 @@ class Drawing:
         hit = sum(map(bool, self.collisions))
         bodies = len(self.meshes) + len(self.parts)
         return f"Picture({self.title!r}, {self.frames} frames, {hit} in collision, {bodies} bodies)"
+
+
+def checked_drawing(picture: Drawing) -> Drawing:
+    """The picture.
+
+    Raises:
+        PlannercheckError: If it is none.
+    """
+    if not isinstance(picture, Drawing):
+        raise PlannercheckError(
+            f"a picture is needed, not {with_article(type(picture).__name__)}: plannercheck.view.picture(checker, q) "
+            "makes one"
+        )
+    return picture

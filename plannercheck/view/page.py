@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.escaping import json_in_script
 from plannercheck.view.drawn_parts import DrawnParts
-from plannercheck.view.model import COLLIDING, COLOURS, PLANE, Drawing, Mesh
+from plannercheck.view.model import COLLIDING, COLOURS, PLANE, Drawing, Mesh, checked_drawing
 
 _TEMPLATE, *_SCRIPTS = (
     Path(__file__).with_name(name) for name in ("viewer.html", "viewer_parts.js", "viewer_layer.js", "viewer_plot.js")
@@ -45,8 +45,12 @@ class Picture(Drawing):
 
 
 def write_page(picture: Drawing, path: str | Path) -> None:
-    """Writes a picture as one HTML file; aside first, then renamed."""
-    text = page_of(picture)
+    """Writes a picture as one HTML file; aside first, then renamed.
+
+    Raises:
+        PlannercheckError: If it is no picture, or the file can't be written.
+    """
+    text = page_of(checked_drawing(picture))
     write_atomically(Path(path), lambda aside: aside.write_text(text, encoding="utf-8"))
 
 

@@ -15,7 +15,7 @@ from plannercheck.checking.named_configurations import given_configurations, nam
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import Configuration, contiguous
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, with_article
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.view.drawn_parts import DrawnParts, has_many_parts, parts_of
@@ -62,8 +62,11 @@ def picture(
         The picture.
 
     Raises:
-        PlannercheckError: If there are no configurations or more than `MOST_FRAMES`, or labels do not fit them.
+        PlannercheckError: If it is no checker, if there are no configurations or more than `MOST_FRAMES`, or if labels
+            do not fit them.
     """
+    if not isinstance(checker, (Checker, PlanarChecker)):
+        raise PlannercheckError(f"a picture is of a checker, not of {with_article(type(checker).__name__)}")
     numbers = named_configuration(checker.robot, q) if isinstance(q, Mapping) else q
     rows = given_configurations(checker.robot, numbers)
     names = [f"configuration {k}" for k in range(len(rows))] if labels is None else list(labels)
@@ -78,7 +81,6 @@ def picture(
         sensed: tuple[DrawnParts, ...] = ()
         points, found = planar_witnesses(checker, rows, colliding), list[Plane]()
     else:
-        assert isinstance(checker, Checker)
         hit = _bodies_hit(checker, colliding)
         drawn = with_floor(space_meshes(checker, rows, hit, meshes or {}, veiled=bool(visuals)))
         drawn += visual_layer(checker, rows, hit, visuals)

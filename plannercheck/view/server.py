@@ -15,7 +15,7 @@ import numpy as np
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.transforms import quaternion_of_rotation
 from plannercheck.view.joints import Joints
-from plannercheck.view.model import PLANE, Drawing, Mesh
+from plannercheck.view.model import PLANE, Drawing, Mesh, checked_drawing
 from plannercheck.view.origins import own_pages_only
 
 DEFAULT_PORT = 8080
@@ -44,9 +44,10 @@ def serve(picture: Drawing, port: int = DEFAULT_PORT, host: str = "localhost", j
         The stage; its `server.stop()` ends it, its `play()` plays frames as long as the box is ticked.
 
     Raises:
-        PlannercheckError: If viser is not installed.
+        PlannercheckError: If it is no picture, or viser is not installed.
         RuntimeError: If pages of others can't be refused with the viser that is installed.
     """
+    checked_drawing(picture)
     try:
         import viser
     except ImportError:
