@@ -138,7 +138,10 @@ class TrajectoryChecks:
         return Stop(start + (end - start) * found.free_until, time(found.collides_at), time(found.near_at), found.pair)
 
     def _is_free(self, trajectory: Trajectory, tube: Floats, room: float) -> bool:
-        return bool(self.free_pieces([trajectory], 1, tube, room)[0].all())
+        try:
+            return bool(self.free_pieces([trajectory], 1, tube, room)[0].all())
+        except PlannercheckError:  # the tube is so large, or a pair that is left out otherwise, that rounding is, too
+            return False
 
     def _largest_tube(self, trajectory: Trajectory) -> float:
         around = np.ones(len(self.tube))
@@ -148,10 +151,12 @@ class TrajectoryChecks:
 
     def _least_clearance(self, trajectory: Trajectory) -> tuple[float, float]:
         """The instant, s, of those that are looked at, at which the clearance is least, and the clearance, m."""
-        breaks = trajectory.curve.breaks
-        looks = min(_LOOKS_A_PIECE * (len(breaks) - 1), _MOST_LOOKS) + 1
-        times = np.linspace(breaks[0], breaks[-1], looks)
-        clearances = self._checker.clearances(trajectory.position(times))
+        curve = trajectory.curve
+        looks = max(2, min(_LOOKS_A_PIECE, _MOST_LOOKS // len(curve.pieces)))
+        parts = np.linspace(0.0, 1.0, looks)
+        states = np.concatenate([self._certifier.states_on(piece, parts) for piece in curve.pieces])
+        times = (curve.breaks[:-1, None] + np.diff(curve.breaks)[:, None] * parts).ravel()
+        clearances = self._checker.clearances(states)
         least = int(clearances.argmin())
         return float(times[least]), float(clearances[least])
 
@@ -169,6 +174,8 @@ class TrajectoryChecks:
         if trajectory.curve.nq != robot.nq:
             columns = robot.configuration_map.described_columns()
             raise PlannercheckError(f"the trajectory has {trajectory.curve.nq} columns, but {columns}")
+        if self._units:  # parts turn from end to end
+            robot.check_configurations(np.concatenate([piece[[0, -1]] for piece in trajectory.curve.pieces]))
 
     def _checked_tube(self, given: Floats) -> Floats:
         nq = self._checker.robot.nq
