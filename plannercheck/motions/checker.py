@@ -255,7 +255,7 @@ class Checker(StateChecker):
     ) -> tuple[Proof, ...] | None:
         """Proofs of a trajectory's pieces, in order; None if it is not free. Arguments as for `check_trajectory`."""
         checks = TrajectoryChecks(self, tube, tolerance)
-        if not checks.free_pieces([trajectory])[0].all():
+        if not checks.are_free([trajectory])[0]:
             return None
         around = checks.tube_of(trajectory)
         proofs = [self._prover.curve_proof(points, around, tolerance) for points in trajectory.curve.pieces]

@@ -117,7 +117,7 @@ class TrajectoryChecks:
         at, least = self._least_clearance(trajectory)
         if free.all():
             no_tube = 0.0 * self.tube
-            proved = _largest(lambda room: self._is_free(trajectory, no_tube, room), least * _FINE, least)
+            proved = _largest(lambda room: self.keeps(trajectory, no_tube, room), least * _FINE, least)
             end = float(trajectory.curve.breaks[-1])
             return made(True, Stop(end), clearance=proved, clearance_at=at, prover=prover)
         return made(False, self._stopped(trajectory, free), clearance=0.0, clearance_at=at)
@@ -152,14 +152,18 @@ class TrajectoryChecks:
         collides_at, near_at = (None if s is None else time(s) for s in (found.collides_at, found.near_at))
         return Stop(time(found.free_until), collides_at, near_at, found.pair)
 
-    def _is_free(self, trajectory: Trajectory, tube: Floats, room: float) -> bool:
-        return bool(self._free_pieces([trajectory], tube, room).all())
+    def keeps(self, trajectory: Trajectory, tube: Floats, room: float) -> bool:
+        """Whether bodies are proved to keep further apart than `room`, m, all over a tube (nq,)."""
+        try:
+            return bool(self._free_pieces([trajectory], tube, room).all())
+        except PlannercheckError:  # the tube is so large, or a pair that is left out otherwise, that rounding is, too
+            return False
 
     def _largest_tube(self, trajectory: Trajectory) -> float:
         around = np.ones(len(self.tube))
         for first, past in self._units:
             around[first:past] = 0.0
-        return _largest(lambda size: self._is_free(trajectory, around * size, 0.0), _SMALLEST_TUBE, _LARGEST_TUBE)
+        return _largest(lambda size: self.keeps(trajectory, around * size, 0.0), _SMALLEST_TUBE, _LARGEST_TUBE)
 
     def _least_clearance(self, trajectory: Trajectory) -> tuple[float, float]:
         """The instant, s, of those that are looked at, at which the clearance is least, and the clearance, m."""
