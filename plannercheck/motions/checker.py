@@ -253,7 +253,15 @@ class Checker(StateChecker):
     def certify_trajectory(
         self, trajectory: Trajectory, tube: ArrayLike = 0.0, tolerance: float = DEFAULT_TOLERANCE
     ) -> tuple[Proof, ...] | None:
-        """Proofs of a trajectory's pieces, in order; None if it is not free. Arguments as for `check_trajectory`."""
+        """Proofs of a trajectory's pieces that anyone can check, in order; arguments as for `check_trajectory`.
+
+        Returns:
+            One for each piece; None where the trajectory is not free, and where it is free but the tube is too wide for
+            a pair that limits keep apart, so that the verdict leaves it out: a proof covers all pairs.
+
+        Raises:
+            PlannercheckError: As of `certify_motions`.
+        """
         checks = TrajectoryChecks(self, tube, tolerance)
         if not checks.are_free([trajectory])[0]:
             return None

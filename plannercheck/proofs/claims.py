@@ -49,8 +49,9 @@ def _around(tube: Sequence[float]) -> str:
     """A tube in words."""
     if not any(tube):
         return ""
-    widths = f"{min(tube):.9g}" if len(set(tube)) == 1 else _listed(tube)
-    return f", and at every instant every configuration within {widths} rad or m of it in each number"
+    widths = {f"{width:.9g}" for width in tube}
+    told = widths.pop() if len(widths) == 1 else _listed(tube)
+    return f", and at every instant every configuration within {told} rad or m of it in each number"
 
 
 def _listed(values: Sequence[float]) -> str:

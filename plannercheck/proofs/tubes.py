@@ -92,6 +92,8 @@ class Tube:
         return (self._view(frame, a).shift + self._view(frame, b).shift) * UP if self._is_any else 0.0
 
     def _view(self, frame: int, body: int) -> _View:
+        if (frame, body) in self._views:
+            return self._views[frame, body]
         steps = list(self._steps(frame, body))
         known = next((k for k, (at, _) in enumerate(steps) if (at, body) in self._views), len(steps))
         if known == len(steps):
