@@ -153,7 +153,10 @@ class TrajectoryChecks:
         return Stop(time(found.free_until), collides_at, near_at, found.pair)
 
     def _is_free(self, trajectory: Trajectory, tube: Floats, room: float) -> bool:
-        return bool(self._free_pieces([trajectory], tube, room).all())
+        try:
+            return bool(self._free_pieces([trajectory], tube, room).all())
+        except PlannercheckError:  # the tube is so large, or a pair that is left out otherwise, that rounding is, too
+            return False
 
     def _largest_tube(self, trajectory: Trajectory) -> float:
         around = np.ones(len(self.tube))
