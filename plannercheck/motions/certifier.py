@@ -111,7 +111,7 @@ class MotionCertifier:
         """`check` of curves; those within the limits are judged without Python in between."""
         part, (low, high) = self._pairs_within_limits, self._range
         check_tolerance(tolerance)
-        if not part.touching and not curves.tubes[:, -1:].any():
+        if not part.touching and not curves.have_room:
             known = core.curve_validity(
                 part.core, self._kernel, low, high, self._errors.usual, *curves, tolerance, threads
             )
@@ -156,7 +156,7 @@ class MotionCertifier:
         """
         least, largest = motions.ranges()
         rows, limits = np.arange(len(least)), self._limits
-        if isinstance(motions, Curves) and motions.tubes[:, -1:].any():
+        if motions.have_room:
             return [(self._all_pairs, rows)]
         within = None if limits is None else ((least >= limits[0]) & (largest <= limits[1])).all(axis=1)
         if within is None or within.all():

@@ -152,8 +152,7 @@ class TrajectoryChecks:
         collides_at, near_at = (None if s is None else time(s) for s in (found.collides_at, found.near_at))
         return Stop(time(found.free_until), collides_at, near_at, found.pair)
 
-    def keeps(self, trajectory: Trajectory, tube: Floats, room: float) -> bool:
-        """Whether bodies are proved to keep further apart than `room`, m, all over a tube (nq,)."""
+    def _is_free(self, trajectory: Trajectory, tube: Floats, room: float) -> bool:
         try:
             return bool(self._free_pieces([trajectory], tube, room).all())
         except PlannercheckError:  # the tube is so large, or a pair that is left out otherwise, that rounding is, too

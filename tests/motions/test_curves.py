@@ -109,9 +109,9 @@ def test_the_room_that_is_told_is_there(count, tmp_path):
     curve = pc.Trajectory.bezier([0, 1], [[[-1.0, 0.0], [0.3, 0.0], [1.0, 0.0]]])
     assert checker.clearances([0.0, 0.0])[0] == pytest.approx(0.2)
     assert 0.19 < checker.explain_trajectory(curve).clearance < 0.2
-    rooms = TrajectoryChecks(checker, 0.0, 1e-4)
+    rooms, none = TrajectoryChecks(checker, 0.0, 1e-4), np.zeros(2)
     for room, free in ((0.05, True), (0.199, True), (0.201, False), (0.39, False)):
-        assert rooms.keeps(curve, rooms.tube, room) == free
+        assert rooms._is_free(curve, none, room) == free
 
 
 def test_pairs_that_cannot_meet_take_room_as_well(tmp_path):

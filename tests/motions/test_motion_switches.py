@@ -75,7 +75,7 @@ def curves(robot, starts, ends, generator):
     tube = np.full(robot.nq, 1e-3)
     for first, past in robot.configuration_map.units:
         tube[first:past] = 0.0
-    return [pc.Trajectory.bezier([0, 1], each[None]) for each in points], tube
+    return [pc.Trajectory.bezier([0, 1], each[None]).of_robot(robot) for each in points], tube
 
 
 def with_switches(robot, scene, own, switches=SWITCHES):

@@ -26,7 +26,6 @@ from plannercheck.evaluation.stress_motions.reasons import least_clearance, refu
 from plannercheck.evaluation.stress_motions.subjects import CurveSubject, Subject
 from plannercheck.motions.motion_ends import Motions
 from plannercheck.motions.trajectory_verdict import TrajectoryVerdict
-from plannercheck.trajectories.trajectory import Trajectory
 
 # Curves of a draw that are raised and cut, and that are explained as trajectories.
 _LIKE, _EXPLAINED = 8, 1
@@ -45,8 +44,7 @@ def relatives(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: 
         parts = _cut(draw, used, row, place)
         for how, pieces in (("raised", [raised(points)]), ("cut", parts if 0 < place < 1 else [points])):
             breaks = np.arange(len(pieces) + 1.0)
-            cut = Trajectory.bezier(breaks, pieces).of_robot(used.checker.robot)
-            answer = used.checker.check_trajectory(cut, tube, draw.tolerance)
+            answer = used.checker.check_trajectory(used.of_pieces(breaks, pieces), tube, draw.tolerance)
             _alike(draw, used, row, answers[row] == FREE, answer, how, judged)
     for row in rng.permutation(known)[:_EXPLAINED].tolist():
         _explained(draw, used, row, answers[row] == FREE, judged, rng)

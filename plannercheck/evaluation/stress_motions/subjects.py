@@ -7,11 +7,12 @@ clearances share no code with the proofs of motions.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from plannercheck.checking.verdicts import MotionVerdict
 from plannercheck.common.array_types import Bools, Floats
@@ -234,7 +235,11 @@ class CurveSubject(SpaceSubject):
 
     def trajectory(self, q0: Floats, q1: Floats) -> Trajectory:
         """The trajectory of a row."""
-        return Trajectory.bezier([0.0, 1.0], numbers_of(q0, q1).points[None]).of_robot(self.checker.robot)
+        return self.of_pieces([0.0, 1.0], [numbers_of(q0, q1).points])
+
+    def of_pieces(self, breaks: ArrayLike, pieces: Sequence[Floats]) -> Trajectory:
+        """A trajectory of curves in a row, each by its control points."""
+        return Trajectory.bezier(breaks, pieces).of_robot(self.robot)
 
     @cached_property
     def _tube_reach(self) -> TubeReach:
