@@ -70,8 +70,9 @@ class TrajectoryChecks:
         """Which of n trajectories are proved free (n,), on a number of threads."""
         if not trajectories:
             return np.empty(0, dtype=bool)
+        free = self._free_pieces(trajectories, self.tube, threads=threads)
         starts = [0, *accumulate(len(each.curve.pieces) for each in trajectories[:-1])]
-        return np.logical_and.reduceat(self._free_pieces(trajectories, self.tube, threads=threads), starts)
+        return np.logical_and.reduceat(free, starts)
 
     def _free_pieces(
         self, trajectories: Sequence[Trajectory], tube: Floats, room: float = 0.0, threads: int = 1
@@ -117,7 +118,7 @@ class TrajectoryChecks:
         at, least = self._least_clearance(trajectory)
         if free.all():
             no_tube = 0.0 * self.tube
-            proved = _largest(lambda room: self.keeps(trajectory, no_tube, room), least * _FINE, least)
+            proved = _largest(lambda room: self._is_free(trajectory, no_tube, room), least * _FINE, least)
             end = float(trajectory.curve.breaks[-1])
             return made(True, Stop(end), clearance=proved, clearance_at=at, prover=prover)
         return made(False, self._stopped(trajectory, free), clearance=0.0, clearance_at=at)
@@ -162,7 +163,7 @@ class TrajectoryChecks:
         around = np.ones(len(self.tube))
         for first, past in self._units:
             around[first:past] = 0.0
-        return _largest(lambda size: self.keeps(trajectory, around * size, 0.0), _SMALLEST_TUBE, _LARGEST_TUBE)
+        return _largest(lambda size: self._is_free(trajectory, around * size, 0.0), _SMALLEST_TUBE, _LARGEST_TUBE)
 
     def _least_clearance(self, trajectory: Trajectory) -> tuple[float, float]:
         """The instant, s, of those that are looked at, at which the clearance is least, and the clearance, m."""

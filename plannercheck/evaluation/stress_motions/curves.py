@@ -94,8 +94,8 @@ def _points(motions: Motions, at: Floats, middle: Floats, degree: int, rng: np.r
     least, most = np.array(_BENDS)[rng.integers(0, len(_BENDS), n)].T
     sizes = np.minimum(length * 10.0 ** rng.uniform(least, most), _LARGEST_BEND)
     bends = rng.normal(size=(n, degree + 1, nq)) * sizes[:, None, None]
-    alone = rng.integers(0, degree + 1, n)[:, None] == np.arange(degree + 1)
-    bends[(rng.random(n) < _ONE_ALONE)[:, None] & ~alone] = 0.0
+    alone = np.arange(degree + 1) == rng.integers(0, degree + 1, (n, 1))
+    bends[(rng.random((n, 1)) < _ONE_ALONE) & ~alone] = 0.0
     bends -= np.einsum("nk,nkc->nc", _weights(degree, at), bends)[:, None]
     slope = degree * np.einsum("nk,nkc->nc", _weights(degree - 1, at), np.diff(bends, axis=1))
     slope[rng.random(n) < _SLOPE_AS_IT_COMES] = 0.0
