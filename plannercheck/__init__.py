@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from plannercheck.motions.checker import Checker as Checker
     from plannercheck.robots.robot import Robot as Robot
     from plannercheck.scenes.scene import Scene as Scene
+    from plannercheck.timing.time_path import time_path as time_path
     from plannercheck.trajectories.trajectory import Trajectory as Trajectory
 
 # Loaded on first use, so that `import plannercheck` costs nothing that is not needed.
@@ -92,6 +93,7 @@ _HOMES = {
     "depth": "bodies.penetration_depth",
     "distance": "bodies.distance",
     "intersects": "bodies.intersection",
+    "time_path": "timing.time_path",
 }
 _MODULES = ("ndim", "ompl", "planar", "view")
 
@@ -156,6 +158,7 @@ __all__ = [
     "ndim",
     "ompl",
     "planar",
+    "time_path",
     "view",
 ]
 
