@@ -17,7 +17,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.plans import Plan
 from plannercheck.planar.robot_files import is_planar
-from plannercheck.timing import UnprovedPathError, time_path
+from plannercheck.timing.time_path import UnprovedPathError, time_path
 from plannercheck.trajectories.trajectory import Trajectory
 
 # What counts with --timed alone.

@@ -3,7 +3,3 @@
 Read `rounded_path` first (corners become curves), then `time_law` (TOPP-RA, and even samples of it), `timed_section`
 (points that keep the limits) and `time_path`, which fits them to what can be proved.
 """
-
-from plannercheck.timing.time_path import UnprovedPathError, time_path
-
-__all__ = ["UnprovedPathError", "time_path"]

@@ -4,8 +4,8 @@ In: a checker, a plan's waypoints, limits. Out: a `Trajectory`: points with posi
 between which joint_trajectory_controller runs quintic polynomials; these are proved, tube included.
 
 Legs are proved first: without them no blend can be cut to a stop. Blends are halved until each is proved. The rounded
-path is timed, and the controller's curve through the points is proved as a whole. Where this fails on a blend, the
-blend is halved; where it fails on a leg, points are set closer. Both end: at the stop, and at the finest step.
+path is timed, and the controller's curve through the points is proved as a whole. Where this fails, points are set
+closer, so that the curve is nearer to the path; at the finest step, blends that fail are halved, down to stops.
 """
 
 from __future__ import annotations
@@ -197,10 +197,10 @@ def _proved(judge: _Judge, legs: Legs, limits: JointLimits, wanted: Floats, size
         trajectory = joined(parts, judge.checker.robot.joint_names)
         if judge.free([trajectory])[0]:
             return trajectory, sizes
-        corners, refused_legs = _failing(judge, parts, trajectory)
-        if not corners and step > FINEST:
+        if step > FINEST:
             step /= 2
             continue
+        corners, refused_legs = _failing(judge, parts, trajectory)
         corners = corners or [end for leg in refused_legs for end in (leg, leg + 1) if sizes[end] > 0]
         if not corners:
             raise _refused(judge, legs, min(refused_legs, default=0))

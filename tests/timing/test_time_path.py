@@ -11,6 +11,8 @@ from scipy.interpolate import BPoly
 
 import plannercheck as pc
 from plannercheck.ompl.plans import Plan
+from plannercheck.timing import time_path, timed_section
+from plannercheck.timing.time_path import UnprovedPathError
 
 ACCELERATION = np.array([3.75, 1.875, 2.5, 3.125, 3.75, 5, 5])
 CORNER = np.array([[0.0, 0], [1, 0], [1, 1]])
@@ -71,6 +73,7 @@ def test_blending_is_near_the_optimum_and_stopping_is_slower(tmp_path):
     """A leg of 1 m at 1 m/s and 2 m/s² takes 1.5 s from rest to rest: two take 3 s, and no corner makes 2.5 s less."""
     checker = gantry(tmp_path)
     stopping = pc.time_path(checker, CORNER, 1.0, 2.0, blend=0)
+    check_as_run(checker, stopping, CORNER, 1.0, 2.0)
     assert stopping.duration == pytest.approx(3.0, rel=0.06)
     assert stopping.timing == pc.trajectories.Timing(saved=0.0, corners=1, stops=1, cut=0)
     blended = pc.time_path(checker, CORNER, 1.0, 2.0)
@@ -93,6 +96,7 @@ def test_blends_are_halved_until_they_are_free(tmp_path, room, tube, halvings):
     nearest = np.linalg.norm(as_run(made)(np.linspace(0, made.duration, 10000)) - CORNER[1], axis=1).min()
     assert nearest == pytest.approx(0.1 * 0.5**halvings, rel=0.01)
     assert (made.timing.cut, made.timing.stops) == (int(halvings > 0), 0)
+    assert np.diff(made.points.times).max() > 0.006  # blends are cut before points are set closer
 
 
 def test_it_stops_at_a_corner_without_room(tmp_path):
@@ -111,6 +115,33 @@ def test_a_segment_that_is_not_free_is_named(tmp_path):
         pc.PlannercheckError, match=r"segment from configuration 3 to 4 is not proved free: needs a plan"
     ):
         pc.time_path(gantry(tmp_path, (0.9, 0.4, 1.1, 0.5)), path, 1.0, 2.0)
+
+
+@pytest.mark.parametrize("only_blends", [False, True])
+def test_curves_that_are_never_proved_end_in_an_error(tmp_path, monkeypatch, only_blends):
+    """Legs are proved as straight lines; then what the controller runs is refused, and at last its parts, or not."""
+
+    def check(self, trajectories, **_):
+        straight = [all(len(piece) == 2 for piece in each.curve.pieces) for each in trajectories]
+        return np.array([each.points is None for each in trajectories] if only_blends else straight)
+
+    monkeypatch.setattr(pc.Checker, "check_trajectories", check, raising=False)
+    with pytest.raises(UnprovedPathError, match=r"segment from configuration 0 to 1 is not proved free"):
+        pc.time_path(gantry(tmp_path), CORNER, 1.0, 2.0)
+
+
+def test_points_are_set_closer_where_the_curve_leaves_the_path(tmp_path, monkeypatch):
+    """Points 0.4 s apart cut the corner by some mm; the room outside it is 0.1 mm."""
+    outside = (-0.5, -0.5, 1.5, -HALF - 1e-4), (1 + HALF + 1e-4, -0.4, 1.5, 1.5)
+    checker = gantry(tmp_path, *outside)
+    monkeypatch.setattr(time_path, "STEP", 0.4)
+    monkeypatch.setattr(timed_section, "_SLOWER", 9.0)
+    far = pc.time_path(gantry(tmp_path), CORNER, 1.0, 2.0)
+    assert not checker.check_states(as_run(far)(np.linspace(0, far.duration, 10000))).all()
+    near = pc.time_path(checker, CORNER, 1.0, 2.0)
+    assert len(near.points.times) > 1.5 * len(far.points.times)
+    assert near.timing.cut == 0
+    check_as_run(checker, near, CORNER, 1.0, 2.0)
 
 
 def test_continuous_joints_go_the_short_way():
