@@ -1,9 +1,9 @@
 """Proves motions free: a checker's bodies and pairs for the compiled certifier (cpp/motions/motion_certifier.hpp).
 
-In: a robot, bodies, pairs. Out: `MotionCertifier`, which judges the straight segments between configurations. Every
-joint moves by itself: revolute and prismatic joints linearly, continuous ones the short way round, quaternions by
-slerp, floating and planar bases along one screw (Pinocchio's interpolation), or straight and turning by slerp (OMPL's
-in SE(3) and SE(2)).
+In: a robot, bodies, pairs. Out: `MotionCertifier`, which judges the straight segments between configurations, and
+curves. Every joint moves by itself: revolute and prismatic joints linearly or by polynomials, continuous ones the short
+way round on segments, quaternions by slerp, floating and planar bases along one screw (Pinocchio's interpolation), or
+straight and turning by slerp (OMPL's in SE(3) and SE(2)).
 
 Proofs are about exact kinematics and hold for computed poses as well, since the certificates' gaps exceed the rounding
 of poses (`Robot.kinematic_error`, and the core's own bound).
@@ -40,7 +40,7 @@ from plannercheck.motions.certifier_answers import (
     verdicts,
 )
 from plannercheck.motions.certifier_pairs import ChainedPairs
-from plannercheck.motions.motion_ends import Motions
+from plannercheck.motions.motion_ends import Curves, Motions
 from plannercheck.motions.rounding_bounds import RoundingBounds
 from plannercheck.robots.robot import Robot
 
@@ -107,7 +107,7 @@ class MotionCertifier:
     def _all_pairs(self) -> ChainedPairs:
         return self._pairs_within_limits if self._limits is None else self._compile_all_pairs()
 
-    def check(self, motions: Motions, tolerance: float, threads: int) -> Bools:
+    def check(self, motions: Motions | Curves, tolerance: float, threads: int) -> Bools:
         """Whether each of n motions is free.
 
         Args:
@@ -120,19 +120,20 @@ class MotionCertifier:
         """
         check_tolerance(tolerance)
         ranges = motions.ranges()
-        if self._errors.are_usual(*ranges):
+        if isinstance(motions, Motions) and self._errors.are_usual(*ranges):
             known = self.judge_sets(motions.starts, motions.ends, tolerance, threads)
             if known is not None:
                 return known.view(bool)
-        free = np.empty(len(motions.starts), dtype=bool)
+        points, tubes = motions.points, motions.tubes
+        free = np.empty(len(points), dtype=bool)
         by_error = self._errors.of_ranges(*ranges)
         for part, some in self._parts_of(*ranges):
             for error, rows in by_error(some):
                 if part.touching:  # these pairs touch at every state, so no motion is free
                     free[rows] = False
                     continue
-                starts, ends = (q if len(rows) == len(free) else q[rows] for q in motions[:2])
-                answers = np.asarray(part.core.check(self._kernel, starts, ends, tolerance, error, threads))
+                taken = _rows(points, rows), _rows(tubes, rows)
+                answers = np.asarray(part.core.check(self._kernel, *taken, tolerance, error, threads))
                 free[rows] = verdicts(answers, tolerance, rows)
         return free
 
@@ -228,22 +229,28 @@ class MotionCertifier:
         Returns:
             The result.
         """
-        check_tolerance(tolerance)
         end = q1[None]
-        ranges = Motions(q0[None], end, end if given is None else given[None]).ranges()
+        return self.result(Motions(q0[None], end, end if given is None else given[None]), tolerance, proofs)
+
+    def result(self, motion: Motions | Curves, tolerance: float, proofs: bool = False) -> MotionResult:
+        """How far one motion or curve, of a set of one, is free; arguments as for `motion_result`."""
+        check_tolerance(tolerance)
+        ranges = motion.ranges()
         ((part, row),) = self._parts_of(*ranges)
         if part.touching:
             return MotionResult(False, 0.0, 0.0, part.touching[0])
         ((error, _),) = self._errors.of_ranges(*ranges)(row)
-        answer, until, near, pair = part.core.explain(self._kernel, q0, q1, tolerance, error, False)[:4]
+        answer, until, near, pair = part.core.explain(
+            self._kernel, motion.points, motion.tubes, tolerance, error, False
+        )[:4]
         found = motion_result_of(answer, until, near, int(part.rows[pair]) if answer == REFUSED else -1, tolerance)
         if not proofs:
             return found
-        reached, listed = self._listed(q0, q1, tolerance, error, found.free_until)
+        reached, listed = self._listed(motion, tolerance, error, found.free_until)
         return found._replace(proofs=tuple(p for p in listed if p.start < found.free_until), proved_until=reached)
 
     def _listed(
-        self, q0: Floats, q1: Floats, tolerance: float, error: float, until: float
+        self, motion: Motions | Curves, tolerance: float, error: float, until: float
     ) -> tuple[float, list[Proof]]:
         """Proofs of all pairs up to a parameter, and up to where they reach.
 
@@ -253,7 +260,7 @@ class MotionCertifier:
         reached, listed = 0.0, list[Proof]()
         for finer in _FINER:
             answer, end, _, _, *found = self._all_pairs.core.explain(
-                self._kernel, q0, q1, finer * tolerance, error, True
+                self._kernel, motion.points, motion.tubes, finer * tolerance, error, True
             )
             if answer == IMPRECISE:
                 break
@@ -264,7 +271,11 @@ class MotionCertifier:
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
         """(k, nq) of one motion (nq,) to (nq,) at parameters (k,) in [0, 1]."""
-        return np.asarray(self._pairs_within_limits.core.states(q0, q1, parameters))
+        return self.states_on(np.stack([q0, q1]), parameters)
+
+    def states_on(self, points: Floats, parameters: Floats) -> Floats:
+        """(k, nq) of one curve, control points (degree + 1, nq), at parameters (k,) in [0, 1]."""
+        return np.asarray(self._pairs_within_limits.core.states(points[None], parameters))
 
     def statistics(self) -> dict[str, Any]:
         """Counters of all calls so far."""
@@ -272,6 +283,11 @@ class MotionCertifier:
         if "_all_pairs" in vars(self) and self._all_pairs is not self._pairs_within_limits:
             parts.append(self._all_pairs)
         return sum_counters(part.core.statistics() for part in parts)
+
+
+def _rows(array: Floats, rows: NDArray[np.int64]) -> Floats:
+    """Some or all rows of an array; those of an empty one are none."""
+    return array if len(rows) >= len(array) else array[rows]
 
 
 def _never_known(_start: Configuration, _end: Configuration, _tolerance: float, _threads: int = 1) -> None:

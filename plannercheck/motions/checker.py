@@ -5,9 +5,11 @@ In: a `Robot`, a `Scene`. Out: an immutable `Checker`. A motion is proved free f
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property, partial
 from typing import ClassVar, TypeVar
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.checking.state_checker import StateChecker
@@ -25,7 +27,10 @@ from plannercheck.motions.joint_drives import split_joints
 from plannercheck.motions.motion_ends import Motions, checked_ends, with_given_ends
 from plannercheck.motions.proof_builder import Builder
 from plannercheck.motions.sampling import MotionSampler
+from plannercheck.motions.trajectory_checks import TrajectoryChecks
+from plannercheck.motions.trajectory_verdict import TrajectoryVerdict
 from plannercheck.proofs.proof import Proof
+from plannercheck.trajectories.trajectory import Trajectory
 
 Same = TypeVar("Same", bound="Checker")
 
@@ -177,6 +182,45 @@ class Checker(StateChecker):
         prover = partial(self._proof, start, end, given, tolerance, path)
         return explained_motion(self, result, lambda t: certifier.states(start, end, t), tolerance, prover)
 
+    def check_trajectory(
+        self, trajectory: Trajectory, tube: ArrayLike = 0.0, tolerance: float = DEFAULT_TOLERANCE
+    ) -> bool:
+        """Whether a trajectory is proved free at every instant, both ends included.
+
+        Every joint follows its polynomial; continuous joints turn as far as it says. Turns of floating and planar bases
+        go from one control point of a piece to the last by slerp.
+
+        Args:
+            trajectory: What the robot executes.
+            tube: By how much each number may be off the curve at every instant, all at once: one number or (nq,), rad
+                and m. The proof then covers tracking errors.
+            tolerance: A trajectory that keeps further than this from all collisions, with its tube, is proved free, in
+                m; how far a tube moves points is bounded by its sum over lever arms. One that touches is never free.
+
+        Returns:
+            True if it is free.
+        """
+        return bool(self.check_trajectories([trajectory], tube, tolerance)[0])
+
+    def check_trajectories(
+        self,
+        trajectories: Sequence[Trajectory],
+        tube: ArrayLike = 0.0,
+        tolerance: float = DEFAULT_TOLERANCE,
+        threads: int = 1,
+    ) -> Bools:
+        """Whether each of n trajectories is proved free: (n,); arguments as for `check_trajectory`."""
+        checks = TrajectoryChecks(self, tube, tolerance)
+        threads = checked_threads(threads, MOST_THREADS)
+        return np.array([free.all() for free in checks.free_pieces(trajectories, threads)], dtype=bool)
+
+    def explain_trajectory(
+        self, trajectory: Trajectory, tube: ArrayLike = 0.0, tolerance: float = DEFAULT_TOLERANCE
+    ) -> TrajectoryVerdict:
+        """How far a trajectory is free, what stops it, and how much room it leaves; arguments as above."""
+        prover = partial(self.certify_trajectory, trajectory, tube, tolerance)
+        return TrajectoryChecks(self, tube, tolerance).explain(trajectory, prover)
+
     def certify_motions(
         self,
         q0: ArrayLike,
@@ -207,6 +251,12 @@ class Checker(StateChecker):
         free = self.check_motions(q0, q1, tolerance=tolerance, threads=threads, path=path)
         motions = zip(free.tolist(), *self._motion_ends(q0, q1), strict=True)
         return tuple(self._proof(q, end, to, tolerance, path) if passed else None for passed, q, end, to in motions)
+
+    def certify_trajectory(
+        self, trajectory: Trajectory, tube: ArrayLike = 0.0, tolerance: float = DEFAULT_TOLERANCE
+    ) -> tuple[Proof, ...] | None:
+        """Proofs of a trajectory's pieces, in order; None if it is not free. Arguments as for `check_trajectory`."""
+        raise NotImplementedError
 
     def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:
         return self._prover.proof(start, end, asked_end, tolerance, path)

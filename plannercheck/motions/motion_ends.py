@@ -1,7 +1,7 @@
-"""Motions as they are judged: their ends, as given and less whole turns, so that angles take the short way.
+"""Motions as they are judged: their ends, as given and less whole turns, so that angles take the short way; or curves.
 
-In: configurations, in space or in the plane. Out: `Motions`, and whether the given ends are free as well. An angle less
-whole turns is another double, so the given end is posed with other roundings.
+In: configurations, in space or in the plane. Out: `Motions` or `Curves`, and whether the given ends are free as well.
+An angle less whole turns is another double, so the given end is posed with other roundings.
 """
 
 from __future__ import annotations
@@ -31,6 +31,16 @@ class Motions(NamedTuple):
     ends: Floats
     given: Floats
 
+    @property
+    def points(self) -> Floats:
+        """(n, 2, nq) starts and ends."""
+        return np.stack([self.starts, self.ends], axis=1)
+
+    @property
+    def tubes(self) -> Floats:
+        """None, (0, 0)."""
+        return np.empty((0, 0))
+
     def ranges(self) -> tuple[Floats, Floats]:
         """The least and the largest (n, nq) of each number on each motion, the end as asked for included.
 
@@ -40,6 +50,24 @@ class Motions(NamedTuple):
         if self.given is self.ends:
             return least, largest
         return np.minimum(least, self.given), np.maximum(largest, self.given)
+
+
+class Curves(NamedTuple):
+    """Polynomials of one degree, rad and m, by their Bernstein coefficients.
+
+    Attributes:
+        points: (n, degree + 1, nq) control points.
+        tubes: (n, nq + 1) by how much each number may be off at every instant, and how far bodies have to stay apart,
+            m; none if empty.
+    """
+
+    points: Floats
+    tubes: Floats
+
+    def ranges(self) -> tuple[Floats, Floats]:
+        """The least and the largest (n, nq) of each number on each curve, the tube included."""
+        off = self.tubes[:, :-1] if len(self.tubes) else 0.0
+        return self.points.min(axis=1) - off, self.points.max(axis=1) + off
 
 
 def checked_ends(robot: AnyRobot, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:

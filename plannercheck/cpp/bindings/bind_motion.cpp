@@ -66,12 +66,29 @@ class BoundCertifier : public Pooled<MotionCertifier> {
   }
 };
 
+using ControlPoints = InputArray<double, -1, -1, -1>;
+
+// The motions of control points (n, degree + 1, width). `tubes`: (n, width + 1) by how much numbers may be off and how
+// far bodies have to stay apart, or none (0, …).
+Segments curves(const ControlPoints& points, const Configurations* tubes = nullptr) {
+  const std::size_t rows = points.shape(1), width = points.shape(2);
+  if (rows < 2 || rows > kMostDegree + 1) throw std::invalid_argument("a curve has another number of control points");
+  Segments motions{points.data(), points.data() + (rows - 1) * width, rows * width, rows - 1};
+  if (tubes != nullptr && tubes->shape(0) != 0) {
+    if (tubes->shape(0) != points.shape(0) || tubes->shape(1) != width + 1) {
+      throw std::invalid_argument("there is no tube for each motion");
+    }
+    motions.tubes = tubes->data(), motions.tube_stride = width + 1;
+  }
+  return motions;
+}
+
 // MotionAnswer of each of n motions.
-auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, Configurations q0, Configurations q1,
-                   double tolerance, double kinematic_error, int threads) {
-  const Segments motions{q0.data(), q1.data(), q0.shape(1)};
+auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, ControlPoints points,
+                   Configurations tubes, double tolerance, double kinematic_error, int threads) {
+  const Segments motions = curves(points, &tubes);
   return bound.of_rows<std::uint8_t>(
-      q0.shape(0), threads, [&](std::size_t row, std::size_t n, std::uint8_t* answers, MotionCertifier::Workspace& w) {
+      points.shape(0), threads, [&](std::size_t row, std::size_t n, std::uint8_t* answers, MotionCertifier::Workspace& w) {
         bound.core().check(kinematics, motions.from(row), n, tolerance, kinematic_error, answers, w);
       });
 }
@@ -214,14 +231,14 @@ nb::object motion_set_validity(nb::object certifier, nb::object kinematics, Inpu
                           nb::arg("threads"), plain_floats);
 }
 
-// See `explained_motion`; with proofs if wanted.
-nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, InputArray<double, -1> q0,
-                         InputArray<double, -1> q1, double tolerance, double kinematic_error, bool proved) {
+// See `explained_motion`, of the first motion; with proofs if wanted.
+nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, ControlPoints points,
+                         Configurations tubes, double tolerance, double kinematic_error, bool proved) {
   MotionReport report;
   std::vector<MotionProof> proofs;
   without_gil([&] {
     bound.with_workspace([&](MotionCertifier::Workspace& w) {
-      report = bound.core().explain(kinematics, {q0.data(), q1.data()}, tolerance, kinematic_error,
+      report = bound.core().explain(kinematics, curves(points, &tubes)[0], tolerance, kinematic_error,
                                     proved ? &proofs : nullptr, w);
     });
   });
@@ -229,12 +246,12 @@ nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, In
                              [](Vec3 d, std::vector<double>& row) { row.insert(row.end(), {d.x, d.y, d.z}); });
 }
 
-// Configurations at parameters (n,) of a motion.
-auto motion_states(const BoundCertifier& bound, InputArray<double, -1> q0, InputArray<double, -1> q1,
-                   InputArray<double, -1> parameters) {
-  std::vector<double> q(parameters.shape(0) * q0.shape(0));
-  bound.core().states({q0.data(), q1.data()}, parameters.data(), parameters.shape(0), q.data());
-  return output_array(q, {parameters.shape(0), q0.shape(0)});
+// Configurations at parameters (n,) of the first motion.
+auto motion_states(const BoundCertifier& bound, ControlPoints points, InputArray<double, -1> parameters) {
+  const std::size_t width = points.shape(2);
+  std::vector<double> q(parameters.shape(0) * width);
+  bound.core().states(curves(points)[0], parameters.data(), parameters.shape(0), q.data());
+  return output_array(q, {parameters.shape(0), width});
 }
 
 }  // namespace

@@ -18,7 +18,16 @@ Rate rate_of(const JointDrive& joint, const Path& path) {
   if (joint.column < 0) return {};  // a held joint: no chain asks for it
   if (joint.kind == DriveKind::kPart) return path.bound(joint.column);
   const NumberBound of = path.bound(joint.column, joint.multiplier, joint.offset);
-  return joint.kind == DriveKind::kTurn ? Rate{of.rate, 0, 0} : Rate{0, of.rate, of.size};
+  return joint.kind == DriveKind::kTurn ? Rate{of.rate, 0, 0, of.change, 0} : Rate{0, of.rate, of.size, 0, of.change};
+}
+
+// No part has a tube.
+Rate tube_rate_of(const JointDrive& joint, const Path& path) {
+  if (joint.column < 0) return {};
+  if (joint.kind == DriveKind::kPart) return {0, 0, path.bound(joint.column).extent};
+  const double off = std::fabs(joint.multiplier) * path.tube(joint.column);
+  if (joint.kind == DriveKind::kTurn) return {off};
+  return {0, off, path.bound(joint.column, joint.multiplier, joint.offset).size + off};
 }
 
 // Whether the arms of a chain depend on the motion.
@@ -54,6 +63,11 @@ void rates_of(const MotionChains& chains, const Path& path, std::vector<Rate>& r
   for (std::size_t j = 0; j < chains.joints.size(); ++j) rates[j] = rate_of(chains.joints[j], path);
 }
 
+void tube_rates_of(const MotionChains& chains, const Path& path, std::vector<Rate>& rates) {
+  rates.resize(chains.joints.size());
+  for (std::size_t j = 0; j < chains.joints.size(); ++j) rates[j] = tube_rate_of(chains.joints[j], path);
+}
+
 MotionBound bound_of(const MotionChains& chains, std::size_t chain, const std::vector<Rate>& rates) {
   MotionBound bound;
   double turned = 0;  // Σ |ω_i| over the joints before this one
@@ -70,6 +84,7 @@ MotionBound bound_of(const MotionChains& chains, std::size_t chain, const std::v
     bound.arm = larger(bound.arm, arm);
     bound.speed += speed;
     bound.curvature += speed * (rate.turn + 2 * turned);
+    bound.curvature += rate.turn_change * arm + rate.slide_change;
     turned += rate.turn;
   }
   bound.speed *= kBoundRounding;
@@ -138,8 +153,16 @@ void ChainTable::add_group(const MotionChains& chains, std::size_t first, std::s
   groups_.push_back(group);
 }
 
-// The steps are those of `bound_of`; joints that are not on a chain add 0 to it.
 void ChainTable::bound(const MotionChains& chains, const std::vector<Rate>& rates, ChainBounds& out) const {
+  const bool is_curve = std::any_of(rates.begin(), rates.end(), [](const Rate& rate) {
+    return rate.turn_change > 0 || rate.slide_change > 0;
+  });
+  return is_curve ? bound_rows<true>(chains, rates, out) : bound_rows<false>(chains, rates, out);
+}
+
+// The steps are those of `bound_of`; joints that are not on a chain add 0 to it.
+template <bool is_curve>
+void ChainTable::bound_rows(const MotionChains& chains, const std::vector<Rate>& rates, ChainBounds& out) const {
   out.curvature_.resize(1 + chains_ + kChainLanes), out.speed_.resize(1 + chains_ + kChainLanes);
   Lanes largest_curvature{}, largest_speed{};
   double *curvatures = &out.curvature_[1], *speeds = &out.speed_[1];
@@ -149,9 +172,13 @@ void ChainTable::bound(const MotionChains& chains, const std::vector<Rate>& rate
       const Rate& rate = rates[joints_[row]];
       const LaneMask on_chain = chain_mask(&on_chain_[row * kChainLanes]);
       const Lanes turn = where(on_chain, broadcast(rate.turn)), slide = where(on_chain, broadcast(rate.slide));
-      const Lanes moved = turn * load_lanes(&arms_[row * kChainLanes]) + slide;
+      const Lanes arms = load_lanes(&arms_[row * kChainLanes]), moved = turn * arms + slide;
       speed = speed + moved;
       curvature = curvature + moved * (turn + 2 * turned);
+      if constexpr (is_curve) {
+        const Lanes change = broadcast(rate.turn_change) * arms + broadcast(rate.slide_change);
+        curvature = curvature + where(on_chain, change);
+      }
       turned = turned + turn;
     }
     speed = speed * kBoundRounding, curvature = curvature * kBoundRounding;
@@ -169,11 +196,22 @@ void ChainTable::bound(const MotionChains& chains, const std::vector<Rate>& rate
   }
 }
 
+void ChainTable::bound_tube(const MotionChains& chains, const std::vector<Rate>& rates, double room,
+                            ChainBounds& tube) const {
+  bound(chains, rates, tube);
+  tube.speed_[0] = 0;  // of what stands still
+  for (double& shift : tube.speed_) shift += room / 2;
+}
+
 MotionBound ChainTable::at_most(const std::vector<Rate>& rates) const {
   Rate all;
-  for (const Rate& rate : rates) all.turn += rate.turn, all.slide += rate.slide, all.extent += rate.extent;
+  for (const Rate& rate : rates) {
+    all.turn += rate.turn, all.slide += rate.slide, all.extent += rate.extent;
+    all.turn_change += rate.turn_change, all.slide_change += rate.slide_change;
+  }
   const double arm = longest_entry_ + all.extent, speed = (all.turn * arm + all.slide) * kBoundRounding;
-  return {speed * 2 * all.turn * kBoundRounding, speed, arm * kBoundRounding};
+  const double change = all.turn_change * arm + all.slide_change;
+  return {(speed * 2 * all.turn + change) * kBoundRounding, speed, arm * kBoundRounding};
 }
 
 }  // namespace plannercheck

@@ -24,7 +24,7 @@
 // does not hang on it about a point |x| further off. (Irrelevant if the joint only slides: s is |v|.)
 //
 // Extents: along a screw the origin's velocity is R(t) v, of constant length |v|, so |x(t)| <= |x(0)| + t |v|. A
-// prismatic joint's value is linear in t (even if it mimics another one), so |x| is largest at an end.
+// prismatic joint's value (even if it mimics another one) is largest at an end or, of a curve, at a control point.
 //
 // The distance of a point on the path between parameters a and b from the point of the chord at the same parameter is
 // at most (b − a)² / 8 max |p''| (the error of linear interpolation, along any direction and thus in length).
@@ -65,10 +65,25 @@ struct MotionBound {
   double curvature = 0, speed = 0, arm = 0;  // |p''|, |p'|, the longest R; m
 };
 
+// How far points may be off the chords of their paths: by |p''|, and by a tube, m.
+struct Deviation {
+  double curvature = 0, shift = 0;
+};
+
+inline Deviation operator+(Deviation a, Deviation b) { return {a.curvature + b.curvature, a.shift + b.shift}; }
+inline Deviation larger(Deviation a, Deviation b) {
+  return {larger(a.curvature, b.curvature), larger(a.shift, b.shift)};
+}
+
 // The bounds of all chains for one motion. Chain −1 belongs to what stands still: its bounds are 0.
 class ChainBounds {
  public:
   double curvature(std::int32_t chain) const { return curvature_[at(chain + 1)]; }
+  // How far a tube shifts points, and half of what bodies have to stay apart.
+  double shift(std::int32_t chain) const { return tube_ != nullptr ? tube_->speed(chain) : 0; }
+  Deviation deviation(std::int32_t chain) const { return {curvature(chain), shift(chain)}; }
+  // The bounds of a tube, which has to outlive this; null for none.
+  void set_tube(const ChainBounds* tube) { tube_ = tube; }
   double speed(std::int32_t chain) const { return speed_[at(chain + 1)]; }
   // The largest of each, over all chains.
   const MotionBound& largest() const { return largest_; }
@@ -78,6 +93,7 @@ class ChainBounds {
 
   std::vector<double> curvature_, speed_;
   MotionBound largest_;
+  const ChainBounds* tube_ = nullptr;
 };
 
 // The chains in another order: neighbours have most joints in common, and those whose arms depend on the motion are
@@ -92,6 +108,8 @@ class ChainTable {
 
   // rates: of all joints. Each bound has the bits of `bound_of`.
   void bound(const MotionChains& chains, const std::vector<Rate>& rates, ChainBounds& bounds) const;
+  // How far a tube shifts points, given its rates; `room`: how far bodies have to stay apart.
+  void bound_tube(const MotionChains& chains, const std::vector<Rate>& rates, double room, ChainBounds& tube) const;
   // At least the largest bounds of all chains, by the sums over all joints: far from tight, but found at once.
   MotionBound at_most(const std::vector<Rate>& rates) const;
 
@@ -110,10 +128,14 @@ class ChainTable {
   std::size_t in_groups_ = 0, chains_ = 0;  // the others' arms depend on the motion
 
   void add_group(const MotionChains& chains, std::size_t first, std::size_t past);
+  template <bool is_curve>
+  void bound_rows(const MotionChains& chains, const std::vector<Rate>& rates, ChainBounds& bounds) const;
 };
 
 // The rates of all joints for a motion.
 void rates_of(const MotionChains& chains, const Path& path, std::vector<Rate>& rates);
+// The rates of going from the path to an end of its tube.
+void tube_rates_of(const MotionChains& chains, const Path& path, std::vector<Rate>& rates);
 
 MotionBound bound_of(const MotionChains& chains, std::size_t chain, const std::vector<Rate>& rates);
 

@@ -33,6 +33,9 @@ namespace {
 constexpr double kCoarse = 0.02, kCoarseAtOnce = 0.002;
 constexpr int kIntervalsAtOnce = 7;
 
+// A curve is cut no further, as a part of it.
+constexpr double kShortestCut = 1.0 / 64;
+
 int intervals_for(double curvature) {
   const int few = first_intervals(curvature, kCoarseAtOnce);
   return few <= kIntervalsAtOnce ? few : std::max(kIntervalsAtOnce, first_intervals(curvature, kCoarse));
@@ -72,15 +75,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     begin_motion(motion);
     bound();
     if (!is_precise()) return {MotionAnswer::kImprecise, 0, 0, -1};
-    begin();
-    if (proofs_ != nullptr) {
-      w_.candidates.resize(model_.pairs.size());
-      std::iota(w_.candidates.begin(), w_.candidates.end(), 0);
-    } else {
-      find_candidates();
-    }
-    report_.answer = judge_grid(w_.candidates) ? MotionAnswer::kFree : MotionAnswer::kRefused;
-    if (report_.answer == MotionAnswer::kFree) report_.free_until = 1;
+    report_.answer = judge(0, 1) ? MotionAnswer::kFree : MotionAnswer::kRefused;
     return report_;
   }
 
@@ -131,7 +126,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   // Whether the pair shares a point at a state; then no interval there can be settled.
   bool touches(PairState& s, std::size_t state) { return (this->*of(s.pair).touches)(s, state); }
   bool proves_clear(PairState& s, std::size_t state) {
-    return (this->*of(s.pair).proves_clear)(s, state, tolerance_ - 2 * filters_.slack());
+    return (this->*of(s.pair).proves_clear)(s, state, tolerance_ + filters_.shift(s.pair) - 2 * filters_.slack());
   }
   // The proofs that are recorded are of hulls alone.
   bool parts_settle(PairState& s, std::size_t i) {
@@ -152,9 +147,15 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   }
 
   void bound() {
-    certifier_.chain_table_->bound(model_.chains, w_.rates, w_.bounds);
+    bound_chains();
+    if (w_.path.has_tube()) {
+      tube_rates_of(model_.chains, w_.path, w_.tube_rates);
+      certifier_.chain_table_->bound_tube(model_.chains, w_.tube_rates, w_.path.room(), w_.tube_bounds);
+    }
+    w_.bounds.set_tube(w_.path.has_tube() ? &w_.tube_bounds : nullptr);
     set_rounding(w_.bounds.largest());
   }
+  void bound_chains() { certifier_.chain_table_->bound(model_.chains, w_.rates, w_.bounds); }
 
   void set_rounding(const MotionBound& largest) {
     const double extent = certifier_.still_size_ + certifier_.mounted_size_;
@@ -163,13 +164,40 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   bool is_precise() const { return filters_.slack() <= kRoundingPart * tolerance_; }
 
+  // An interval of the motion by a grid of its own. A curve is cut in halves where one grid of few states would be too
+  // coarse: where its speed changes most, its bounds are those of other parts of it otherwise.
+  bool judge(double from, double to) {
+    const double length = to - from;
+    if (w_.path.is_curve() && length < 1) {
+      ++w_.motion;  // planes of other intervals are hints
+      w_.path.look_at(from, to);
+      rates_of(model_.chains, w_.path, w_.rates);
+      bound_chains();
+    }
+    const int intervals = intervals_for(w_.bounds.largest().curvature * length * length);
+    if (w_.path.is_curve() && intervals > kIntervalsAtOnce && length > kShortestCut) {
+      const double middle = (from + to) / 2;
+      return judge(from, middle) && judge(middle, to);
+    }
+    begin();
+    place(from, to, intervals);
+    if (proofs_ != nullptr) {
+      w_.candidates.resize(model_.pairs.size());
+      std::iota(w_.candidates.begin(), w_.candidates.end(), 0);
+    } else {
+      find_candidates();
+    }
+    if (!judge_grid(w_.candidates)) return false;
+    report_.free_until = to;
+    return true;
+  }
+
   void begin() {
     if (w_.prepared_for != kinematics_.id()) {
       w_.all = w_.grid.choice(kinematics_, certifier_.movers_, certifier_.frames_);
       w_.prepared_for = kinematics_.id();
     }
     posed_ = &w_.all;
-    place(0, 1, intervals_for(w_.bounds.largest().curvature));
   }
 
   void pose_grid(double from, double to, int intervals) { w_.grid.place(*posed_, w_.path, from, to, intervals); }
@@ -337,7 +365,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   // Whether a pair clear at an end cannot meet on an interval, as its bodies travel less than the tolerance.
   bool is_short(const PairState& s) {
     const double way = filters_.speed(s.pair) * w_.grid.step();
-    return way + filters_.chord_deviation(s.pair) + 4 * filters_.slack() <= tolerance_;
+    const double deviation = filters_.chord_deviation(s.pair) - filters_.shift(s.pair);
+    return way + deviation + 4 * filters_.slack() <= tolerance_;
   }
 
   bool hulls_clear(PairState& s, std::size_t state, double limit) {

@@ -43,12 +43,13 @@ class MotionFilters {
   const Polytope& body(std::int32_t index) const { return *model_.bodies[static_cast<std::size_t>(index)].body; }
   bool stands_still(std::int32_t index) const { return model_.bodies[static_cast<std::size_t>(index)].link < 0; }
 
-  double curvature(std::int32_t chain) const { return bounds_.curvature(chain); }
   double speed(const CertifiedPair& pair) const { return bounds_.speed(pair.chain_a) + bounds_.speed(pair.chain_b); }
-  // ε: how far points may leave their chords within an interval.
-  double chord_deviation(double curvature) const { return curvature * grid_.step() * grid_.step() / 8; }
+  // How far a tube shifts points of both bodies.
+  double shift(const CertifiedPair& pair) const { return bounds_.shift(pair.chain_a) + bounds_.shift(pair.chain_b); }
+  // ε: how far points may leave their chords within an interval, the tube included.
+  double chord_deviation(Deviation by) const { return by.curvature * grid_.step() * grid_.step() / 8 + by.shift; }
   double chord_deviation(const CertifiedPair& pair) const {
-    return chord_deviation(curvature(pair.chain_a) + curvature(pair.chain_b));
+    return chord_deviation(bounds_.deviation(pair.chain_a) + bounds_.deviation(pair.chain_b));
   }
   double inflation_radii(const CertifiedPair& pair) const {
     return (body(pair.a).inflation_radius + body(pair.b).inflation_radius) * kStretch;
@@ -62,7 +63,7 @@ class MotionFilters {
   // the low one with its sign changed.
   Floats box_around_path(std::int32_t body, std::int32_t chain) const;
   // The same of a ball, given the rows of its centre and its radius.
-  Floats box_around_path(const double* centre, double radius, double curvature) const;
+  Floats box_around_path(const double* centre, double radius, Deviation deviation) const;
   // What bounding spheres leave open: on chords, against each other or against the box of a static body.
   unsigned near(const CertifiedPair& pair) const;
   // The same against a half-space, given by its plane.

@@ -28,8 +28,10 @@ struct MotionPiece {
 
 MotionPiece piece_of(const MotionGrid& grid, std::size_t piece, std::size_t pieces) {
   const auto whole = static_cast<double>(pieces);
-  const double from = static_cast<double>(piece) / whole, to = static_cast<double>(piece + 1) / whole;
-  const auto state = static_cast<std::size_t>((from + to) / 2 * static_cast<double>(grid.intervals()) + 0.5);
+  const double start = grid.parameter(0), length = grid.parameter(grid.intervals()) - start;
+  const double from = start + length * static_cast<double>(piece) / whole,
+               to = start + length * static_cast<double>(piece + 1) / whole;
+  const auto state = static_cast<std::size_t>((static_cast<double>(piece) + 0.5) / whole * static_cast<double>(grid.intervals()) + 0.5);
   const double t = grid.parameter(state);
   return {state, larger(t - from, to - t) * (1 + 1e-9) + 0x1p-50};
 }
@@ -168,7 +170,7 @@ void MotionScreen::find_by_speeds(const MotionGrid& grid, const MotionFilters& f
   found.insert(found.end(), unbounded_pairs_.begin(), unbounded_pairs_.end());
   if (eights_.size() * kFloats <= kFewObstaclesOnPaths) return find_near_links(filters, bounds, beyond, w, found);
   for (const LinkMovers& group : movers_by_link_) {
-    find_in_tree(grid, group, speed(bounds, group.chains), room, w);
+    find_in_tree(grid, group, speed(bounds, group.chains), room + deviation(bounds, group.chains).shift, w);
     if (w.found.empty()) continue;
     for (const Mover& mover : group.movers) {
       const Floats box = filters.box_around_path(mover.body, mover.chain);
@@ -198,9 +200,9 @@ double MotionScreen::speed(const ChainBounds& bounds, ChainRange range) const {
   return most;
 }
 
-double MotionScreen::curvature(const ChainBounds& bounds, ChainRange range) const {
-  double most = 0;
-  for (std::size_t k = range.first; k < range.past; ++k) most = larger(most, bounds.curvature(chains_[k]));
+Deviation MotionScreen::deviation(const ChainBounds& bounds, ChainRange range) const {
+  Deviation most;
+  for (std::size_t k = range.first; k < range.past; ++k) most = larger(most, bounds.deviation(chains_[k]));
   return most;
 }
 
@@ -211,7 +213,7 @@ void MotionScreen::find_near_links(const MotionFilters& filters, const ChainBoun
     const bool is_one = group.movers.size() == 1;
     const LinkBound& ball = balls_[group.ball];
     const double radius = ball.radius + (is_one ? 0 : beyond);
-    const Floats box = filters.box_around_path(rows(w, group.ball), radius, curvature(bounds, group.chains));
+    const Floats box = filters.box_around_path(rows(w, group.ball), radius, deviation(bounds, group.chains));
     for (std::size_t first = 0; first < eights_.size(); first += kFloats) {
       const std::uint64_t near = near_boxes(first, box, group.paired);
       if (near == 0) continue;
@@ -256,7 +258,8 @@ void MotionScreen::find_among_links(const MotionGrid& grid, const MotionFilters&
   std::size_t near = 0;
   for (std::size_t k = 0; k < moving_groups_.size(); ++k) {
     const MovingGroup& group = moving_groups_[k];
-    const double way = (speed(bounds, group.chains_a) + speed(bounds, group.chains_b)) * (grid.step() / 2);
+    const double way = (speed(bounds, group.chains_a) + speed(bounds, group.chains_b)) * (grid.step() / 2) +
+                       deviation(bounds, group.chains_a).shift + deviation(bounds, group.chains_b).shift;
     w.near[near] = k;
     near += come_within(rows(w, group.a), rows(w, group.b), grid.intervals(), group.radii + way + room) ? 1 : 0;
   }
@@ -273,9 +276,9 @@ void MotionScreen::find_among_links(const MotionGrid& grid, const MotionFilters&
 bool MotionScreen::boxes_stay_apart(const MovingGroup& group, const MotionGrid& grid, const MotionFilters& filters,
                                     const ChainBounds& bounds, double beyond, Vec3& direction) const {
   const LinkBound &a = balls_[group.a], &b = balls_[group.b];
-  const double curved = curvature(bounds, group.chains_a) + curvature(bounds, group.chains_b);
+  const Deviation both = deviation(bounds, group.chains_a) + deviation(bounds, group.chains_b);
   const double limit =
-      filters.chord_deviation(curved) + a.inflation_radius + b.inflation_radius + filters.slack() + beyond;
+      filters.chord_deviation(both) + a.inflation_radius + b.inflation_radius + filters.slack() + beyond;
   if (norm_1(direction) > 0 && filters.are_apart(a.box, b.box, group.frame, direction, limit)) return true;
   const std::size_t middle = (grid.intervals() + 1) / 2;
   const Vec3 other = filters.between(a.box, b.box, group.frame, middle);
@@ -287,7 +290,7 @@ bool MotionScreen::boxes_stay_apart(const MovingGroup& group, const MotionGrid& 
 // Writes the obstacles that a ball may come near, piece by piece of its way.
 void MotionScreen::find_in_tree(const MotionGrid& grid, const LinkMovers& group, double way, double room,
                                 Workspace& w) const {
-  const std::size_t pieces = pieces_for(way);
+  const std::size_t pieces = pieces_for(way * (grid.parameter(grid.intervals()) - grid.parameter(0)));
   w.found.clear();
   for (std::size_t k = 0; k < pieces; ++k) {
     const MotionPiece piece = piece_of(grid, k, pieces);

@@ -93,7 +93,7 @@ class MotionScreen {
   void bound_obstacles(const MotionModel& model, const std::vector<std::int32_t>& still);
 
   double speed(const ChainBounds& bounds, ChainRange chains) const;
-  double curvature(const ChainBounds& bounds, ChainRange chains) const;
+  Deviation deviation(const ChainBounds& bounds, ChainRange chains) const;
   static const double* rows(const Workspace& w, std::size_t ball);
   void pose_balls(const MotionGrid& grid, Workspace& w) const;
   void find_among_links(const MotionGrid& grid, const MotionFilters& filters, const ChainBounds& bounds, double beyond,

@@ -41,8 +41,8 @@ struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
         path(at(model.width), model.parts) {}
 
   Path path;
-  std::vector<Rate> rates;
-  ChainBounds bounds;
+  std::vector<Rate> rates, tube_rates;
+  ChainBounds bounds, tube_bounds;
   MotionGrid::Choice all, chosen;  // what the first grids and those inside them pose
   std::uint64_t prepared_for = 0;  // the kinematics by which `all` poses
   MotionScreen::Workspace screen;

@@ -103,10 +103,12 @@ double excess_length(PartKind kind, const double* q) {
   return off_unit_length(q + skipped, width_of(kind) - skipped);
 }
 
+constexpr double kHalfUnit = 0x1p-53;
+
 }  // namespace
 
 Path::Path(std::size_t width, std::vector<PathPart> parts)
-    : q0_(width), q1_(width), parts_(std::move(parts)), twists_(parts_.size()) {
+    : q0_(width), q1_(width), sizes_(width), on_curve_(width), parts_(std::move(parts)), twists_(parts_.size()) {
   std::vector<bool> covered(width, false);
   for (const PathPart& part : parts_) {
     for (std::size_t k = 0; k < width_of(part.kind); ++k) covered[at_column(part.column) + k] = true;
@@ -117,11 +119,60 @@ Path::Path(std::size_t width, std::vector<PathPart> parts)
 }
 
 void Path::set(const Segment& motion) {
-  std::copy_n(motion.start, q0_.size(), q0_.begin());
-  std::copy_n(motion.end, q1_.size(), q1_.begin());
+  const std::size_t width = q0_.size();
+  std::copy_n(motion.start, width, q0_.begin());
+  std::copy_n(motion.end, width, q1_.begin());
+  degree_ = motion.degree;
   largest_ = off_unit_ = 0;
-  for (std::size_t c = 0; c < q0_.size(); ++c) largest_ = larger(largest_, size(c));
+  for (std::size_t c = 0; c < width; ++c) sizes_[c] = larger(std::fabs(q0_[c]), std::fabs(q1_[c]));
+  if (is_curve()) {
+    control_.assign(motion.start, motion.start + (degree_ + 1) * width);
+    for (std::size_t k = 0; k < control_.size(); ++k) sizes_[k % width] = larger(sizes_[k % width], std::fabs(control_[k]));
+    look_at(0, 1);
+  }
+  for (std::size_t c = 0; c < width; ++c) largest_ = larger(largest_, size(c));
+  tube_.clear();
+  if (motion.tube != nullptr) {
+    tube_.assign(motion.tube, motion.tube + width);
+    room_ = motion.tube[width];
+    for (std::size_t c = 0; c < width; ++c) sizes_[c] += tube_[c];
+  }
   for (std::size_t part = 0; part < parts_.size(); ++part) set_part(part);
+}
+
+// Cutting errs by three roundings a level, and by two more where the place is rounded. Differences err by as many of the control points that are cut out,
+// and second differences by two more of first ones.
+void Path::look_at(double from, double to) {
+  const std::size_t width = q0_.size(), n = degree_;
+  const auto degree = static_cast<double>(n);
+  const double length = to - from;
+  std::array<double, kMostDegree + 1> b;
+  for (const std::int32_t column : linear_) {
+    const std::size_t c = at_column(column);
+    for (std::size_t k = 0; k <= n; ++k) b[k] = control_[k * width + c];
+    double cut = 0;
+    if (to < 1) {  // up to `to`: the first points of each level
+      cut += 3 * degree * kHalfUnit * sizes_[c];
+      for (std::size_t level = 1; level <= n; ++level) {
+        for (std::size_t k = n; k >= level; --k) b[k] = (1 - to) * b[k - 1] + to * b[k];
+      }
+    }
+    if (from > 0) {  // from there on: the last points
+      const double s = from / to;
+      cut += 5 * degree * kHalfUnit * sizes_[c];
+      for (std::size_t level = 1; level <= n; ++level) {
+        for (std::size_t k = 0; k + level <= n; ++k) b[k] = (1 - s) * b[k] + s * b[k + 1];
+      }
+    }
+    double low = b[0], high = b[0], first = 0, second = 0;
+    for (std::size_t k = 1; k <= n; ++k) {
+      low = smaller(low, b[k]), high = larger(high, b[k]);
+      first = larger(first, std::fabs(b[k] - b[k - 1]));
+      if (k > 1) second = larger(second, std::fabs((b[k] - b[k - 1]) - (b[k - 1] - b[k - 2])));
+    }
+    first += 2 * cut, second += 4 * cut + 4 * kHalfUnit * first;
+    on_curve_[c] = {low - cut, high + cut, degree * first / length, degree * (degree - 1) * second / (length * length)};
+  }
 }
 
 void Path::set_part(std::size_t part) {
@@ -157,13 +208,47 @@ Rate Path::bound(std::int32_t column) const {
 }
 
 void Path::at(const double* t, std::size_t n, std::size_t stride, double* q) const {
-  for (const std::int32_t column : linear_) {
-    const double a = q0_[at_column(column)], b = q1_[at_column(column)];
-    double* out = q + at_column(column) * stride;
-    for (std::size_t i = 0; i < n; ++i) out[i] = (1 - t[i]) * a + t[i] * b;
+  if (is_curve()) {
+    curve_at(t, n, stride, q);
+  } else {
+    for (const std::int32_t column : linear_) {
+      const double a = q0_[at_column(column)], b = q1_[at_column(column)];
+      double* out = q + at_column(column) * stride;
+      for (std::size_t i = 0; i < n; ++i) out[i] = (1 - t[i]) * a + t[i] * b;
+    }
   }
   for (std::size_t part = 0; part < parts_.size(); ++part) {
     for (std::size_t i = 0; i < n; ++i) part_at(part, t[i], q + at_column(parts_[part].column) * stride + i, stride);
+  }
+}
+
+// Σ w[k] b[k] with the weights of Bernstein, (n over k) t^k (1 − t)^(n − k), each of which errs by less than 2n + 2
+// roundings of itself. As they add up to 1, a number errs by less than 3n + 4 of the largest control point. Both ends are
+// exact.
+void Path::curve_at(const double* t, std::size_t n, std::size_t stride, double* q) const {
+  constexpr std::size_t kAtOnce = 8;
+  const std::size_t width = q0_.size();
+  std::array<std::array<double, kAtOnce>, kMostDegree + 1> weights;
+  for (std::size_t first = 0; first < n; first += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, n - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      double power = 1, choices = 1;
+      for (std::size_t k = 0; k <= degree_; ++k) {
+        weights[k][i] = choices * power;
+        power *= t[first + i];
+        choices = choices * static_cast<double>(degree_ - k) / static_cast<double>(k + 1);  // exact
+      }
+      power = 1;
+      for (std::size_t k = degree_ + 1; k-- > 0; power *= 1 - t[first + i]) weights[k][i] *= power;
+    }
+    for (const std::int32_t column : linear_) {
+      std::array<double, kAtOnce> sum{};
+      for (std::size_t k = 0; k <= degree_; ++k) {
+        const double b = control_[k * width + at_column(column)];
+        for (std::size_t i = 0; i < count; ++i) sum[i] += weights[k][i] * b;
+      }
+      std::copy_n(sum.begin(), count, q + at_column(column) * stride + first);
+    }
   }
 }
 

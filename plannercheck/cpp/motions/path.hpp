@@ -1,11 +1,16 @@
 // The path of a motion: all that knows which curve the numbers of a motion define.
 //
 // In: which columns of a configuration form a circle, a quaternion, or a pose; a motion's numbers, which are two
-// configurations. Out: the configuration at any parameter in [0, 1]; bounds, on all of it, of each number and of how
-// fast each part turns and slides. Idea: every joint moves along a constant twist (a screw), as Pinocchio's
-// `interpolate` does: angles and lengths linearly, a (cosine, sine) the short way round, a quaternion by slerp, planar
-// and floating joints by the exponential of one twist. So no second derivative of an angle or a length counts, and the
-// bounds of an interval are those of the whole path.
+// configurations or the control points of a curve. Out: the configuration at any parameter in [0, 1]; bounds, on an
+// interval, of each number and of how fast each part turns and slides. Idea: on a straight motion every joint moves
+// along a constant twist (a screw), as Pinocchio's `interpolate` does: angles and lengths linearly, a (cosine, sine) the
+// short way round, a quaternion by slerp, planar and floating joints by the exponential of one twist. So no second
+// derivative of an angle or a length counts, and the bounds of an interval are those of the whole path.
+//
+// On a curve, angles and lengths are polynomials by their Bernstein coefficients, the control points b[0] … b[n]: on an
+// interval of length h, which de Casteljau's algorithm cuts out, they lie between the least and the largest b[k], their
+// derivatives are at most n max |b[k + 1] − b[k]| / h and n (n − 1) max |b[k + 2] − 2 b[k + 1] + b[k]| / h². Parts move
+// between the first and the last control point as on a straight motion.
 #pragma once
 
 #include <cmath>
@@ -17,21 +22,35 @@
 
 namespace plannercheck {
 
-// The numbers of a motion: its ends.
+// The numbers of a motion: its ends. Of a curve, whose degree is above 1, the control points are in rows from `start`
+// to `end`. `tube`: by how much each number may be off at every parameter, and then how far bodies have to stay apart, m;
+// null for none.
 struct Segment {
   const double *start, *end;
+  std::size_t degree = 1;
+  const double* tube = nullptr;
 };
 
-// Those of several motions, `width` numbers an end.
+// Those of several motions, `stride` numbers from one to the next, and `tube_stride` from one tube to the next.
 struct Segments {
   const double *starts, *ends;
-  std::size_t width;
+  std::size_t stride, degree = 1;
+  const double* tubes = nullptr;
+  std::size_t tube_stride = 0;
 
-  Segment operator[](std::size_t i) const { return {starts + i * width, ends + i * width}; }
-  Segments from(std::size_t first) const { return {starts + first * width, ends + first * width, width}; }
+  Segment operator[](std::size_t i) const {
+    return {starts + i * stride, ends + i * stride, degree, tubes == nullptr ? nullptr : tubes + i * tube_stride};
+  }
+  Segments from(std::size_t first) const {
+    const Segment at_first = (*this)[first];
+    return {at_first.start, at_first.end, stride, degree, at_first.tube, tube_stride};
+  }
 };
 
-// Whether each of n numbers stays between bounds on a motion; those of unit vectors are at most 1 and do not count.
+// The highest degree of a curve.
+inline constexpr std::size_t kMostDegree = 31;
+
+// Whether each of n numbers stays between bounds on a straight motion; those of unit vectors are at most 1 and do not count.
 inline bool stays_within(const Segment& motion, std::size_t n, const double* low, const double* high) {
   bool within = true;
   for (std::size_t c = 0; c < n; ++c) {
@@ -41,7 +60,7 @@ inline bool stays_within(const Segment& motion, std::size_t n, const double* low
   return within;
 }
 
-// How much a number that no part covers changes on a motion.
+// How much a number that no part covers changes on a straight motion.
 inline double change(const Segment& motion, std::size_t column) {
   return std::fabs(motion.end[column] - motion.start[column]);
 }
@@ -58,40 +77,52 @@ struct PathPart {
   std::int32_t column;  // the first one
 };
 
-// How far a part or joint turns (rad) and slides (m) from parameter 0 to 1, and its largest distance from its origin
-// (m).
+// Bounds of how fast a part or joint turns (rad) and slides (m) by the parameter, of its largest distance from its origin
+// (m), and of how fast turn and slide change.
 struct Rate {
-  double turn = 0, slide = 0, extent = 0;
+  double turn = 0, slide = 0, extent = 0, turn_change = 0, slide_change = 0;
 };
 
-// Of a number: how much it changes from parameter 0 to 1, and its largest magnitude.
+// Of a number: bounds of its derivative by the parameter, of its magnitude, and of its second derivative.
 struct NumberBound {
-  double rate, size;
+  double rate, size, change;
 };
 
 class Path {
  public:
   Path(std::size_t width, std::vector<PathPart> parts);
 
-  // Columns that no part covers are interpolated linearly; for continuous joints the caller chooses the short way.
+  // Columns that no part covers are interpolated linearly, or follow their control points; for continuous joints the
+  // caller chooses the short way. Bounds are those of the whole path.
   void set(const Segment& motion);
+  // Of a curve: from here on bounds are those of an interval.
+  void look_at(double from, double to);
+
+  bool is_curve() const { return degree_ > 1; }
+  bool has_tube() const { return !tube_.empty(); }
+  double room() const { return room_; }
 
   // Configurations at n parameters, column by column: q[column * stride + i].
   void at(const double* t, std::size_t n, std::size_t stride, double* q) const;
 
   // Of multiplier * q[column] + offset, where no part covers the column.
   NumberBound bound(std::int32_t column, double multiplier, double offset) const {
+    if (is_curve()) return bound_of_curve(at_column(column), multiplier, offset);
     const double a = multiplier * q0_[at_column(column)], b = multiplier * q1_[at_column(column)];
-    return {std::fabs(b - a), larger(std::fabs(a + offset), std::fabs(b + offset))};
+    return {std::fabs(b - a), larger(std::fabs(a + offset), std::fabs(b + offset)), 0};
   }
   // Of the part that begins at a column.
   Rate bound(std::int32_t column) const;
-  // The larger magnitude of a column at both ends. Between them the position of a planar or floating joint may get
-  // three times as far (plannercheck/motions/joint_drives.py).
-  double size(std::size_t column) const { return larger(std::fabs(q0_[column]), std::fabs(q1_[column])); }
+  // By how much a number may be off.
+  double tube(std::int32_t column) const { return has_tube() ? tube_[at_column(column)] : 0; }
+  // The larger magnitude of a column at both ends, or of all control points, with the tube. Between them the position of
+  // a planar or floating joint may get three times as far (plannercheck/motions/joint_drives.py).
+  double size(std::size_t column) const { return sizes_[column]; }
   // The largest of all columns; how far any circle or quaternion of the given numbers is off length 1.
   double largest() const { return largest_; }
   double off_unit() const { return off_unit_; }
+  // How many roundings, of half a unit in the last place of the largest number, the numbers of `at` err by at most.
+  double roundings() const { return is_curve() ? 16 + 4 * static_cast<double>(degree_) : 16; }
 
  private:
   struct Twist {
@@ -99,13 +130,27 @@ class Path {
     double angle = 0;  // |turn|
   };
 
-  std::vector<double> q0_, q1_;
+  // Of a number on the interval that is looked at.
+  struct CurveBound {
+    double low, high, rate, change;
+  };
+
+  std::vector<double> q0_, q1_, sizes_, tube_;
+  std::size_t degree_ = 1;
+  std::vector<double> control_;       // rows of all columns
+  std::vector<CurveBound> on_curve_;  // by column
   std::vector<PathPart> parts_;
   std::vector<Twist> twists_;
   std::vector<std::int32_t> linear_;  // columns that no part covers
-  double largest_ = 0, off_unit_ = 0;
+  double largest_ = 0, off_unit_ = 0, room_ = 0;
 
   static std::size_t at_column(std::int32_t column) { return static_cast<std::size_t>(column); }
+  NumberBound bound_of_curve(std::size_t column, double multiplier, double offset) const {
+    const CurveBound& on = on_curve_[column];
+    const double a = multiplier * on.low + offset, b = multiplier * on.high + offset, factor = std::fabs(multiplier);
+    return {factor * on.rate, larger(std::fabs(a), std::fabs(b)), factor * on.change};
+  }
+  void curve_at(const double* t, std::size_t n, std::size_t stride, double* q) const;
   void set_part(std::size_t part);
   void part_at(std::size_t part, double t, double* q, std::size_t stride) const;
 };

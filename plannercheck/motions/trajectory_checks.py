@@ -1,0 +1,200 @@
+"""Trajectories judged: each piece is a curve, proved free at every instant, with a tube around it.
+
+In: a checker, trajectories, a tube. Out: which pieces are free; for one trajectory how far it is free, what stops it,
+and how much room is left. Pieces of one degree are judged together, those of all trajectories at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import accumulate, pairwise
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from plannercheck.checking.protocols import AnyChecker
+from plannercheck.common.array_types import Bools, Floats
+from plannercheck.common.arrays import contiguous, shown_array
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.motion_paths import MotionPath
+from plannercheck.motions.certifier import MotionCertifier
+from plannercheck.motions.explanation import explained_motion
+from plannercheck.motions.motion_ends import Curves
+from plannercheck.motions.trajectory_verdict import Stop, TrajectoryVerdict
+from plannercheck.proofs.proof import Proof
+from plannercheck.robots.robot import Robot
+from plannercheck.trajectories.trajectory import Trajectory
+
+# The clearance is looked at so many instants a piece, and at most so many in all.
+_LOOKS_A_PIECE, _MOST_LOOKS = 10, 500
+
+# The largest tube and clearance that are proved are found to this part of themselves, from a smallest to a largest one,
+# rad and m.
+_FINE = 2.0**-7
+_SMALLEST_TUBE, _LARGEST_TUBE = 1e-6, 8.0
+
+
+class TrajectoryChecker(AnyChecker, Protocol):
+    """The parts of a `Checker` by which trajectories are judged."""
+
+    @property
+    def robot(self) -> Robot:
+        """The robot."""
+
+    def certifier_of(self, path: MotionPath) -> MotionCertifier:
+        """Proves motions along a path free."""
+
+    def clearances(self, q: ArrayLike, lower_bound: bool = False) -> Floats:
+        """The least distance of all pairs (n,) at configurations (n, nq)."""
+
+
+class TrajectoryChecks:
+    """Judges trajectories for one checker, by one tube and one tolerance."""
+
+    def __init__(self, checker: TrajectoryChecker, tube: ArrayLike, tolerance: float) -> None:
+        """Takes a tube, a number or (nq,), rad and m, and a tolerance, m.
+
+        Raises:
+            PlannercheckError: If the tube is malformed, or not 0 for the numbers of unit vectors.
+        """
+        self._checker, self._tolerance = checker, tolerance
+        self._certifier = checker.certifier_of("slerp")
+        self._units = checker.robot.configuration_map.units
+        self.tube = self._checked_tube(contiguous(tube))
+
+    def free_pieces(
+        self, trajectories: Sequence[Trajectory], threads: int = 1, tube: Floats | None = None, room: float = 0.0
+    ) -> list[Bools]:
+        """Which pieces of each trajectory are proved free.
+
+        Args:
+            trajectories: Trajectories of the robot.
+            threads: Number of threads to use.
+            tube: (nq,) in place of the tube that was given.
+            room: How far bodies have to stay apart, m.
+
+        Returns:
+            For each trajectory (pieces,).
+        """
+        for trajectory in trajectories:
+            self._check(trajectory)
+        pieces = [piece for each in trajectories for piece in each.curve.pieces]
+        tubes = self._tubes(trajectories, self.tube if tube is None else tube, room)
+        counts = np.array([len(piece) for piece in pieces], dtype=np.int64)
+        free = np.empty(len(pieces), dtype=bool)
+        for count in np.flatnonzero(np.bincount(counts)).tolist():
+            rows = np.flatnonzero(counts == count)
+            curves = Curves(np.array([pieces[k] for k in rows.tolist()]), tubes[rows] if tubes.any() else tubes[:0])
+            free[rows] = self._certifier.check(curves, self._tolerance, max(1, min(threads, len(rows))))
+        starts = accumulate((len(each.curve.pieces) for each in trajectories), initial=0)
+        return [free[start:past] for start, past in pairwise(starts)]
+
+    def explain(self, trajectory: Trajectory, prover: Callable[[], tuple[Proof, ...] | None]) -> TrajectoryVerdict:
+        """How far a trajectory is free and what stops it; `prover` computes its proof."""
+        (free,) = self.free_pieces([trajectory])
+        robot = self._checker.robot
+        made = partial(
+            TrajectoryVerdict,
+            tube=self.tube,
+            tolerance=self._tolerance,
+            limits=tuple(trajectory.limits(robot)) if len(robot.joint_names) == robot.nq else (),
+            largest_tube=self._largest_tube(trajectory),
+        )
+        at, least = self._least_clearance(trajectory)
+        if free.all():
+            no_tube = 0.0 * self.tube
+            proved = _largest(lambda room: self._is_free(trajectory, no_tube, room), least * _FINE, least)
+            end = float(trajectory.curve.breaks[-1])
+            return made(True, Stop(end), clearance=proved, clearance_at=at, prover=prover)
+        return made(False, self._stopped(trajectory, free), clearance=0.0, clearance_at=at)
+
+    def _stopped(self, trajectory: Trajectory, free: Bools) -> Stop:
+        """What stops a trajectory that is not free.
+
+        A piece may be refused where nothing collides on the curve itself; then later ones are looked at.
+        """
+        first: Stop | None = None
+        for piece in np.flatnonzero(~free).tolist():
+            stop = self._stopped_on(trajectory, piece)
+            first = stop if first is None else replace(first, collides_at=stop.collides_at, pair=stop.pair)
+            if stop.collides_at is not None:
+                return first
+        assert first is not None
+        return first
+
+    def _stopped_on(self, trajectory: Trajectory, piece: int) -> Stop:
+        points, (start, end) = trajectory.curve.pieces[piece], trajectory.curve.breaks[piece : piece + 2].tolist()
+        tubes = self._tubes([trajectory], self.tube, 0.0)[piece : piece + 1]
+        result = self._certifier.result(Curves(points[None], tubes), self._tolerance)
+        states = partial(self._certifier.states_on, points)
+        found = explained_motion(self._checker, result, states, self._tolerance)
+
+        def time(parameter: float | None) -> float | None:
+            return None if parameter is None else start + (end - start) * parameter
+
+        return Stop(start + (end - start) * found.free_until, time(found.collides_at), time(found.near_at), found.pair)
+
+    def _is_free(self, trajectory: Trajectory, tube: Floats, room: float) -> bool:
+        return bool(self.free_pieces([trajectory], 1, tube, room)[0].all())
+
+    def _largest_tube(self, trajectory: Trajectory) -> float:
+        around = np.ones(len(self.tube))
+        for first, past in self._units:
+            around[first:past] = 0.0
+        return _largest(lambda size: self._is_free(trajectory, around * size, 0.0), _SMALLEST_TUBE, _LARGEST_TUBE)
+
+    def _least_clearance(self, trajectory: Trajectory) -> tuple[float, float]:
+        """The instant, s, of those that are looked at, at which the clearance is least, and the clearance, m."""
+        breaks = trajectory.curve.breaks
+        looks = min(_LOOKS_A_PIECE * (len(breaks) - 1), _MOST_LOOKS) + 1
+        times = np.linspace(breaks[0], breaks[-1], looks)
+        clearances = self._checker.clearances(trajectory.position(times))
+        least = int(clearances.argmin())
+        return float(times[least]), float(clearances[least])
+
+    def _tubes(self, trajectories: Sequence[Trajectory], tube: Floats, room: float) -> Floats:
+        """(pieces, nq + 1) the tube of each piece, and the room."""
+        row = np.append(tube, room)
+        return np.tile(row, (sum(len(each.curve.pieces) for each in trajectories), 1))
+
+    def _check(self, trajectory: Trajectory) -> None:
+        robot = self._checker.robot
+        if not isinstance(trajectory, Trajectory):
+            raise PlannercheckError(
+                f"this is no pc.Trajectory but {type(trajectory).__name__}: pc.Trajectory.load reads"
+            )
+        if trajectory.curve.nq != robot.nq:
+            columns = robot.configuration_map.described_columns()
+            raise PlannercheckError(f"the trajectory has {trajectory.curve.nq} columns, but {columns}")
+
+    def _checked_tube(self, given: Floats) -> Floats:
+        nq = self._checker.robot.nq
+        if given.shape not in ((1,), (nq,)) or not np.isfinite(given).all() or (given < 0).any():
+            raise PlannercheckError(
+                f"tube must be a number of at least 0, or a row of {nq}, rad and m, not {shown_array(given)}"
+            )
+        row = np.array(np.broadcast_to(given, nq))
+        for first, past in self._units:
+            if row[first:past].any():
+                raise PlannercheckError(
+                    f"columns {first} to {past - 1} of a configuration form a unit vector, around which there is no"
+                    f" tube: give tube as a row of {nq} numbers that is 0 there"
+                )
+        return row
+
+
+def _largest(is_free: Callable[[float], bool], smallest: float, largest: float) -> float:
+    """The largest size at which something is free, to a part of itself, from a smallest to a largest one; or 0."""
+    if not largest > smallest > 0 or not is_free(smallest):
+        return 0.0
+    low = smallest
+    while low < largest and is_free(min(2 * low, largest)):
+        low = min(2 * low, largest)
+    high = min(2 * low, largest)
+    while high - low > _FINE * low:
+        middle = (low + high) / 2
+        low, high = (middle, high) if is_free(middle) else (low, middle)
+    return low
