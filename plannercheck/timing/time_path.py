@@ -57,10 +57,18 @@ class _Judge:
         """(n,) which trajectories are proved."""
         return self.checker.check_trajectories(trajectories, tube=self.tube, tolerance=self.tolerance)
 
+    def stopping(self, leg: Floats) -> tuple[str, str] | None:
+        """The pair that stops the proof of a leg (2, nq); None if the leg is proved."""
+        verdict = self.checker.explain_trajectory(_polynomial(leg), self.tube, self.tolerance)
+        return verdict.pair.names if verdict.pair is not None else None
+
     def free_pieces(self, pieces: Iterable[Floats]) -> Bools:
         """(n,) which polynomials are proved, by their control points (degree + 1, nq)."""
-        unit = np.array([0.0, 1.0])
-        return self.free([Trajectory.of_curve(Curve(unit, (each,))) for each in pieces])
+        return self.free([_polynomial(each) for each in pieces])
+
+
+def _polynomial(points: Floats) -> Trajectory:
+    return Trajectory.of_curve(Curve(np.array([0.0, 1.0]), (points,)))
 
 
 @set_module("plannercheck")
@@ -168,9 +176,11 @@ def _check_legs(judge: _Judge, legs: Legs) -> None:
 
 def _refused(judge: _Judge, legs: Legs, k: int) -> UnprovedPathError:
     where = f"the path's segment from configuration {legs.given[k]} to {legs.given[k + 1]}"
-    tube = f" with a tube of {shown_array(judge.tube)}" if np.any(judge.tube) else ""
+    tube = f" with a tube of {judge.tube!s:.80}" if np.any(judge.tube) else ""
+    pair = judge.stopping(legs.points[k : k + 2])
+    between = f" between {pair[0]} and {pair[1]}" if pair else ""
     remedy = "a smaller tube, or a plan with padding" if tube else "a plan whose every motion is proved"
-    return UnprovedPathError(f"{where} is not proved free{tube}: needs {remedy}")
+    return UnprovedPathError(f"{where} is not proved free{between}{tube}: needs {remedy}")
 
 
 def _proved_blends(judge: _Judge, legs: Legs, wanted: Floats) -> Floats:
