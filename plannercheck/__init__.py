@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from plannercheck.motions.checker import Checker as Checker
     from plannercheck.robots.robot import Robot as Robot
     from plannercheck.scenes.scene import Scene as Scene
+    from plannercheck.timing.time_path import UnprovedPathError as UnprovedPathError
     from plannercheck.timing.time_path import time_path as time_path
     from plannercheck.trajectories.trajectory import Trajectory as Trajectory
 
@@ -86,6 +87,7 @@ _HOMES = {
     "Sphere": "bodies.shapes",
     "Trajectory": "trajectories.trajectory",
     "Tuning": "bodies.tuning",
+    "UnprovedPathError": "timing.time_path",
     "ValidityReport": "checking.verdicts",
     "Verdict": "checking.verdicts",
     "VoxelGrid": "bodies.voxel_grids",
@@ -147,6 +149,7 @@ __all__ = [
     "Sphere",
     "Trajectory",
     "Tuning",
+    "UnprovedPathError",
     "ValidityReport",
     "Verdict",
     "VoxelGrid",

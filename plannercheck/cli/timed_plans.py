@@ -9,6 +9,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+import numpy as np
+
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli.common import vector
 from plannercheck.cli.unused_options import check_used
@@ -52,7 +54,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--tube",
         default="0",
         metavar="A,B,...",
-        help="with --timed: how far joints may be off the trajectory in the proof, rad and m; default: 0",
+        help="with --timed: how far joints may be off the trajectory in the proof, rad and m; the plan's --padding is "
+        "room for it and is not asked for as well; default: 0",
     )
 
 
@@ -69,13 +72,16 @@ def check_arguments(options: argparse.Namespace) -> None:
 def timed_plan(checker: AnyChecker, found: Plan, options: argparse.Namespace) -> Trajectory | None:
     """The trajectory, described on the terminal; None if it is not proved."""
     assert isinstance(checker, Checker)  # `check_arguments`
+    tube = _numbers(options.tube, "--tube")
+    if np.any(tube):
+        checker = Checker(checker.robot, checker.scene, self_collision=not options.no_self_collision)
     velocity, acceleration = (
         None if text is None else _limits(text, name)
         for text, name in ((options.velocity, "--velocity"), (options.acceleration, "--acceleration"))
     )
     assert acceleration is not None
     try:
-        made = time_path(checker, found, velocity, acceleration, options.blend, _numbers(options.tube, "--tube"))
+        made = time_path(checker, found, velocity, acceleration, options.blend, tube)
     except UnprovedPathError as error:
         print(f"not timed: {error}")
         return None

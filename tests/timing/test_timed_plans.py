@@ -27,6 +27,15 @@ def test_a_timed_plan_is_written_as_a_message(tmp_path, capsys):
     assert np.array_equal(read.position(0.0), checker.scene.start("panda"))
 
 
+def test_padding_is_room_for_a_tube(tmp_path, capsys):
+    file = tmp_path / "traj.yaml"
+    given = ["--timed", *LIMITS, "--tube", "0.002", "--output", str(file)]
+    padded = ["bookshelf" if word == "kitchen" else word for word in PLAN]
+    assert main([*padded, "--padding", "0.02", *given]) == 0
+    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
+    assert checker.check_trajectory(pc.Trajectory.load(file, checker.robot), tube=0.002)
+
+
 def test_nothing_is_written_that_is_not_proved(tmp_path, capsys):
     file = tmp_path / "traj.json"
     assert main([*PLAN, "--timed", *LIMITS, "--tube", "0.5", "--output", str(file)]) == 1
