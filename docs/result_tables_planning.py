@@ -1,8 +1,8 @@
 """Tables of what planners and their users wait for, in Markdown, from docs/results: motions, plans, set-up.
 
 In: files of results, written by `plannercheck bench motions`, `plans` and `setup`, and by plan_sampling.py and
-rounded_plans.py of tests/benchmarks. Out: text for `render_results.py`, under each table the command, the date, the commit
-and the machine that its figures come from.
+rounded_plans.py of tests/benchmarks. Out: text for `render_results.py`, under each table the command, the date, the
+commit and the machine that its figures come from.
 """
 
 from __future__ import annotations

@@ -75,16 +75,15 @@ def open_edges(triangles: Ints | Ints64) -> Ints64:
     Args:
         triangles: (m, 3) indices of points that are distinct.
     """
-    return _uncancelled(triangles.astype(np.int64)[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2))
+    return _uncancelled(_edges(triangles))
 
 
-def closing(points: Floats, triangles: Ints, edges: Ints64) -> tuple[Ints, Caps]:
+def closing(points: Floats, edges: Ints64) -> tuple[Ints, Caps]:
     """The triangles (k, 3) that close a mesh, and what they close.
 
     Args:
         points: (n, 3) m, distinct.
-        triangles: (m, 3) indices of them.
-        edges: The open ones, by `open_edges`.
+        edges: The open ones of its triangles, by `open_edges`.
     """
     joined = _representatives(points, edges)[edges]
     is_seam = (joined != edges).any(axis=1)
@@ -93,23 +92,29 @@ def closing(points: Floats, triangles: Ints, edges: Ints64) -> tuple[Ints, Caps]
     rims, loop, apex = _loops(rims, points)
     caps = _without_repeated_corners(np.column_stack([apex, rims[:, 1], rims[:, 0]]))
     added = np.concatenate([seams, caps]).astype(np.int32)
-    assert not len(open_edges(np.concatenate([triangles, added]))), "a closed mesh has open edges"
+    assert not len(_uncancelled(np.concatenate([edges, _edges(added)]))), "a closed mesh has open edges"
     count = int(loop.max(initial=-1)) + 1
     return added, Caps(count, len(rims), _largest_extent(points[rims[:, 0]], loop), int(is_seam.sum()))
+
+
+def _edges(triangles: Ints | Ints64) -> Ints64:
+    """Directed edges (3 m, 2) of triangles (m, 3)."""
+    found: Ints64 = triangles.astype(np.int64)[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    return found
 
 
 def _uncancelled(edges: Ints64) -> Ints64:
     """Directed edges (k, 2) less those that their reverses cancel, in order of their vertices."""
     tail, head = edges[edges[:, 0] != edges[:, 1]].T
     count = int(edges.max(initial=0)) + 1
-    forth, back = np.sort(tail * count + head), np.sort(head * count + tail)
-    if np.array_equal(forth, back):
-        return edges[:0]
-    starts = np.flatnonzero(np.diff(forth, prepend=-1))
-    keys, times = forth[starts], np.diff(starts, append=len(forth))
-    reverses = np.searchsorted(back, keys, "right") - np.searchsorted(back, keys, "left")
-    found: Ints64 = np.repeat(np.column_stack(np.divmod(keys, count)), np.maximum(times - reverses, 0), axis=0)
-    return found
+    # Twice the number of an edge's two vertices, whatever its direction, and 1 more for a falling one.
+    keys = np.sort((np.minimum(tail, head) * count + np.maximum(tail, head)) * 2 + (tail > head))
+    starts = np.flatnonzero(np.diff(keys >> 1, prepend=-1))
+    surplus = np.add.reduceat(1 - 2 * (keys & 1), starts) if len(starts) else starts
+    low, high = np.divmod(keys[starts[surplus != 0]] >> 1, count)
+    times = surplus[surplus != 0]
+    found = np.repeat(np.where(times > 0, [low, high], [high, low]).T, np.abs(times), axis=0)
+    return found[np.lexsort(found.T[::-1])]
 
 
 def _representatives(points: Floats, edges: Ints64) -> Ints64:

@@ -23,10 +23,10 @@ from plannercheck.bodies.core_polytopes import core_polytope
 from plannercheck.bodies.hull_equality import is_hull
 from plannercheck.bodies.kinds import Kind
 from plannercheck.bodies.mesh_files import MeshUnits, checked_units, named_file, read_mesh, warn_of_mesh
+from plannercheck.bodies.mesh_objects import RawObject
 from plannercheck.common.array_types import Faces, Floats, Ints, Ints64
 from plannercheck.common.arrays import (
     distinct_rows,
-    distinct_values,
     read_only,
     read_only_copy,
     real_numbers,
@@ -161,7 +161,7 @@ class Solid:
     @cached_property
     def _closing(self) -> tuple[Ints, Caps] | None:
         """The triangles that close an open mesh, and what they close."""
-        return closing(*self._mesh, self._open_edges) if self.is_open else None
+        return closing(self._mesh[0], self._open_edges) if self.is_open else None
 
     @cached_property
     def equals_hull(self) -> bool:
@@ -214,9 +214,9 @@ def open_meshes(solids: Mapping[str, Solid]) -> str:
 
 def _merged(points: Floats, triangles: NDArray[Any]) -> tuple[Floats, Ints]:
     """The points that triangles use, each once and without -0, and the triangles with their new indices."""
-    used, corners = distinct_values(triangles)
-    distinct, index = distinct_rows(points[used] + 0.0)
-    return distinct, index.reshape(-1)[corners.reshape(-1)].reshape(-1, 3).astype(np.int32)
+    used = RawObject.of("", points, triangles)
+    distinct, index = distinct_rows(used.points + 0.0)
+    return distinct, index.astype(np.int32)[used.triangles]
 
 
 def _of_mesh(mesh: Any) -> tuple[Any, Any]:

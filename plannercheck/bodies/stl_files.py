@@ -7,6 +7,8 @@ much. A file is binary if its length is the one that its count of facets demands
 from __future__ import annotations
 
 import re
+from collections import defaultdict
+from itertools import count
 
 import numpy as np
 
@@ -24,6 +26,7 @@ _WORDS = {0: b"facet", 1: b"normal", 5: b"outer", 6: b"loop", 19: b"endloop", 20
 _WORDS |= dict.fromkeys((7, 11, 15), b"vertex")
 _NUMBERS = (8, 9, 10, 12, 13, 14, 16, 17, 18)
 _LINES = {1: b"outer loop", 5: b"endloop", 6: b"endfacet"}  # of the seven that a facet mostly takes
+_AFTER = b" ; "  # a corner: a word that is no number, so that none passes from one corner to the next
 _LENGTH = 21  # words of a facet
 _PIECE = 1 << 22  # bytes that are split into words at once
 
@@ -98,50 +101,64 @@ def _end(lower: bytes, begin: int) -> re.Match[bytes] | None:
 
 def _facets(lower: bytes, content: bytes, begin: int, end: int) -> tuple[Floats, Ints64]:
     """Points (k, 3) and triangles (m, 3) of the facets between two places, read in pieces to spare memory."""
-    points, triangles, count, at = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int64)], 0, begin
+    points, triangles, known, at = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int64)], 0, begin
     while at < end:
         after = lower.find(_WORDS[20], at + _PIECE, end)
         next_at = end if after < 0 else after + len(_WORDS[20])
         corners, facets = _corners(lower[at:next_at], content, begin)
         points.append(corners)
-        triangles.append(facets + count)
-        count, at = count + len(corners), next_at
+        triangles.append(facets + known)
+        known, at = known + len(corners), next_at
     return np.concatenate(points), np.concatenate(triangles)
 
 
 def _corners(piece: bytes, content: bytes, begin: int) -> tuple[Floats, Ints64]:
-    """Points (k, 3) and triangles (m, 3) of facets; corners of equal text are one point.
+    """Points (k, 3) and triangles (m, 3) of facets."""
+    found = _parsed(_corners_of_lines(piece))
+    if found is None:  # facets on any lines, or wrong ones
+        words = piece.split()
+        found = _parsed(_corners_of_words(words, content, begin))
+        if found is None:
+            raise _bad_facet(content, begin, words)
+    return found
 
-    Neighbouring facets share corners, so most corners need no parsing.
+
+def _parsed(corners: list[bytes] | None) -> tuple[Floats, Ints64] | None:
+    """Points (k, 3) and triangles (m, 3) of the texts of corners; None if one is not 'vertex' and three numbers.
+
+    Corners of equal text are one point: neighbouring facets share corners, so most corners need no parsing.
     """
-    corners = _corners_of_lines(piece) or _corners_of_words(piece.split(), content, begin)
-    places = {corner: place for place, corner in enumerate(dict.fromkeys(corners))}
-    words = b" ".join(places).split()
+    if corners is None:
+        return None
+    places: defaultdict[bytes, int] = defaultdict(count().__next__)
     triangles = np.fromiter(map(places.__getitem__, corners), np.int64, len(corners)).reshape(3, -1).T
-    numbers = [floats_of_words(words[axis::4]) for axis in (1, 2, 3)]
-    if words[::4] != [_WORDS[7]] * len(places) or any(n is None or len(n) != len(places) for n in numbers):
-        raise _bad_facet(content, begin, piece.split())
-    return np.column_stack([np.zeros(0) if n is None else n for n in numbers]), triangles
+    words = _AFTER.join([*places, b""]).split()
+    vertices = words[::5]
+    del words[4::5], words[::4]
+    numbers = floats_of_words(words)
+    if vertices != [_WORDS[7]] * len(places) or numbers is None or len(numbers) != 3 * len(places):
+        return None
+    return numbers.reshape(-1, 3), triangles
 
 
-def _corners_of_lines(piece: bytes) -> list[bytes]:
-    """The texts of first, second and third corners, if each facet takes seven lines, as programs write them; or []."""
-    lines = list(map(bytes.strip, piece.strip().split(b"\n")))
+def _corners_of_lines(piece: bytes) -> list[bytes] | None:
+    """The texts of first, second and third corners, if each facet takes seven lines, as programs write them."""
+    lines = piece.strip().split(b"\n")
     heads = b" ".join(lines[::7]).split()
     usual = (
         len(heads) * 7 == len(lines) * 5
         and set(heads[::5]) == {_WORDS[0]}
         and set(heads[1::5]) == {_WORDS[1]}
-        and all(set(lines[k::7]) == {line} for k, line in _LINES.items())
+        and all({found.strip() for found in set(lines[k::7])} == {line} for k, line in _LINES.items())
     )
-    return lines[2::7] + lines[3::7] + lines[4::7] if usual else []
+    return lines[2::7] + lines[3::7] + lines[4::7] if usual else None
 
 
 def _corners_of_words(words: list[bytes], content: bytes, begin: int) -> list[bytes]:
     """The same of facets given word by word, on any lines."""
-    count = -(-len(words) // _LENGTH)
+    facets = -(-len(words) // _LENGTH)
     for place, word in _WORDS.items():
-        if words[place::_LENGTH] != [word] * count:
+        if words[place::_LENGTH] != [word] * facets:
             raise _bad_facet(content, begin, words)
     return [b" ".join(c) for k in (7, 11, 15) for c in zip(*(words[k + n :: _LENGTH] for n in range(4)), strict=True)]
 

@@ -57,6 +57,12 @@ class PathProof:
         return self.fault is None
 
     @property
+    def as_json(self) -> dict[str, Any]:
+        """As JSON has it."""
+        file = str(self.file) if self.written else None
+        return {"proof": file, "proof_fault": self.fault, "proof_entries": self.entries}
+
+    @property
     def sentence(self) -> str:
         """For the terminal."""
         if self.fault is not None:
@@ -85,16 +91,21 @@ def write_proof(
     starts, ends = (path[:-1], path[1:]) if len(path) > 1 else (path, path)
     if not isinstance(checker, ProvingChecker):
         raise PlannercheckError(f"there are no proofs of motions of {checker.robot.name!r}: leave --certify out")
+    found = checker.certify_motions(starts, ends, tolerance=tolerance, **how_moved(checker, motion_path))
+    return write_proofs(found, file, "motion")
+
+
+def write_proofs(found: Iterable[Proof | None] | None, file: Path, thing: str) -> PathProof:
+    """Writes the proofs of a path's motions, or of a trajectory's pieces, if the verifier confirms them all."""
     proofs: list[Proof] = []
     entries = 0
-    found_proofs = checker.certify_motions(starts, ends, tolerance=tolerance, **how_moved(checker, motion_path))
-    for k, proof in enumerate(found_proofs):
+    for k, proof in enumerate((None,) if found is None else found):
         if proof is None:
-            return PathProof(file, k, entries, f"motion {k} is free, but only so far as pairs that can't meet count")
-        found = proof.verify()
-        if not found:
-            return PathProof(file, k, entries, f"motion {k}: {found.fault}")
+            return PathProof(file, k, entries, f"{thing} {k} is free, but only so far as pairs that can't meet count")
+        confirmed = proof.verify()
+        if not confirmed:
+            return PathProof(file, k, entries, f"{thing} {k}: {confirmed.fault}")
         proofs.append(proof)
-        entries += found.entries
+        entries += confirmed.entries
     save_proofs(proofs, file)
     return PathProof(file, len(proofs), entries, None)

@@ -7,6 +7,8 @@ from pathlib import Path
 
 from plannercheck.cli.common import add_checker_arguments, add_robot_argument, add_scene_argument
 from plannercheck.cli.unused_options import check_used
+from plannercheck.cli.validate_trajectories import OPTIONS as OF_TRAJECTORIES
+from plannercheck.cli.validate_trajectories import add_trajectory_arguments
 from plannercheck.common.atomic_files import is_stream
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
@@ -35,6 +37,7 @@ Examples:
   producer | plannercheck validate --robot panda --scene bookshelf -
   plannercheck validate --robot truck_trailer --scene parking samples.npy
   plannercheck validate --robot panda --scene bookshelf --path plan.json trajectory.yaml
+  plannercheck validate --robot panda --scene bookshelf --path trajectory.yaml --controller jtc --tube 0.02 --certify
 """
 
 
@@ -71,6 +74,7 @@ def add_set_arguments(parser: argparse.ArgumentParser) -> None:
     _add_output_arguments(parser)
     _add_run_arguments(parser)
     _add_path_arguments(parser)
+    add_trajectory_arguments(parser)
 
 
 def _add_input_arguments(parser: argparse.ArgumentParser) -> None:
@@ -178,8 +182,7 @@ def _add_path_arguments(parser: argparse.ArgumentParser) -> None:
         "--straight",
         action="store_true",
         help="for --path: prove the straight motions between a trajectory's points although it gives velocities or "
-        "accelerations, with which a controller runs splines that are not proved; without this, such a trajectory is "
-        "refused",
+        "accelerations, with which a controller runs splines; without this, the splines are proved",
     )
     group.add_argument(
         "--motion-path",
@@ -220,7 +223,9 @@ def check_options(options: argparse.Namespace) -> None:
     if options.path:
         _check_path_options(options)
     else:
-        check_used(options, ("--straight", "--motion-path", "--tolerance"), "with --path, not for sets")
+        check_used(
+            options, ("--straight", "--motion-path", "--tolerance", *OF_TRAJECTORIES), "with --path, not for sets"
+        )
     with error_context("--threads"):
         checked_threads(options.threads, options.threads)
     if options.proof is not None:
@@ -257,3 +262,6 @@ def _check_proof_option(options: argparse.Namespace) -> None:
 
 def _check_path_options(options: argparse.Namespace) -> None:
     check_used(options, _OF_SETS, "for sets, not with --path")
+    if options.straight or options.motion_path:
+        given = "--straight" if options.straight else "--motion-path"
+        check_used(options, OF_TRAJECTORIES, f"without {given}, which is about straight motions")

@@ -7,29 +7,50 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from plannercheck import planar
-from plannercheck.bodies.certificates import Separation, SharedPoint
-from plannercheck.bodies.part_certificates import PartSeparation
-from plannercheck.bodies.solid_certificates import Enclosure
-from plannercheck.bodies.solid_separations import SolidSeparation
-from plannercheck.checking.protocols import AnyChecker, AnyRobot
-from plannercheck.checking.verdicts import PairVerdict
+from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli.common import padding_of, planar_checker, scene_of
 from plannercheck.cli.proved_paths import PathProof, check_proof_file, proof_file, write_proof
 from plannercheck.cli.robot_options import robot_of
+from plannercheck.cli.told_certificates import certificate_as_json, certificate_in_words
+from plannercheck.cli.validate_trajectories import JudgedTrajectory, is_asked, judge_trajectory
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.robot_files import is_planar
+from plannercheck.robots.robot import Robot
 from plannercheck.validation.formats.paths import PathFile, read_robot_path
 from plannercheck.validation.paths import PathVerdict, validate_path
 
-# A path's verdict, and what came of proving it.
-Judged: TypeAlias = tuple[PathVerdict, PathProof | None]
+
+@dataclass(frozen=True)
+class JudgedPath:
+    """A path's verdict, and what came of proving it."""
+
+    verdict: PathVerdict
+    proved: PathProof | None
+
+    @property
+    def passed(self) -> bool:
+        """Whether it is free, within the limits, and proved if that was asked for."""
+        return self.verdict.passed and (self.proved is None or self.proved.written)
+
+    @property
+    def sentence(self) -> str:
+        """For the terminal."""
+        return "; ".join([_sentence(self.verdict), *([] if self.proved is None else [self.proved.sentence])])
+
+    def as_json(self, path: Path) -> dict[str, Any]:
+        """As JSON has it."""
+        return _as_json(path, self.verdict, self.proved)
+
+
+Judged: TypeAlias = JudgedPath | JudgedTrajectory
 
 
 def run(options: argparse.Namespace) -> int:
@@ -42,60 +63,64 @@ def run(options: argparse.Namespace) -> int:
         for path in options.path:
             check_proof_file(proof_file(path, options.proof), options.path)
     judged = _planar(options) if is_planar(options.robot, "robots") else _in_space(options)
+    found = list(zip(options.path, judged, strict=True))
     if options.format == "json":
-        print(json.dumps([_as_json(path, *each) for path, each in zip(options.path, judged, strict=True)], indent=1))
+        print(json.dumps([each.as_json(path) for path, each in found], indent=1))
     else:
-        for path, (verdict, proved) in zip(options.path, judged, strict=True):
-            print(f"{path}: {_sentence(verdict)}{'' if proved is None else f'; {proved.sentence}'}")
-    return 0 if all(verdict.passed and (proved is None or proved.written) for verdict, proved in judged) else 1
+        for path, each in found:
+            print(f"{path}: {each.sentence}")
+    return 0 if all(each.passed for each in judged) else 1
 
 
 def _planar(options: argparse.Namespace) -> list[Judged]:
-    checker, verdicts = planar_checker(options), []
+    checker = planar_checker(options)
+    verdicts: list[Judged] = []
     for path in options.path:
-        file = _read(path, checker.robot, options)
+        file = read_robot_path(path, checker.robot)
         with error_context(f"path file {str(path)!r}"):
+            if is_asked(options) or (file.bent_by and not options.straight):
+                raise PlannercheckError(f"{checker.robot.name!r} is planar, and trajectories are of robots in space")
             if file.others:
                 raise PlannercheckError(f"{checker.robot.name!r} has no joint {', '.join(file.others)}")
             verdicts.append(_judged(checker, path, file, options))
     return verdicts
 
 
-def _judged(checker: AnyChecker, path: Path, file: PathFile, options: argparse.Namespace) -> Judged:
+def _judged(checker: AnyChecker, path: Path, file: PathFile, options: argparse.Namespace) -> JudgedPath:
     kind: MotionPath = options.motion_path or file.motion_path or "screw"
     states = file.states
     verdict = validate_path(checker, states, options.tolerance, options.threads, kind, file.pieces)
     if not options.certify or not verdict.free:
-        return verdict, None
-    return verdict, write_proof(checker, states, options.tolerance, proof_file(path, options.proof), kind)
+        return JudgedPath(verdict, None)
+    return JudgedPath(verdict, write_proof(checker, states, options.tolerance, proof_file(path, options.proof), kind))
 
 
 def _in_space(options: argparse.Namespace) -> list[Judged]:
     robot, scene = robot_of(options), scene_of(options)
     checkers: dict[tuple[tuple[str, float], ...], Checker] = {}
-    verdicts = []
-    for path in options.path:
-        file = _read(path, robot, options)
-        held = tuple(sorted(file.others.items()))
-        with error_context(f"path file {str(path)!r}"):
-            if held not in checkers:
-                posed = robot.holding(file.others) if held else robot
-                checkers[held] = Checker(
-                    posed, scene, self_collision=not options.no_self_collision, padding=padding_of(options, scene)
-                )
-            verdicts.append(_judged(checkers[held], path, file, options))
-    return verdicts
+
+    def checker_of(others: Mapping[str, float]) -> Checker:
+        held = tuple(sorted(others.items()))
+        if held not in checkers:
+            posed = robot.holding(others) if held else robot
+            checkers[held] = Checker(
+                posed, scene, self_collision=not options.no_self_collision, padding=padding_of(options, scene)
+            )
+        return checkers[held]
+
+    return [_judged_in_space(path, robot, checker_of, options) for path in options.path]
 
 
-def _read(path: Path, robot: AnyRobot, options: argparse.Namespace) -> PathFile:
-    """A path, whose motions are straight, or to be taken so."""
+def _judged_in_space(
+    path: Path, robot: Robot, checker_of: Callable[[Mapping[str, float]], Checker], options: argparse.Namespace
+) -> Judged:
+    if is_asked(options):
+        return judge_trajectory(path, robot, checker_of, options)
     file = read_robot_path(path, robot)
     if file.bent_by and not options.straight:
-        raise PlannercheckError(
-            f"path file {str(path)!r}: its {' and '.join(file.bent_by)} are not zero, so a controller runs splines "
-            "between its points, but straight motions are what is proved: --straight says that these are meant"
-        )
-    return file
+        return judge_trajectory(path, robot, checker_of, options)
+    with error_context(f"path file {str(path)!r}"):
+        return _judged(checker_of(file.others), path, file, options)
 
 
 def _sentence(verdict: PathVerdict) -> str:
@@ -109,23 +134,9 @@ def _sentence(verdict: PathVerdict) -> str:
     assert stopped.pair is not None
     pair = " with ".join(stopped.pair.names)
     if stopped.collides_at is not None:
-        return f"{start}collides at {stopped.collides_at:.9g}: {pair}, {_certificate(stopped.pair)}{limits}"
+        return f"{start}collides at {stopped.collides_at:.9g}: {pair}, {certificate_in_words(stopped.pair)}{limits}"
     near = f"is within the tolerance of {stopped.tolerance:g} m at {stopped.near_at:.9g}"
-    return f"{start}{near}: {pair}, {_certificate(stopped.pair)}{limits}"
-
-
-def _certificate(pair: PairVerdict) -> str:
-    certificate = pair.certificate
-    if isinstance(certificate, Separation | planar.Separation):
-        return f"apart by at least {certificate.gap:.3g} m along ({_listed(certificate.normal.tolist())})"
-    if isinstance(certificate, SolidSeparation | PartSeparation):
-        return f"apart by at least {certificate.gap:.3g} m"
-    assert isinstance(certificate, SharedPoint | planar.SharedPoint | Enclosure)
-    return f"which share the point ({_listed(certificate.point.tolist())})"
-
-
-def _listed(values: list[float]) -> str:
-    return ", ".join(f"{value:.6g}" for value in values)
+    return f"{start}{near}: {pair}, {certificate_in_words(stopped.pair)}{limits}"
 
 
 def _as_json(path: Path, verdict: PathVerdict, proved: PathProof | None) -> dict[str, Any]:
@@ -140,30 +151,15 @@ def _as_json(path: Path, verdict: PathVerdict, proved: PathProof | None) -> dict
         "duration": verdict.duration,
     }
     if proved is not None:
-        out |= {"proof": str(proved.file) if proved.written else None, "proof_fault": proved.fault}
-        out |= {"proof_entries": proved.entries}
+        out |= proved.as_json
     if verdict.stopped is None or verdict.stopped.pair is None:
         return out
-    pair, stopped = verdict.stopped.pair, verdict.stopped
-    certificate = pair.certificate
-    if isinstance(certificate, Separation | planar.Separation):
-        proof: dict[str, Any] = {
-            "normal": certificate.normal.tolist(),
-            "offset": certificate.offset,
-            "gap": certificate.gap,
-        }
-    elif isinstance(certificate, SolidSeparation | PartSeparation):
-        proof = {"gap": certificate.gap}
-    else:
-        assert isinstance(certificate, SharedPoint | planar.SharedPoint | Enclosure)
-        proof = {"shared_point": certificate.point.tolist()}
+    stopped = verdict.stopped
     return {
         **out,
         "motion": verdict.motion,
         "free_until": stopped.free_until,
         "collides_at": stopped.collides_at,
         "near_at": stopped.near_at,
-        "pair": [pair.first, pair.second],
-        "bodies": [pair.first_body, pair.second_body],
-        "certificate": proof,
+        **certificate_as_json(verdict.stopped.pair),
     }

@@ -2,49 +2,35 @@
 
 In: a proof, a robot, a scene. Out: nothing, or an `UnprovedError` that names the first difference.
 
-The joints, their placements, axes and who follows whom are compared with what `urdf_joints.py` reads from the URDF, or
-from what a xacro expands to, to 1e-12, and the links' bodies with what `urdf_shapes.py` reads from its elements and
-meshes. Bodies, the pair table, and the joint of each column are compared bit for bit with what plannercheck itself
-loads, since SRDFs, groups and scenes have many rules; so are the joints of an MJCF file, of which there is no second
-reader. So its loader is trusted for these; its kinematics and its verdicts are not. The values of joints outside the
-group are part of the claim: they are in the proof, not in the URDF.
+The joints, their placements, axes and who follows whom are compared by `urdf_trees.py` with the exact numbers of the
+URDF, or of what a xacro expands to, and the links' bodies by `urdf_shapes.py` with its elements and meshes. Bodies, the
+pair table, and the joint of each column are compared bit for bit with what plannercheck itself loads, since SRDFs,
+groups and scenes have many rules; so are the joints of an MJCF file, of which there is no second reader. So its loader
+is trusted for these; its kinematics and its verdicts are not. The values of joints outside the group are part of the
+claim: they are in the proof, not in the URDF.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import math
 from functools import partial
 
 import numpy as np
 
 from plannercheck.bodies.mesh_files import MeshUnits
-from plannercheck.common.array_types import Floats
 from plannercheck.common.package_files import folders_above, package_file
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.proof_model import space_model
-from plannercheck.proofs.data import JOINTS, WORLD, Joint, Model, PosedBody
+from plannercheck.proofs.data import WORLD, Joint, Model, PosedBody
 from plannercheck.proofs.faults import UnprovedError
-from plannercheck.proofs.urdf_joints import UrdfJoint, UrdfTree, read_tree
 from plannercheck.proofs.urdf_shapes import MeshFiles, confirm_shapes
+from plannercheck.proofs.urdf_trees import confirm_tree
 from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.link_geometry import Geometry
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.urdf_file import MJCF_ROOT
 from plannercheck.scenes.scene import Scene
 from plannercheck.scenes.scene_paths import MeshKind
-
-# By the URDF's type, the kinds that a joint may have in a proof.
-_KINDS = {
-    "revolute": ("turn",),
-    "continuous": ("turn", "circle"),
-    "prismatic": ("slide",),
-    "planar": ("planar",),
-    "floating": ("free",),
-}
-
-# The largest difference that counts as rounding: of placements, axes and multipliers.
-_AGREEMENT = 1e-12
 
 
 def confirm_model(
@@ -81,9 +67,7 @@ def confirm_model(
     compared = []
     if file.kind != MJCF_ROOT:
         whole = description.joints is None and description.group is None
-        tree = read_tree(description.urdf, file.mended)
-        _TreeComparison(model, tree, description.floating, whole).run()
-        compared += [f"links and joints, up to 1e-12 of their size, with {str(description.urdf)!r}, read by itself"]
+        compared += [confirm_tree(model, description.urdf, file.mended, description.floating, whole)]
         above = folders_above(file.path)
         find = partial(package_file, folders=description.package_dirs, above=above)
         compared += confirm_shapes(
@@ -103,95 +87,6 @@ def confirm_model(
     where = "the empty scene" if scene is None else f"the scene {scene!r}"
     loaded_from = f"{str(description.urdf)!r} and {where}"
     return (*compared, f"bodies, pairs and columns, bit for bit, with what plannercheck loads of {loaded_from}")
-
-
-class _TreeComparison:
-    """The joints and links of a model beside those of a URDF."""
-
-    def __init__(self, model: Model, tree: UrdfTree, floating: bool, whole: bool) -> None:
-        self._model, self._tree, self._floating, self._whole = model, tree, floating, whole
-        self._joints = {joint.name: k for k, joint in enumerate(model.joints)}
-
-    def run(self) -> None:
-        """Raises at the first difference."""
-        names = {link.name for link in self._model.links}
-        if names != set(self._tree.links):
-            raise UnprovedError(
-                f"links of the proof and of the URDF differ: {sorted(names ^ set(self._tree.links))[:3]}"
-            )
-        for link in self._model.links:
-            joint, placement = self._place(link.name)
-            self._compare(f"link {link.name!r}", link.joint, link.placement, joint, placement)
-        moving = {joint.name for joint in self._tree.above.values() if joint.kind != "fixed"}
-        known = moving | ({self._model.joints[0].name} if self._floating and self._model.joints else set())
-        if set(self._joints) != known:
-            raise UnprovedError(f"joints of the proof and of the URDF differ: {sorted(set(self._joints) ^ known)[:3]}")
-        if self._floating:
-            root = self._model.joints[0]
-            self._compare(f"joint {root.name!r}", root.parent, root.placement, WORLD, np.eye(4))
-        for found in self._tree.above.values():
-            if found.kind != "fixed":
-                self._compare_joint(self._model.joints[self._joints[found.name]], found)
-
-    def _place(self, link: str) -> tuple[int, Floats]:
-        """The moving joint that a link is on, by index, and its placement there."""
-        placement = np.eye(4)
-        while link in self._tree.above:
-            above = self._tree.above[link]
-            if above.kind != "fixed":
-                return self._joints.get(above.name, WORLD), placement
-            link, placement = above.parent, above.placement @ placement
-        return (0 if self._floating else WORLD), placement
-
-    def _compare(self, what: str, joint: int, rows: tuple[float, ...], on: int, placement: Floats) -> None:
-        difference = np.abs(np.reshape(rows, (3, 4)) - placement[:3])
-        scale = max(1.0, float(np.abs(placement[:3, 3]).max()))
-        if joint != on or not difference.max() <= _AGREEMENT * scale:
-            raise UnprovedError(f"{what} is not where the URDF has it: off by {difference.max():.3g}")
-
-    def _compare_joint(self, joint: Joint, found: UrdfJoint) -> None:
-        on, placement = self._place(found.parent)
-        self._compare(f"joint {joint.name!r}", joint.parent, joint.placement, on, placement @ found.placement)
-        if joint.kind not in _KINDS.get(found.kind, ()):
-            raise UnprovedError(f"joint {joint.name!r} is of kind {joint.kind!r}, in the URDF {found.kind!r}")
-        sign = self._sign(joint, found) if JOINTS[joint.kind].has_axis else 1.0
-        if max(joint.columns) >= 0:
-            self._compare_value(joint, found, sign)
-
-    def _sign(self, joint: Joint, found: UrdfJoint) -> float:
-        """-1 for a joint that is given about the opposite axis, so that its value has the opposite sign."""
-        for sign in (1.0, -1.0):
-            if np.abs(sign * np.array(joint.axis) - found.axis).max() <= _AGREEMENT:
-                return sign
-        raise UnprovedError(f"joint {joint.name!r} has the axis {list(joint.axis)}, in the URDF {found.axis.tolist()}")
-
-    def _compare_value(self, joint: Joint, found: UrdfJoint, sign: float) -> None:
-        """Checks that a joint's value is its own column, or that of its leader, times a multiplier plus an offset."""
-        expected: tuple[float, ...] = (1.0,) * len(joint.multipliers)
-        given = joint.multipliers
-        form = JOINTS[joint.kind]
-        if form.has_axis and form.has_unit:
-            expected = (1.0, sign)
-        elif form.numbers == 1:
-            factor, offset = (1.0, 0.0) if self._whole else self._followed(found)
-            expected, given = (sign * factor, sign * offset), (joint.multipliers[0], joint.offsets[0])
-        limit = _AGREEMENT * max(1.0, *map(abs, expected))
-        if not all(abs(a - b) <= limit < math.inf for a, b in zip(expected, given, strict=True)):
-            raise UnprovedError(f"joint {joint.name!r} takes its value by {given}, by the URDF it is {expected}")
-
-    def _followed(self, found: UrdfJoint) -> tuple[float, float]:
-        """Multiplier and offset by which a joint follows the joint of its column; 1 and 0 for its own column."""
-        factor, offset = 1.0, 0.0
-        column = self._model.joints[self._joints[found.name]].columns[0]
-        joints = {joint.name: joint for joint in self._tree.above.values()}
-        for _ in joints:
-            if found.mimic is None:
-                break
-            leader, multiplier, shift = found.mimic
-            if leader not in joints or self._model.joints[self._joints[leader]].columns[0] != column:
-                raise UnprovedError(f"joint {found.name!r} does not follow {leader}, as the URDF says")
-            factor, offset, found = factor * multiplier, factor * shift + offset, joints[leader]
-        return factor, offset
 
 
 def _compare_trees(model: Model, loaded: Model) -> None:

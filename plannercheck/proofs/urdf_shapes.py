@@ -4,15 +4,19 @@ In: a model, the URDF's text, where its meshes are. Out: sentences: what was com
 `UnprovedError` that names the first difference. It shares no function with `plannercheck.robots` and
 `plannercheck.bodies`, so that a fault in loading can't confirm itself. Compared are, to the last bit:
 
-- a box's corners, a sphere's centre and radius, a capsule's ends and radius;
-- of a mesh as its hull: that each vertex is one of the file, scaled in doubles, and that no point of the file's
-  triangles is outside of the vertices' hull (`hull_containment.py`);
+- a box's corners, a sphere's centre and radius, a capsule's ends and radius: the nearest doubles to the file's numbers,
+  or their halves;
+- of a mesh as its hull: that each vertex is one of the file, and that no point of the file's triangles is outside of
+  the vertices' hull (`hull_containment.py`);
 - of a mesh as a solid: that each of the file's triangles is one of the body's, all as given or all turned over;
 - of a cylinder, of which the proof has a polytope around it: that its ends are at half the length, and that no edge of
   them comes nearer to the axis than the radius.
 
-A body's pose on its link agrees with <origin> up to `AGREEMENT`, besides the rounding of both, since sine and cosine
-are rounded. Larger bodies than the file's are taken where the comparison with what plannercheck loads decides.
+A number of a mesh is the nearest double to the file's number, times the nearest double to that of the scale, rounded:
+three roundings, so that it is within 3 units in the last place of the exact product, and the nearest double to the
+file's number where the scale is 1 or a power of two. A body's pose on its link is as far from the exact <origin> as
+`Placement.allowance` permits. Larger bodies than the file's are taken where the comparison with what plannercheck loads
+decides.
 """
 
 from __future__ import annotations
@@ -31,13 +35,10 @@ import numpy as np
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs.data import WORLD, Model, PosedBody
+from plannercheck.proofs.exact_placements import decimals, enough_digits, off_placement, origin_of
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hull_containment import FlatError, point_outside
 from plannercheck.proofs.mesh_triangles import NotReadError, mesh_triangles
-from plannercheck.proofs.urdf_joints import origin_of
-
-# The largest difference of a pose's numbers, as a part of the larger of 1 m and the translation.
-AGREEMENT = 1e-12
 
 # A radius is what is left of itself and the padding, whose sum is rounded.
 _RADIUS_ROUNDING = 2.0**-51
@@ -58,6 +59,7 @@ class MeshFiles:
     as_metres: bool
 
 
+@enough_digits()
 def confirm_shapes(model: Model, content: str | None, files: MeshFiles) -> tuple[str, ...]:
     """Compares the bodies on links with a URDF.
 
@@ -75,7 +77,7 @@ def confirm_shapes(model: Model, content: str | None, files: MeshFiles) -> tuple
     root = ElementTree.parse(files.urdf).getroot() if content is None else ElementTree.fromstring(content)
     elements = {f"{link.get('name')}_{k}": (link, each) for link in root.findall("link") for k, each in _numbered(link)}
     on_links = [body for body in model.bodies if body.link != WORLD]
-    same, not_read, unknown = list[str](), dict[str, list[str]](), list[str]()
+    same, not_read, unknown, most = list[str](), dict[str, list[str]](), list[str](), 0.0
     for body in on_links:
         if body.name not in elements:
             unknown.append(body.name)
@@ -83,7 +85,7 @@ def confirm_shapes(model: Model, content: str | None, files: MeshFiles) -> tuple
         link, element = elements[body.name]
         if model.links[body.link].name != link.get("name"):
             raise UnprovedError(f"body {body.name!r} is on link {model.links[body.link].name!r}, not on its own")
-        _check_pose(body, element)
+        most = max(most, _check_pose(body, element))
         try:
             _check_shape(body, element, files)
         except NotReadError as why:
@@ -91,14 +93,17 @@ def confirm_shapes(model: Model, content: str | None, files: MeshFiles) -> tuple
         else:
             same.append(body.name)
     unpaired = sorted(set(elements) - {body.name for body in on_links})
-    return tuple(_sentences(files.urdf, same, not_read, unknown, unpaired))
+    return tuple(_sentences(files.urdf, same, most, not_read, unknown, unpaired))
 
 
 def _sentences(
-    urdf: str, same: list[str], not_read: dict[str, list[str]], unknown: list[str], unpaired: list[str]
+    urdf: str, same: list[str], most: float, not_read: dict[str, list[str]], unknown: list[str], unpaired: list[str]
 ) -> Iterable[str]:
     if same:
-        yield f"shapes of {len(same)} bodies on links, to the last bit, with {urdf!r} and its meshes, read by itself"
+        yield (
+            f"shapes of {len(same)} bodies on links, to the last bit, with {urdf!r} and its meshes, read by itself; "
+            f"their poses are at most {most:.2g} away from the exact ones"
+        )
     for why, names in not_read.items():
         yield f"not read by the verifier itself: {_listed(names)}: {why}"
     if unknown:
@@ -115,11 +120,16 @@ def _numbered(link: Element) -> Iterable[tuple[int, Element]]:
     return enumerate(link.findall("collision"))
 
 
-def _check_pose(body: PosedBody, element: Element) -> None:
-    placement = origin_of(element)
-    difference = float(np.abs(np.reshape(body.pose, (3, 4)) - placement[:3]).max())
-    if not difference <= AGREEMENT * max(1.0, float(np.abs(placement[:3, 3]).max())):
-        raise UnprovedError(f"body {body.name!r} is not where the URDF has it: off by {difference:.3g}")
+def _check_pose(body: PosedBody, element: Element) -> float:
+    """How far a pose is from the exact one."""
+    exact = origin_of(element)
+    off = off_placement(body.pose, exact)
+    if not off <= exact.allowance:
+        raise UnprovedError(
+            f"body {body.name!r} is not where the URDF has it: off by {off:.3g}, where rounding explains "
+            f"{exact.allowance:.3g}"
+        )
+    return off
 
 
 def _check_shape(body: PosedBody, element: Element, files: MeshFiles) -> None:
@@ -158,13 +168,11 @@ def _check_shape(body: PosedBody, element: Element, files: MeshFiles) -> None:
 
 
 def _numbers(shape: Element, key: str, count: int) -> list[float]:
+    """The nearest doubles to the numbers of an attribute."""
     try:
-        values = [float(word) for word in shape.get(key, "").split()]
-    except ValueError:
-        values = []
-    if len(values) != count or not all(map(math.isfinite, values)):
-        raise NotReadError(f"{key}= of <{shape.tag}> is not {count} numbers")
-    return values
+        return [float(number) for number in decimals(shape.get(key), count, f"{key} of <{shape.tag}>")]
+    except ValueError as error:
+        raise NotReadError(str(error)) from None
 
 
 def _rows(points: Floats) -> set[tuple[float, ...]]:

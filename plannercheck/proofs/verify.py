@@ -7,8 +7,8 @@ In: a proof. Out: a `Verification`. It shares no function with the checker. The 
 The proof has to be well-formed (`well_formed.py`, `planar_well_formed.py`, `planar_curves.py`), its entries have to
 tile [0, 1] for every pair, in parts all pairs of triangles or parts (`covers.py`, `nesting.py`), and every entry has to
 hold (`entries.py`, `half_spaces.py`, `parts.py`, `planar_entries.py`) with links posed by the proof's own table of
-joints (`chains.py`, `joint_motions.py`, `planar_paths.py`). A robot's files are read by `urdf_joints.py`,
-`urdf_shapes.py` and `mesh_triangles.py`.
+joints (`chains.py`, `joint_motions.py`, `planar_paths.py`). A robot's files are read in exact numbers and
+compared by `exact_placements.py`, `urdf_joints.py`, `urdf_trees.py`, `urdf_shapes.py` and `mesh_triangles.py`.
 """
 
 from __future__ import annotations

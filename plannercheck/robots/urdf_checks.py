@@ -293,8 +293,8 @@ def _check_mimics(joints: dict[str, Element]) -> None:
             kind = joints[each].get("type")
             if kind not in _TURNING_OR_SLIDING:
                 raise PlannercheckError(
-                    f"{owner} mimics joint {shortened(leader)!r}, and {shortened(each)!r} is {kind}: both must be "
-                    "revolute, continuous or prismatic"
+                    f"{owner} mimics joint {shortened(leader)!r}, and {shortened(each)!r} is {shortened(kind)}: both "
+                    "must be revolute, continuous or prismatic"
                 )
         for key in ("multiplier", "offset"):
             if tag.get(key) is not None:

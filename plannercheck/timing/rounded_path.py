@@ -121,5 +121,7 @@ def sections(legs: Legs, sizes: Floats) -> Iterator[Section]:
             through.append(leg)
             lengths.append(2 * sizes[leg + 1])
             continue
-        yield Section(Curve(np.cumsum(lengths), tuple(pieces)), tuple(corners), tuple(through))
+        yield Section(
+            Curve(np.cumsum(lengths), tuple(pieces), np.zeros(pieces[0].shape[1])), tuple(corners), tuple(through)
+        )
         pieces, corners, through, lengths = [], [], [], [0.0]

@@ -68,7 +68,7 @@ class _Judge:
 
 
 def _polynomial(points: Floats) -> Trajectory:
-    return Trajectory.of_curve(Curve(np.array([0.0, 1.0]), (points,)))
+    return Trajectory.of_curve(Curve(np.array([0.0, 1.0]), (points,), np.zeros(points.shape[1])))
 
 
 @set_module("plannercheck")
@@ -240,7 +240,7 @@ def _failing(judge: _Judge, parts: Sequence[TimedSection], trajectory: Trajector
             if len(here):
                 owners.append(owner)
                 ends = curve.breaks[here[0] : here[-1] + 2]
-                curves.append(Trajectory.of_curve(Curve(ends, curve.pieces[here[0] : here[-1] + 1])))
+                curves.append(Trajectory.of_curve(Curve(ends, curve.pieces[here[0] : here[-1] + 1], curve.error)))
         start += len(part.pieces)
     refused = [owner for owner, free in zip(owners, judge.free(curves).tolist(), strict=True) if not free]
     corners = [corner for corner, _ in refused if corner is not None]

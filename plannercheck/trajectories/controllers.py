@@ -13,7 +13,7 @@ The rules are those of the controllers' own code, by name:
 - "ur": the UR driver's passthrough controller (external_control.urscript, `cubicSplineRun`, `quinticSplineRun`): cubic
   or quintic as above; positions alone are cubic, at rest at each point. A first point at 0 s is passed at rest. A last
   velocity that is not 0 is scaled down to 0 along the same path.
-- "motoros2": MotoROS2 (MotionControl.c): cubic by positions and velocities; accelerations are ignored.
+- "motoros2": MotoROS2 (MotionControl.c): cubic by positions and velocities; accelerations are ignored, times cut to ms.
 - "linear": straight at constant speed, whatever else the points have.
 
 Before the first point, a controller runs from where the robot stands. "jtc" (`set_point_before_trajectory_msg`) takes
@@ -33,12 +33,14 @@ from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.trajectories.curve import Curve
+from plannercheck.trajectories.rounding import hermite_error, turned_error, upsampled_error
+from plannercheck.trajectories.stamps import durations, nanoseconds
 
 Controller: TypeAlias = Literal["jtc", "jtc-upsampled", "ur", "motoros2", "linear"]
 CONTROLLERS: tuple[Controller, ...] = ("jtc", "jtc-upsampled", "ur", "motoros2", "linear")
 
-# Largest last velocity that joint_trajectory_controller accepts: the epsilon of floats, in rad/s or m/s.
-REST = 2.0**-23
+# Largest last velocities that controllers accept, rad/s or m/s; joint_trajectory_controller has the epsilon of floats.
+REST: dict[str, float] = {"jtc": 2.0**-23, "jtc-upsampled": 2.0**-23, "motoros2": 1e-3}
 
 # How near half a turn the way to the first point has to be for it to be a tie, rad (`wraparound_joint`).
 _TIE = 1e-9
@@ -91,14 +93,22 @@ def curve_of(points: Points, controller: Controller, start: Points | None, conti
     """
     if controller not in CONTROLLERS:
         raise unknown_name("controller", controller, CONTROLLERS)
-    points = _as_run(points, controller)
-    _check(points, controller)
-    if start is not None:
-        points = _approached(points, start, continuous if controller.startswith("jtc") else ())
-    if len(points.times) < 2:
+    message = _as_run(points, controller)
+    _check(message, controller)
+    turning = continuous if controller.startswith("jtc") and start is not None else ()
+    run = message if start is None else _approached(message, start, turning)
+    if len(run.times) < 2:
         raise PlannercheckError("a trajectory of one point needs start=, where the robot comes from")
-    segments = range(len(points.times) - 1)
-    return Curve(points.times, tuple(_segment(points, k) for k in segments))
+    steps = durations(run.times).tolist()
+    ends = [_conditions(run, k) for k in range(len(steps))]
+    pieces = tuple(_control_points(*each, h) for each, h in zip(ends, steps, strict=True))
+    by_jtc = controller.startswith("jtc")
+    error = np.max([hermite_error(*each, h, by_jtc) for each, h in zip(ends, steps, strict=True)], axis=0)
+    if controller == "jtc-upsampled" and not points.has_velocities.any():
+        error += upsampled_error(message.times, durations(message.times), message.positions, message.velocities)
+    if start is not None:
+        error[list(turning)] += turned_error(start.positions[0], message.positions[0])[list(turning)]
+    return Curve(run.times, pieces, error)
 
 
 def _as_run(points: Points, controller: Controller) -> Points:
@@ -110,12 +120,21 @@ def _as_run(points: Points, controller: Controller) -> Points:
     if controller == "motoros2":
         if not has.all():
             raise PlannercheckError(f"point {int(np.argmin(has))} has no velocities: motoros2 refuses it")
-        return replace(points, accelerations=none)
+        return replace(points, times=_whole_milliseconds(points.times), accelerations=none)
     if controller == "ur":
         return _as_ur_runs(points)
     if controller == "jtc-upsampled" and not has.any() and len(points.times) > 1:
-        return replace(points, velocities=_spline_velocities(points.times, points.positions))
+        return replace(points, velocities=_spline_velocities(durations(points.times), points.positions))
     return points
+
+
+def _whole_milliseconds(times: Floats) -> Floats:
+    """Times cut to ms; points at the same ms have no interpolation between them."""
+    cut = np.floor(nanoseconds(times)[0] / 1e6) / 1e3
+    if not (np.diff(cut) > 0).all():
+        k = int(np.argmin(np.diff(cut) > 0))
+        raise PlannercheckError(f"points {k} and {k + 1} are at the same ms: motoros2 cuts times to ms")
+    return cut
 
 
 def _as_ur_runs(points: Points) -> Points:
@@ -137,11 +156,11 @@ def _as_ur_runs(points: Points) -> Points:
 def _check(points: Points, controller: Controller) -> None:
     """Raises for what a controller refuses, or runs in a way that nobody means."""
     last = np.nan_to_num(np.abs(points.velocities[-1]))
-    if controller in ("jtc", "jtc-upsampled") and last.max(initial=0.0) > REST:
+    if last.max(initial=0.0) > REST.get(controller, np.inf):
         joint = int(last.argmax())
         raise PlannercheckError(
             f"the last point has velocity {points.velocities[-1, joint]:.3g} in {points.named(joint)}:"
-            " joint_trajectory_controller refuses a trajectory that does not end at rest"
+            f" {controller} refuses a trajectory that does not end at rest"
         )
     v, a = points.has_velocities, points.has_accelerations
     wrong = a[:-1] & a[1:] & ~(v[:-1] & v[1:])
@@ -178,26 +197,43 @@ def _approached(points: Points, start: Points, continuous: Sequence[int]) -> Poi
     return Points(times, positions, velocities, accelerations, points.joint_names)
 
 
-def _segment(points: Points, k: int) -> Floats:
-    """Control points of the segment from point k to the next."""
-    (p, q), (v, w), (a, b) = (each[k : k + 2] for each in (points.positions, points.velocities, points.accelerations))
-    h = points.times[k + 1] - points.times[k]
-    if np.isnan(v).any() or np.isnan(w).any():
-        return np.stack([p, q])
-    if np.isnan(a).any() or np.isnan(b).any():
+def _conditions(points: Points, k: int) -> tuple[Floats, Floats | None, Floats | None]:
+    """What both ends of the segment from point k have: positions, velocities and accelerations, (2, nq) each."""
+    q, v, a = (each[k : k + 2] for each in (points.positions, points.velocities, points.accelerations))
+    if np.isnan(v).any():
+        return q, None, None
+    return q, v, None if np.isnan(a).any() else a
+
+
+def _control_points(ends: Floats, velocities: Floats | None, accelerations: Floats | None, h: float) -> Floats:
+    """Control points of a segment of duration h."""
+    p, q = ends
+    if velocities is None:
+        return ends
+    v, w = velocities
+    if accelerations is None:
         return np.stack([p, p + v * (h / 3), q - w * (h / 3), q])
+    a, b = accelerations
     fifth, twentieth = h / 5, h * h / 20
     return np.stack(
         [p, p + v * fifth, p + 2 * v * fifth + a * twentieth, q - 2 * w * fifth + b * twentieth, q - w * fifth, q]
     )
 
 
-def _spline_velocities(times: Floats, positions: Floats) -> Floats:
-    """Velocities (n, nq) of the spline with continuous accelerations that is at rest at both ends."""
-    count, steps = len(times), np.diff(times)
-    matrix, right = np.eye(count), np.zeros_like(positions)
-    rates = np.diff(positions, axis=0) / steps[:, None] ** 2
-    for k in range(1, count - 1):
-        matrix[k, k - 1 : k + 2] = 1 / steps[k - 1], 2 / steps[k - 1] + 2 / steps[k], 1 / steps[k]
-        right[k] = 3 * (rates[k] + rates[k - 1])
-    return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
+def _spline_velocities(steps: Floats, positions: Floats) -> Floats:
+    """Velocities (n, nq) of the spline with continuous accelerations that is at rest at both ends, by elimination.
+
+    The row of an inner point is scaled so that its neighbours' shares add up to 1: alpha, 2, beta.
+    """
+    slopes = np.diff(positions, axis=0) / steps[:, None]
+    alpha = steps[1:] / (steps[:-1] + steps[1:])
+    beta = steps[:-1] / (steps[:-1] + steps[1:])
+    velocities, shares = np.zeros_like(positions), np.zeros(len(positions))
+    for k in range(1, len(steps)):
+        pivot = 2 - alpha[k - 1] * shares[k - 1]
+        shares[k] = beta[k - 1] / pivot
+        right = 3 * (alpha[k - 1] * slopes[k - 1] + beta[k - 1] * slopes[k])
+        velocities[k] = (right - alpha[k - 1] * velocities[k - 1]) / pivot
+    for k in range(len(steps) - 1, 0, -1):
+        velocities[k] -= shares[k] * velocities[k + 1]
+    return velocities

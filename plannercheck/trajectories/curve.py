@@ -25,10 +25,13 @@ class Curve(OwnsArrays):
     Attributes:
         breaks: (m + 1,) s, growing: piece k runs from breaks[k] to breaks[k + 1].
         pieces: (degree + 1, nq) each, the control points, rad and m.
+        error: (nq,) how far the pieces, and a known controller's own evaluation, are at most from the polynomials that
+            the numbers given define, rad and m (rounding.py).
     """
 
     breaks: Floats
     pieces: tuple[Floats, ...]
+    error: Floats
 
     @property
     def nq(self) -> int:

@@ -1,6 +1,6 @@
 """Curves in the forms that libraries have them: powers, B-splines, Bézier curves.
 
-In: arrays, or objects of drake, ndcurves and SciPy by their methods. Out: `Curve`.
+In: arrays. Out: `Curve`.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import contiguous
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.trajectories.curve import Curve, bernstein
+from plannercheck.trajectories.rounding import UNIT, blossom_error, powers_error
 
 # Highest degree of a piece.
 MOST_DEGREE = 20
@@ -33,7 +34,9 @@ def of_polynomials(breaks: ArrayLike, coefficients: ArrayLike) -> Curve:
         raise PlannercheckError(f"{len(ends)} breaks are of {len(ends) - 1} pieces, but there are {len(powers)}")
     _check_degree(powers.shape[2] - 1)
     scales = np.diff(ends)[:, None] ** np.arange(powers.shape[2])
-    return joined(ends, [bernstein((row * scale).T) for row, scale in zip(powers, scales, strict=True)])
+    scaled = [(row * scale).T for row, scale in zip(powers, scales, strict=True)]
+    error = np.max([powers_error(each) for each in scaled], axis=0)
+    return joined(ends, [bernstein(each) for each in scaled], error)
 
 
 def of_bezier(breaks: ArrayLike, points: ArrayLike) -> Curve:
@@ -48,7 +51,7 @@ def of_bezier(breaks: ArrayLike, points: ArrayLike) -> Curve:
     if len(control) != len(ends) - 1:
         raise PlannercheckError(f"{len(ends)} breaks are of {len(ends) - 1} pieces, but there are {len(control)}")
     _check_degree(control.shape[1] - 1)
-    return joined(ends, list(control))
+    return joined(ends, list(control), np.zeros(control.shape[2]))
 
 
 def of_bspline(knots: ArrayLike, points: ArrayLike) -> Curve:
@@ -72,7 +75,8 @@ def of_bspline(knots: ArrayLike, points: ArrayLike) -> Curve:
     if not spans:
         raise PlannercheckError("knots must span some time")
     breaks = np.array([places[spans[0]], *(places[k + 1] for k in spans)])
-    return joined(breaks, [_bezier_of_span(places, control, k, degree) for k in spans])
+    pieces = [_bezier_of_span(places, control, k, degree) for k in spans]
+    return joined(breaks, pieces, blossom_error(control, degree))
 
 
 def checked_breaks(breaks: ArrayLike) -> Floats:
@@ -83,16 +87,27 @@ def checked_breaks(breaks: ArrayLike) -> Floats:
     return ends
 
 
-def joined(breaks: Floats, pieces: list[Floats]) -> Curve:
-    """A curve without jumps; what rounding leaves between pieces goes into the later one."""
+def joined(breaks: Floats, pieces: list[Floats], error: Floats) -> Curve:
+    """A curve without jumps, of pieces of degree 1 at least.
+
+    Args:
+        breaks: (m + 1,) s.
+        pieces: Control points of each; what rounding leaves between two goes into the later one, and into the error.
+        error: (nq,) of the control points.
+    """
+    pieces = [np.repeat(piece, 2, axis=0) if len(piece) == 1 else piece for piece in pieces]
+    moved = np.zeros_like(error)
     for k in range(1, len(pieces)):
         before, after = pieces[k - 1][-1], pieces[k]
         size = max(np.abs(pieces[k - 1]).max(), np.abs(after).max())
-        if (np.abs(before - after[0]) > _JOINT * size).any():
-            gap = float(np.abs(before - after[0]).max())
-            raise PlannercheckError(f"pieces {k - 1} and {k} are {gap:.3g} apart where they meet: no robot can jump")
+        gap = np.abs(before - after[0])
+        if (gap > _JOINT * size).any():
+            raise PlannercheckError(
+                f"pieces {k - 1} and {k} are {gap.max():.3g} apart where they meet: no robot can jump"
+            )
         pieces[k] = np.concatenate([before[None], after[1:]])
-    return Curve(breaks, tuple(pieces))
+        moved = np.maximum(moved, gap * (1 + 2 * UNIT))
+    return Curve(breaks, tuple(pieces), error + moved)
 
 
 def _bezier_of_span(knots: Floats, points: Floats, k: int, degree: int) -> Floats:

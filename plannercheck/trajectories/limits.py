@@ -57,7 +57,7 @@ def broken_limits(curve: Curve, names: Sequence[str], kind: Kind, lower: Floats,
         control = differentiated(curve.pieces[k], end - start, KINDS.index(kind))
         # A polynomial lies in the hull of its control points, so most columns need no roots.
         for j in np.flatnonzero((control.min(axis=0) < lower) | (control.max(axis=0) > upper)).tolist():
-            for s, value in _extremes(control[:, j]):
+            for s, value in extremes(control[:, j]):
                 over = max(value - upper[j], lower[j] - value)
                 if over > 0 and over > worst.get(names[j], (0.0, None))[0]:
                     limit = upper[j] if value > upper[j] else lower[j]
@@ -66,7 +66,7 @@ def broken_limits(curve: Curve, names: Sequence[str], kind: Kind, lower: Floats,
     return [worst[name][1] for name in names if name in worst]
 
 
-def _extremes(control: Floats) -> Iterator[tuple[float, float]]:
+def extremes(control: Floats) -> Iterator[tuple[float, float]]:
     """Parameters and values of a polynomial (degree + 1,) at its ends and where its derivative is 0."""
     degree = len(control) - 1
     powers = np.array(

@@ -1,6 +1,7 @@
 """Messages of trajectories: JointTrajectory, also within a RobotTrajectory, a DisplayTrajectory or a goal.
 
-In: a .yaml or .json file, as `ros2 topic echo` prints it. Out: `Points` in the order of a robot's joints.
+In: a message as plain data, e.g. of a .yaml or .json file as `ros2 topic echo` prints it. Out: `Points` in the order of
+a robot's joints.
 """
 
 from __future__ import annotations
@@ -30,44 +31,31 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.moveit_messages import transform
 from plannercheck.trajectories.controllers import Points
-from plannercheck.trajectories.joint_columns import check_plain_joints, columns_of
+from plannercheck.trajectories.joint_columns import columns_of
 
 TRAJECTORY_KEYS = ("header", "joint_names", "points")
 POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
 
 
-def read_points(path: Path, robot: Robot) -> Points:
-    """Reads the points of one message.
-
-    Args:
-        path: The file.
-        robot: Its joints, which take one number each; the message must have them all and no others.
-    """
-    with error_context(f"trajectory file {str(path)!r}"):
-        check_plain_joints(robot)
-        document = _document(path)
-        if document.get("trajectory_start"):
-            warnings.warn(
-                f"trajectory file {str(path)!r}: trajectory_start is not looked at: give start=, and hold other joints"
-                " by robot.holding",
-                stacklevel=3,
-            )
-        found = joint_trajectories(document)
-        if len(found) != 1:
-            raise PlannercheckError(f"holds {len(found)} JointTrajectory messages, and must hold one")
-        return _points(found[0], robot)
-
-
-def _document(path: Path) -> Node:
+def read_document(path: Path) -> Node:
+    """The message in a .yaml or .json file, as plain data."""
     content = read_bytes(path)
     if path.suffix.lower() in (".yaml", ".yml"):
         return mapping(parse_yaml(content), "it")
-    if path.suffix.lower() != ".json":
-        raise PlannercheckError("must be a .yaml or a .json file")
     try:
         return mapping(json.loads(content), "it")
     except (ValueError, RecursionError) as error:
         raise PlannercheckError(f"is no JSON: {error!s:.200}") from None
+
+
+def warn_of_start(path: Path, document: Node) -> None:
+    """Warns if a message says where the robot starts: nothing looks at it."""
+    if document.get("trajectory_start"):
+        warnings.warn(
+            f"trajectory file {str(path)!r}: trajectory_start is not looked at: give start=, and hold other joints"
+            " by robot.holding",
+            stacklevel=4,
+        )
 
 
 def joint_trajectories(document: Node) -> list[Node]:
@@ -91,7 +79,8 @@ def _check_base(node: Node) -> None:
                 raise PlannercheckError(f"moves {moved}: only joint_trajectory is supported")
 
 
-def _points(message: Node, robot: Robot) -> Points:
+def points_of(message: Node, robot: Robot) -> Points:
+    """The points of a JointTrajectory in the order of a robot's joints, which must be the message's."""
     check_keys(message, TRAJECTORY_KEYS)
     names = [text(name, "joint_names") for name in sequence(required(message, "joint_names"), "'joint_names'")]
     order = columns_of(names, robot)

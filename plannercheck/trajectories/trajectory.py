@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import contiguous, shown_array
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
@@ -22,9 +23,10 @@ from plannercheck.common.public_names import set_module
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.controllers import Controller, Points, curve_of
 from plannercheck.trajectories.curve import Curve
+from plannercheck.trajectories.files import read_points
 from plannercheck.trajectories.forms import of_bezier, of_bspline, of_polynomials
+from plannercheck.trajectories.library_curves import of_library
 from plannercheck.trajectories.limits import Excess, Kind, broken_limits
-from plannercheck.trajectories.messages import read_points
 from plannercheck.trajectories.timing import Timing
 from plannercheck.trajectories.written_messages import write_message
 
@@ -82,24 +84,25 @@ class Trajectory:
         return made
 
     @classmethod
-    def polynomials(cls, breaks: ArrayLike, coefficients: ArrayLike) -> Trajectory:
-        """A trajectory of polynomials, as drake's PiecewisePolynomial and SciPy's PPoly have them.
+    def polynomials(cls, breaks: Any, coefficients: ArrayLike | None = None) -> Trajectory:
+        """A trajectory of polynomials.
 
         Args:
-            breaks: (m + 1,) s, growing.
+            breaks: (m + 1,) s, growing; or, here and in `bezier` and `bspline`, an object of drake, ndcurves or SciPy
+                alone (library_curves.py lists them).
             coefficients: (m, nq, degree + 1), of 1, t − breaks[k], its square and so on.
         """
-        return cls.of_curve(of_polynomials(breaks, coefficients))
+        return cls.of_curve(of_library(breaks) if coefficients is None else of_polynomials(breaks, coefficients))
 
     @classmethod
-    def bezier(cls, breaks: ArrayLike, points: ArrayLike) -> Trajectory:
+    def bezier(cls, breaks: Any, points: ArrayLike | None = None) -> Trajectory:
         """A trajectory of Bézier curves: breaks (m + 1,) s, control points (m, degree + 1, nq)."""
-        return cls.of_curve(of_bezier(breaks, points))
+        return cls.of_curve(of_library(breaks) if points is None else of_bezier(breaks, points))
 
     @classmethod
-    def bspline(cls, knots: ArrayLike, points: ArrayLike) -> Trajectory:
+    def bspline(cls, knots: Any, points: ArrayLike | None = None) -> Trajectory:
         """A trajectory that is a B-spline: knots (n + degree + 1,) s, control points (n, nq)."""
-        return cls.of_curve(of_bspline(knots, points))
+        return cls.of_curve(of_library(knots) if points is None else of_bspline(knots, points))
 
     @classmethod
     def load(
@@ -108,19 +111,23 @@ class Trajectory:
         robot: Robot,
         controller: Controller = "jtc",
         start: ArrayLike | tuple[ArrayLike, ArrayLike] | None = None,
+        message: int | None = None,
     ) -> Trajectory:
         """Reads a JointTrajectory, also within a RobotTrajectory, DisplayTrajectory or FollowJointTrajectory goal.
 
         Args:
-            path: A .yaml or .json file, e.g. of `ros2 topic echo --once`.
+            path: A .yaml or .json file, e.g. of `ros2 topic echo --once`; a .csv or .npz (tables.py says which columns
+                and arrays); or a bag: its folder, .mcap, .db3 or .bag, which needs the extra `rosbags`.
             robot: Whose it is: its joints take one number each.
             controller: Who interpolates.
             start: Where the robot stands, as in the constructor.
+            message: Which of several messages, counted from 0.
 
         Raises:
-            PlannercheckError: If the file is malformed, or its joints are not the robot's.
+            PlannercheckError: If the file is malformed, its joints are not the robot's, or it holds several messages
+                and `message` is None; the error lists them.
         """
-        points = read_points(Path(path), robot)
+        points = read_points(Path(path), robot, message)
         turning = np.flatnonzero(robot.configuration_map.turning_columns()).tolist()
         arrays = (points.times, points.positions, points.velocities, points.accelerations)
         with error_context(f"trajectory file {str(path)!r}"):
@@ -201,26 +208,32 @@ def _points(
     if not np.isfinite(at).all() or at[0] < 0 or not (np.diff(at) > 0).all():
         wrong = int(np.argmin(np.concatenate([[at[0] >= 0], np.diff(at) > 0])))
         raise PlannercheckError(f"times must grow from 0 s on, but point {wrong} is at {at[wrong]} s")
-    if not np.isfinite(q).all():
-        raise PlannercheckError(f"positions must be finite: point {int(np.argmin(np.isfinite(q).all(axis=1)))} is not")
     if joint_names and len(joint_names) != q.shape[1]:
         raise PlannercheckError(f"joint_names must name the {q.shape[1]} columns, not {len(joint_names)}")
     v, a = _derivatives(velocities, "velocities", q), _derivatives(accelerations, "accelerations", q)
-    return Points(at, q, v, a, joint_names)
+    points = Points(at, q, v, a, joint_names)
+    _check_finite(points, "positions", np.isfinite(q))
+    for name, rows in (("velocities", v), ("accelerations", a)):
+        _check_finite(points, name, np.isfinite(rows) | np.isnan(rows).all(axis=1, keepdims=True))
+    return points
+
+
+def _check_finite(points: Points, name: str, good: Bools) -> None:
+    """Raises for the first number that is not good."""
+    if not good.all():
+        k, joint = np.argwhere(~good)[0].tolist()
+        value = getattr(points, name)[k, joint]
+        whole = "" if name == "positions" else ", or NaN for a whole point"
+        raise PlannercheckError(f"{name} must be finite{whole}: point {k}, {points.named(joint)} has {value}")
 
 
 def _derivatives(values: ArrayLike | None, name: str, positions: Floats) -> Floats:
-    """(n, nq) numbers whose rows are finite, or NaN throughout."""
+    """(n, nq) numbers; NaN if there are none."""
     if values is None:
         return np.full_like(positions, np.nan)
     rows = contiguous(values)
     if rows.shape != positions.shape:
         raise PlannercheckError(f"{name} must have the shape of positions, {positions.shape}, not {rows.shape}")
-    whole = np.isfinite(rows).all(axis=1) | np.isnan(rows).all(axis=1)
-    if not whole.all():
-        raise PlannercheckError(
-            f"{name} must be finite, or NaN for a whole point: point {int(np.argmin(whole))} is not"
-        )
     return rows
 
 

@@ -18,6 +18,7 @@ import yaml
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.trajectories.controllers import Points
+from plannercheck.trajectories.stamps import nanoseconds
 
 SUFFIXES = (".yaml", ".yml", ".json")
 
@@ -47,21 +48,21 @@ def check_suffix(path: Path) -> None:
 def message_of(points: Points) -> dict[str, Any]:
     """The message as plain data."""
     items = []
-    for k, nanoseconds in enumerate(_nanoseconds(points)):
+    for k, stamp in enumerate(_stamps(points)):
         item: dict[str, Any] = {"positions": points.positions[k].tolist()}
         if points.has_velocities[k]:
             item["velocities"] = points.velocities[k].tolist()
         if points.has_accelerations[k]:
             item["accelerations"] = points.accelerations[k].tolist()
-        sec, nanosec = divmod(nanoseconds, 10**9)
+        sec, nanosec = divmod(stamp, 10**9)
         items.append({**item, "time_from_start": {"sec": sec, "nanosec": nanosec}})
     return {"joint_names": list(points.joint_names), "points": items}
 
 
-def _nanoseconds(points: Points) -> list[int]:
+def _stamps(points: Points) -> list[int]:
     """The points' times as whole nanoseconds; raises if one is not the double nearest to such a time."""
-    stamps = np.rint(points.times * 1e9)
-    wrong = (stamps / 1e9 != points.times) | (points.times >= _MOST_SECONDS)
+    stamps, exact = nanoseconds(points.times)
+    wrong = ~exact | (points.times >= _MOST_SECONDS)
     if wrong.any():
         k = int(np.argmax(wrong))
         raise PlannercheckError(

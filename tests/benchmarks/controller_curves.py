@@ -3,7 +3,8 @@
 FOLDER is a copy of ros2_controllers, whose trajectory.cpp is compiled with stubs of what it includes. Random messages
 are linear, cubic and quintic, with points that lack derivatives, with the state before the first point, with continuous
 joints, and upsampled. Printed are the largest differences of positions, velocities and accelerations, by the size of
-the numbers in the message.
+the numbers in the message, and the largest difference of positions by the bound that the curve states
+(`Curve.error`), with the curve evaluated in rationals.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ import argparse
 import ctypes
 import subprocess
 import tempfile
+from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -137,7 +140,7 @@ def compiled(folder: Path, into: Path) -> ctypes.CDLL:
 
 
 def differences(library: ctypes.CDLL, rng: np.random.Generator) -> np.ndarray:
-    """(3,) the largest differences of a random message, by the size of its numbers."""
+    """(4,) the largest differences of a random message, by the size of its numbers; positions by the stated bound."""
     n, nq, samples = int(rng.integers(2, 8)), int(rng.integers(1, 4)), 20
     steps = rng.integers(10**6, 3 * 10**9, n) if rng.random() < 0.7 else rng.integers(10**6, 10**7, n)
     ns = np.cumsum(steps)
@@ -178,7 +181,24 @@ def differences(library: ctypes.CDLL, rng: np.random.Generator) -> np.ndarray:
     shortest = float(np.diff(made.curve.breaks).min())
     found = np.stack([made.position(times / 1e9), made.velocity(times / 1e9), made.acceleration(times / 1e9)], axis=1)
     size = max(np.abs(control).max() for control in made.curve.pieces)
-    return np.asarray(np.abs(found - out).max(axis=(0, 2)) * [1, shortest, shortest**2] / size)
+    by_size = np.abs(found - out).max(axis=(0, 2)) * [1, shortest, shortest**2] / size
+    return np.append(by_size, by_bound(made, times[:: samples // 3], out[:: samples // 3, 0]))
+
+
+def by_bound(made: Trajectory, times: np.ndarray, positions: np.ndarray) -> float:
+    """The largest difference of positions from the curve's rational values, by the stated bound."""
+    worst = 0.0
+    stamps = np.rint(made.curve.breaks * 1e9).astype(np.int64)
+    for time, row in zip(times.astype(np.int64).tolist(), positions.tolist(), strict=True):
+        k = int(np.searchsorted(stamps[1:-1], time, side="right"))
+        s = Fraction(time - int(stamps[k]), int(stamps[k + 1] - stamps[k]))
+        for j, position in enumerate(row):
+            points = [Fraction(x) for x in made.curve.pieces[k][:, j].tolist()]
+            while len(points) > 1:
+                points = [a + (b - a) * s for a, b in pairwise(points)]
+            difference, bound = abs(points[0] - Fraction(position)), Fraction(float(made.curve.error[j]))
+            worst = max(worst, float(difference / bound) if bound else float(difference > 0) * np.inf)
+    return worst
 
 
 def main() -> None:
@@ -192,8 +212,9 @@ def main() -> None:
         library = compiled(options.folder, Path(into))
         rng = np.random.default_rng(options.seed)
         worst = np.max([differences(library, rng) for _ in range(options.count)], axis=0)
-    for name, value in zip(("positions", "velocities", "accelerations"), worst, strict=True):
+    for name, value in zip(("positions", "velocities", "accelerations"), worst[:3], strict=True):
         print(f"{name}: {value:.2e} of the size of the numbers")
+    print(f"positions: {worst[3]:.3f} of the stated bound")
 
 
 if __name__ == "__main__":

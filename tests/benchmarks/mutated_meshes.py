@@ -34,7 +34,7 @@ _WORDS = (
     b"nan -1 3.0 x inf 1e400 0 7 99999999999999999999 4294967295 -0 1_0 0x10 1e 1,5 # \\ / // 1/ -2147483648".split()
 )
 
-_CORNERS = [
+CORNERS = [
     (0, 0, 0),
     (1.1, 0, 0),
     (1.1, 1.3, 0),
@@ -44,8 +44,8 @@ _CORNERS = [
     (1.1, 1.3, 0.7),
     (0, 1.3, 0.7),
 ]
-_QUADS = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (2, 3, 7, 6), (1, 2, 6, 5), (3, 0, 4, 7)]
-_TRIANGLES = [t for a, b, c, d in _QUADS for t in ((a, b, c), (a, c, d))]
+QUADS = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (2, 3, 7, 6), (1, 2, 6, 5), (3, 0, 4, 7)]
+_TRIANGLES = [t for a, b, c, d in QUADS for t in ((a, b, c), (a, c, d))]
 
 
 def _line(values) -> str:
@@ -55,7 +55,7 @@ def _line(values) -> str:
 def _stl_text() -> bytes:
     facets = "".join(
         "facet normal 0 0 1\n outer loop\n"
-        + "".join("  vertex " + _line(_CORNERS[k]) for k in t)
+        + "".join("  vertex " + _line(CORNERS[k]) for k in t)
         + " endloop\nendfacet\n"
         for t in _TRIANGLES
     )
@@ -63,14 +63,14 @@ def _stl_text() -> bytes:
 
 
 def _stl_bytes() -> bytes:
-    facets = [struct.pack("<12fH", 0, 0, 1, *(x for k in t for x in _CORNERS[k]), 0) for t in _TRIANGLES]
+    facets = [struct.pack("<12fH", 0, 0, 1, *(x for k in t for x in CORNERS[k]), 0) for t in _TRIANGLES]
     return b"solid or not".ljust(80) + struct.pack("<I", len(facets)) + b"".join(facets)
 
 
 def _obj() -> bytes:
-    text = "# a box, twice\nmtllib m.mtl\no left\n" + "".join("v " + _line(c) for c in _CORNERS) + "vt 0 0\nvn 0 0 1\n"
-    text += "".join("f " + _line(f"{k + 1}/1/1" for k in q) for q in _QUADS) + "g right\nusemtl red\n"
-    text += "".join("v " + _line((*c, 0.5, 0.5, 1)) for c in _CORNERS)
+    text = "# a box, twice\nmtllib m.mtl\no left\n" + "".join("v " + _line(c) for c in CORNERS) + "vt 0 0\nvn 0 0 1\n"
+    text += "".join("f " + _line(f"{k + 1}/1/1" for k in q) for q in QUADS) + "g right\nusemtl red\n"
+    text += "".join("v " + _line((*c, 0.5, 0.5, 1)) for c in CORNERS)
     return (text + "".join("f " + _line(k - 8 for k in t) for t in _TRIANGLES) + "f 1 2 \\\n3\nl 1 2\n").encode()
 
 
@@ -80,24 +80,24 @@ def _ply(form: str) -> bytes:
     )
     head += "property uchar red\nelement face 7\nproperty uchar q\nproperty list uchar int vertex_indices\n"
     head += "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
-    faces, strip = [*_QUADS, (0, 1, 2)], (0, 1, 2, 3, -1, 4, 5, 6)
+    faces, strip = [*QUADS, (0, 1, 2)], (0, 1, 2, 3, -1, 4, 5, 6)
     if form == "ascii":
-        rows = [*((*c, 9) for c in _CORNERS), *((5, len(f), *f) for f in faces), (len(strip), *strip)]
+        rows = [*((*c, 9) for c in CORNERS), *((5, len(f), *f) for f in faces), (len(strip), *strip)]
         return (head + "".join(map(_line, rows))).encode()
     order = "<" if "little" in form else ">"
-    body = b"".join(struct.pack(f"{order}dffB", *c, 9) for c in _CORNERS)
+    body = b"".join(struct.pack(f"{order}dffB", *c, 9) for c in CORNERS)
     body += b"".join(struct.pack(f"{order}BB{len(f)}i", 5, len(f), *f) for f in faces)
     return head.encode() + body + struct.pack(f"{order}{len(strip) + 1}i", len(strip), *strip)
 
 
 def _off() -> bytes:
-    text = "COFF # with colours\n# counts\n8 7 0\n" + "".join(_line((*c, 1, 0, 0, 1)) for c in _CORNERS) + "\n"
-    return (text + "".join(_line((4, *q, 255, 0, 0)) for q in _QUADS) + "3 0 1 2 # last\n").encode()
+    text = "COFF # with colours\n# counts\n8 7 0\n" + "".join(_line((*c, 1, 0, 0, 1)) for c in CORNERS) + "\n"
+    return (text + "".join(_line((4, *q, 255, 0, 0)) for q in QUADS) + "3 0 1 2 # last\n").encode()
 
 
 def _dae() -> bytes:
-    places = " ".join(str(x) for c in _CORNERS for x in c)
-    quads = " ".join(f"{k} 0" for q in _QUADS for k in q)
+    places = " ".join(str(x) for c in CORNERS for x in c)
+    quads = " ".join(f"{k} 0" for q in QUADS for k in q)
     return f"""<?xml version="1.0" encoding="utf-8"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><unit name="inch" meter="0.0254"/><up_axis>Y_UP</up_axis></asset>
@@ -120,7 +120,7 @@ def _dae() -> bytes:
 
 
 def _gltf(binary: bool) -> bytes:
-    body = b"".join(struct.pack("<3f", *c) for c in _CORNERS) + struct.pack("<36H", *(k for t in _TRIANGLES for k in t))
+    body = b"".join(struct.pack("<3f", *c) for c in CORNERS) + struct.pack("<36H", *(k for t in _TRIANGLES for k in t))
     body += struct.pack("<2H6f", 0, 7, *range(6))
     views = [(0, 96), (96, 72), (168, 4), (172, 24)]
     file = {
@@ -176,10 +176,9 @@ BASES = {
 }
 
 
-def mutated(name: str, seed: int) -> bytes:
-    """A base file after one random change, or up to three."""
+def mutated(content: bytes, seed: int) -> bytes:
+    """A file after one random change, or up to three."""
     random = np.random.default_rng(seed)
-    content = BASES[name]
     for _ in range(int(random.choice([1, 1, 1, 2, 3]))):
         content = _CHANGES[int(random.integers(len(_CHANGES)))](content, random)
     return content
@@ -355,7 +354,7 @@ def _work(connection: Connection) -> None:
     with tempfile.TemporaryDirectory() as folder:
         while (seed := connection.recv()) is not None:
             name = list(BASES)[seed % len(BASES)]
-            connection.send(_judge(name, mutated(name, seed), Path(folder)))
+            connection.send(_judge(name, mutated(BASES[name], seed), Path(folder)))
 
 
 class _Worker:
@@ -404,7 +403,7 @@ def main() -> int:
         if verdict not in ("loaded", "refused"):
             options.keep.mkdir(parents=True, exist_ok=True)
             kept = options.keep / f"{seed}_{name}"
-            kept.write_bytes(mutated(name, seed))
+            kept.write_bytes(mutated(BASES[name], seed))
             print(f"seed {seed}, {kept}: {verdict}", flush=True)
             verdict = "failed"
         tally[name, verdict] += 1

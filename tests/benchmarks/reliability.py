@@ -5,7 +5,8 @@ Run: `python tests/benchmarks/reliability.py [PART ...] --scale 100`.
 Each part counts its trials and says what broke, and the table of all is a line of JSON each in --output. With --scale
 100 they are those that a release needs: 100 kills and resumes over all formats; 1,000 damaged journals, cache files and
 body files each; 10,000 mutated inputs of each loader within 2 GB and 10 s each; a million changed scenes and 100,000
-plans at constant memory; eight threads for ten minutes. Exit code: 0 if every promise held, 1 if one did not.
+plans at constant memory; eight threads for ten minutes; 500 pools of forked workers. Exit code: 0 if every promise
+held, 1 if one did not.
 """
 
 from __future__ import annotations
@@ -26,8 +27,11 @@ from long_runs.counts import BrokenPromiseError, Counts
 
 FULL_SCALE = 100.0
 # How many trials each part makes at full scale; seconds for threads.
-FULL = {"kills": 100, "damage": 1_000, "mutants": 10_000, "scenes": 1_000_000, "plans": 100_000, "threads": 600}
-LEAST = {"kills": 2, "damage": 10, "mutants": 20, "scenes": 200, "plans": 40, "threads": 5}
+FULL = {
+    **{"kills": 100, "damage": 1_000, "mutants": 10_000, "scenes": 1_000_000, "plans": 100_000, "threads": 600},
+    "forks": 500,
+}
+LEAST = {"kills": 2, "damage": 10, "mutants": 20, "scenes": 200, "plans": 40, "threads": 5, "forks": 2}
 _SHOWN_FAULTS = 5  # of one loader
 _MEMORY_FOLDER = Path("/dev/shm")
 
@@ -73,7 +77,7 @@ def _rows(part: str, count: int, options: argparse.Namespace) -> Iterable[Counts
 
 
 def _row(part: str, count: int, options: argparse.Namespace) -> Counts:
-    from long_runs import concurrent, damage, kills, memory
+    from long_runs import concurrent, damage, kills, memory, pools
 
     rng = np.random.default_rng(options.seed)
     runs: dict[str, Callable[[Path], Counts]] = {
@@ -82,6 +86,7 @@ def _row(part: str, count: int, options: argparse.Namespace) -> Counts:
         "scenes": lambda folder: memory.scenes(folder, count, rng),
         "plans": lambda folder: memory.plans(folder, count, rng),
         "threads": lambda folder: concurrent.run(folder, count, rng),
+        "forks": lambda folder: pools.run(folder, count, rng),
     }
     # Kills are of a real disk; what is damaged trial by trial is in memory, where opening a file takes no time.
     with tempfile.TemporaryDirectory(dir=_fast_folder() if part == "damage" else None) as folder:

@@ -141,16 +141,19 @@ FACET = "facet normal 0 0 1|outer loop|vertex {}|vertex {}|vertex {}|endloop|end
 
 
 def stl_text(layout: str) -> bytes:
-    """Facets of the mesh as text STL: a line a part, indented, in capitals, on one line, or with blank lines."""
+    """Facets of the mesh as text STL: a line a part, indented, in capitals, on one line, with blank lines, or with two
+    corners of the first facet on one line and none on the next."""
     corners = ["".join(f" {x!r}" for x in c) for c in CORNERS.tolist()]
     text = "".join(FACET.format(*(corners[k] for k in f)) for f in TRIANGLES.tolist())
+    shared = text.replace("|vertex", "|Vertex", 1).replace("|vertex", " vertex", 1).replace("|vertex", "||vertex", 1)
+    text = shared if layout == "shared" else text
     text = {"words": text.replace("|", " "), "blank": text.replace("|", "\n\n")}.get(layout, text.replace("|", "\n"))
     text = {"capitals": text.upper(), "indented": text.replace("\n", "\n\t  ")}.get(layout, text)
     ends = {"mac": "\r", "dos": "\r\n"}.get(layout, "\n")
     return f"solid endsolid_a\n{text}\nendsolid x\n".replace("\n", ends).encode()
 
 
-LAYOUTS = ("lines", "indented", "capitals", "words", "blank", "mac", "dos")
+LAYOUTS = ("lines", "indented", "capitals", "words", "blank", "mac", "dos", "shared")
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)

@@ -14,6 +14,11 @@ COLUMNS = ",".join(f"j{k}" for k in range(7))
 UNHEEDED = {
     "tolerance of a set": (["validate", *PANDA, "q.npy", "--tolerance", "1e-3"], "--tolerance counts only with --path"),
     "straight set": (["validate", *PANDA, "q.npy", "--straight"], "--straight counts only with --path"),
+    "tube of a set": (["validate", *PANDA, "q.npy", "--tube", "0.1"], "--tube counts only with --path"),
+    "tube of straight motions": (
+        ["validate", *PANDA, "--path", "t.json", "--straight", "--tube", "0.1"],
+        "--tube counts only without --straight",
+    ),
     "key of an npy": (["validate", *PANDA, "q.npy", "--key", "q"], "--key counts only for .npz"),
     "columns of an npy": (["validate", *PANDA, "q.npy", "--columns", COLUMNS], "names no columns, so that --columns"),
     "columns of an npz": (["validate", *PANDA, "q.npz", "--columns", COLUMNS], "names no columns, so that --columns"),

@@ -23,6 +23,8 @@ ARRAYS = {
     "floats with both zeros": RNG.choice([-0.0, 0.0, 1.5, -2.0, np.inf], size=(30, 2)),
     "truth values": RNG.random((20, 4)) > 0.5,
     "large numbers": RNG.integers(0, 2, size=(20, 2)) * 2**62,
+    "rows that ascend": np.array([[-1, 7], [0.0, 1], [0, 2], [3, -1]]),
+    "rows that ascend by their last column": np.array([[1, 0], [0, 1]]),
     "one row": np.zeros((1, 3)),
     "no row": np.zeros((0, 3)),
 }
@@ -39,6 +41,7 @@ def test_groups_are_numpys(name):
         counts.tolist(),
     )
     assert np.array_equal(distinct_rows(rows)[0], values)
+    assert distinct_rows(rows)[1].tolist() == places.reshape(-1).tolist()
     flat, index, counts = np.unique(rows.reshape(-1), return_inverse=True, return_counts=True)
     assert np.array_equal(distinct(rows), flat)
     assert distinct(rows).dtype == rows.dtype

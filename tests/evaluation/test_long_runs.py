@@ -27,14 +27,15 @@ def rows_of(tmp_path: Path, *arguments: str) -> list[dict[str, object]]:
     return [json.loads(line) for line in table.read_text(encoding="utf-8").splitlines()]
 
 
-def test_damage_scenes_plans_and_threads(tmp_path: Path) -> None:
-    parts = ("damage", "scenes", "plans", "threads")
-    counts = ("--damage", "10", "--scenes", "60", "--plans", "8", "--threads", "1")
+def test_damage_scenes_plans_threads_and_forks(tmp_path: Path) -> None:
+    parts = ("damage", "scenes", "plans", "threads", "forks")
+    counts = ("--damage", "10", "--scenes", "60", "--plans", "8", "--threads", "1", "--forks", "1")
     rows = {row["part"]: row for row in rows_of(tmp_path, *parts, *counts)}
     assert rows["damage"]["bodies"] == rows["damage"]["cache files"] == rows["damage"]["journals"] == 10
     assert rows["scenes"]["calls"] == 60
     assert rows["plans"]["plans"] == 8
     assert rows["threads"]["threads"] == 8
+    assert rows["forks"]["calls"] == 80
 
 
 def test_kills(tmp_path: Path) -> None:

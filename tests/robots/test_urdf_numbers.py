@@ -190,6 +190,14 @@ def test_mimics_take_one_value(tmp_path, kind):
     refused(tmp_path, _with_mimic('joint="j"', kind), f"'m' is {kind}: both must be")
 
 
+def test_an_absurdly_long_type_is_cut_in_the_error(tmp_path):
+    """A mutated URDF: the error had 5,126 characters."""
+    (tmp_path / "r.urdf").write_text(_with_mimic('joint="j"').replace('"revolute"', f'"{5000 * "9"}"', 1))
+    with pytest.raises(pc.PlannercheckError, match=r"'j' is 9{20}") as caught:
+        pc.Robot.from_urdf(tmp_path / "r.urdf")
+    assert len(str(caught.value)) < 500
+
+
 # ---- links and joints
 
 

@@ -84,11 +84,12 @@ Segments curves(const ControlPoints& points, const Configurations* tubes = nullp
 }
 
 // MotionAnswer of each of n motions.
-auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, ControlPoints points,
-                   Configurations tubes, double tolerance, double kinematic_error, int threads) {
+auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, ControlPoints points, Configurations tubes,
+                   double tolerance, double kinematic_error, int threads) {
   const Segments motions = curves(points, &tubes);
   return bound.of_rows<std::uint8_t>(
-      points.shape(0), threads, [&](std::size_t row, std::size_t n, std::uint8_t* answers, MotionCertifier::Workspace& w) {
+      points.shape(0), threads,
+      [&](std::size_t row, std::size_t n, std::uint8_t* answers, MotionCertifier::Workspace& w) {
         bound.core().check(kinematics, motions.from(row), n, tolerance, kinematic_error, answers, w);
       });
 }

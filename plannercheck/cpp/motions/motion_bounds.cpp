@@ -154,9 +154,8 @@ void ChainTable::add_group(const MotionChains& chains, std::size_t first, std::s
 }
 
 void ChainTable::bound(const MotionChains& chains, const std::vector<Rate>& rates, ChainBounds& out) const {
-  const bool is_curve = std::any_of(rates.begin(), rates.end(), [](const Rate& rate) {
-    return rate.turn_change > 0 || rate.slide_change > 0;
-  });
+  const bool is_curve = std::any_of(rates.begin(), rates.end(),
+                                    [](const Rate& rate) { return rate.turn_change > 0 || rate.slide_change > 0; });
   return is_curve ? bound_rows<true>(chains, rates, out) : bound_rows<false>(chains, rates, out);
 }
 

@@ -31,7 +31,8 @@ MotionPiece piece_of(const MotionGrid& grid, std::size_t piece, std::size_t piec
   const double start = grid.parameter(0), length = grid.parameter(grid.intervals()) - start;
   const double from = start + length * static_cast<double>(piece) / whole,
                to = start + length * static_cast<double>(piece + 1) / whole;
-  const auto state = static_cast<std::size_t>((static_cast<double>(piece) + 0.5) / whole * static_cast<double>(grid.intervals()) + 0.5);
+  const auto state = static_cast<std::size_t>(
+      (static_cast<double>(piece) + 0.5) / whole * static_cast<double>(grid.intervals()) + 0.5);
   const double t = grid.parameter(state);
   return {state, larger(t - from, to - t) * (1 + 1e-9) + 0x1p-50};
 }

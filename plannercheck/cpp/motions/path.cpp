@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "math/simd.hpp"
+
 namespace plannercheck {
 namespace {
 
@@ -124,11 +126,13 @@ void Path::set(const Segment& motion) {
   std::copy_n(motion.end, width, q1_.begin());
   degree_ = motion.degree;
   largest_ = off_unit_ = 0;
-  for (std::size_t c = 0; c < width; ++c) sizes_[c] = larger(std::fabs(q0_[c]), std::fabs(q1_[c]));
   if (is_curve()) {
     control_.assign(motion.start, motion.start + (degree_ + 1) * width);
-    for (std::size_t k = 0; k < control_.size(); ++k) sizes_[k % width] = larger(sizes_[k % width], std::fabs(control_[k]));
     look_at(0, 1);
+  }
+  for (std::size_t c = 0; c < width; ++c) {
+    const double low = is_curve() ? on_curve_[c].low : q0_[c], high = is_curve() ? on_curve_[c].high : q1_[c];
+    sizes_[c] = larger(std::fabs(low), std::fabs(high));
   }
   for (std::size_t c = 0; c < width; ++c) largest_ = larger(largest_, size(c));
   tube_.clear();
@@ -140,38 +144,51 @@ void Path::set(const Segment& motion) {
   for (std::size_t part = 0; part < parts_.size(); ++part) set_part(part);
 }
 
-// Cutting errs by three roundings a level, and by two more where the place is rounded. Differences err by as many of the control points that are cut out,
-// and second differences by two more of first ones.
+// Cutting errs by three roundings a level, and by two more where the place is rounded. Differences err by as many of
+// the control points that are cut out, and second differences by two more of first ones.
 void Path::look_at(double from, double to) {
   const std::size_t width = q0_.size(), n = degree_;
   const auto degree = static_cast<double>(n);
-  const double length = to - from;
-  std::array<double, kMostDegree + 1> b;
-  for (const std::int32_t column : linear_) {
-    const std::size_t c = at_column(column);
-    for (std::size_t k = 0; k <= n; ++k) b[k] = control_[k * width + c];
-    double cut = 0;
-    if (to < 1) {  // up to `to`: the first points of each level
-      cut += 3 * degree * kHalfUnit * sizes_[c];
-      for (std::size_t level = 1; level <= n; ++level) {
-        for (std::size_t k = n; k >= level; --k) b[k] = (1 - to) * b[k - 1] + to * b[k];
-      }
+  const double length = to - from, rate = degree / length, change = rate * (degree - 1) / length;
+  double levels = 0;
+  if (length < 1) {
+    cut_ = control_;
+    cut_up_to(to);
+    cut_from(from / to);
+    levels = 8 * degree;
+  }
+  const double* const b = length < 1 ? cut_.data() : control_.data();
+  for (std::size_t c = 0; c < width; ++c) on_curve_[c] = {b[c], b[c], 0, 0};
+  for (std::size_t k = 1; k <= n; ++k) {
+    for (std::size_t c = 0; c < width; ++c) {
+      CurveBound& on = on_curve_[c];
+      const double here = b[k * width + c], before = b[(k - 1) * width + c];
+      on.low = smaller(on.low, here), on.high = larger(on.high, here);
+      on.rate = larger(on.rate, std::fabs(here - before));
+      if (k > 1) on.change = larger(on.change, std::fabs((here - before) - (before - b[(k - 2) * width + c])));
     }
-    if (from > 0) {  // from there on: the last points
-      const double s = from / to;
-      cut += 5 * degree * kHalfUnit * sizes_[c];
-      for (std::size_t level = 1; level <= n; ++level) {
-        for (std::size_t k = 0; k + level <= n; ++k) b[k] = (1 - s) * b[k] + s * b[k + 1];
-      }
+  }
+  for (std::size_t c = 0; c < width; ++c) {
+    CurveBound& on = on_curve_[c];
+    const double cut = levels * kHalfUnit * sizes_[c], first = on.rate + 2 * cut;
+    on = {on.low - cut, on.high + cut, rate * first, change * (on.change + 4 * cut + 4 * kHalfUnit * first)};
+  }
+}
+
+// The first points of each level are those up to a place, the last ones those from there on.
+void Path::cut_up_to(double place) {
+  const std::size_t width = q0_.size();
+  for (std::size_t level = 1; level <= degree_ && place < 1; ++level) {
+    for (std::size_t k = cut_.size(); k-- > level * width;) cut_[k] = (1 - place) * cut_[k - width] + place * cut_[k];
+  }
+}
+
+void Path::cut_from(double place) {
+  const std::size_t width = q0_.size();
+  for (std::size_t level = 1; level <= degree_ && place > 0; ++level) {
+    for (std::size_t k = 0; k < cut_.size() - level * width; ++k) {
+      cut_[k] = (1 - place) * cut_[k] + place * cut_[k + width];
     }
-    double low = b[0], high = b[0], first = 0, second = 0;
-    for (std::size_t k = 1; k <= n; ++k) {
-      low = smaller(low, b[k]), high = larger(high, b[k]);
-      first = larger(first, std::fabs(b[k] - b[k - 1]));
-      if (k > 1) second = larger(second, std::fabs((b[k] - b[k - 1]) - (b[k - 1] - b[k - 2])));
-    }
-    first += 2 * cut, second += 4 * cut + 4 * kHalfUnit * first;
-    on_curve_[c] = {low - cut, high + cut, degree * first / length, degree * (degree - 1) * second / (length * length)};
   }
 }
 
@@ -223,31 +240,31 @@ void Path::at(const double* t, std::size_t n, std::size_t stride, double* q) con
 }
 
 // Σ w[k] b[k] with the weights of Bernstein, (n over k) t^k (1 − t)^(n − k), each of which errs by less than 2n + 2
-// roundings of itself. As they add up to 1, a number errs by less than 3n + 4 of the largest control point. Both ends are
-// exact.
+// roundings of itself. As they add up to 1, a number errs by less than 3n + 4 of the largest control point. Both ends
+// are exact.
 void Path::curve_at(const double* t, std::size_t n, std::size_t stride, double* q) const {
-  constexpr std::size_t kAtOnce = 8;
+  constexpr auto kAtOnce = static_cast<std::size_t>(kLanes);
   const std::size_t width = q0_.size();
-  std::array<std::array<double, kAtOnce>, kMostDegree + 1> weights;
+  std::array<Lanes, kMostDegree + 1> weights;
   for (std::size_t first = 0; first < n; first += kAtOnce) {
     const std::size_t count = std::min(kAtOnce, n - first);
-    for (std::size_t i = 0; i < count; ++i) {
-      double power = 1, choices = 1;
-      for (std::size_t k = 0; k <= degree_; ++k) {
-        weights[k][i] = choices * power;
-        power *= t[first + i];
-        choices = choices * static_cast<double>(degree_ - k) / static_cast<double>(k + 1);  // exact
-      }
-      power = 1;
-      for (std::size_t k = degree_ + 1; k-- > 0; power *= 1 - t[first + i]) weights[k][i] *= power;
+    std::array<double, kAtOnce> some{};
+    std::copy_n(t + first, count, some.begin());
+    const Lanes s = load_lanes(some.data()), rest = 1 - s;
+    Lanes power = broadcast(1);
+    double choices = 1;
+    for (std::size_t k = 0; k <= degree_; ++k, power = power * s) {
+      weights[k] = choices * power;
+      choices = choices * static_cast<double>(degree_ - k) / static_cast<double>(k + 1);  // exact
     }
+    power = broadcast(1);
+    for (std::size_t k = degree_ + 1; k-- > 0; power = power * rest) weights[k] = weights[k] * power;
     for (const std::int32_t column : linear_) {
-      std::array<double, kAtOnce> sum{};
-      for (std::size_t k = 0; k <= degree_; ++k) {
-        const double b = control_[k * width + at_column(column)];
-        for (std::size_t i = 0; i < count; ++i) sum[i] += weights[k][i] * b;
-      }
-      std::copy_n(sum.begin(), count, q + at_column(column) * stride + first);
+      const double* const b = &control_[at_column(column)];
+      Lanes sum{};
+      for (std::size_t k = 0; k <= degree_; ++k) sum = sum + weights[k] * b[k * width];
+      store_lanes(some.data(), sum);
+      std::copy_n(some.begin(), count, q + at_column(column) * stride + first);
     }
   }
 }

@@ -3,8 +3,8 @@
 // In: which columns of a configuration form a circle, a quaternion, or a pose; a motion's numbers, which are two
 // configurations or the control points of a curve. Out: the configuration at any parameter in [0, 1]; bounds, on an
 // interval, of each number and of how fast each part turns and slides. Idea: on a straight motion every joint moves
-// along a constant twist (a screw), as Pinocchio's `interpolate` does: angles and lengths linearly, a (cosine, sine) the
-// short way round, a quaternion by slerp, planar and floating joints by the exponential of one twist. So no second
+// along a constant twist (a screw), as Pinocchio's `interpolate` does: angles and lengths linearly, a (cosine, sine)
+// the short way round, a quaternion by slerp, planar and floating joints by the exponential of one twist. So no second
 // derivative of an angle or a length counts, and the bounds of an interval are those of the whole path.
 //
 // On a curve, angles and lengths are polynomials by their Bernstein coefficients, the control points b[0] … b[n]: on an
@@ -23,8 +23,8 @@
 namespace plannercheck {
 
 // The numbers of a motion: its ends. Of a curve, whose degree is above 1, the control points are in rows from `start`
-// to `end`. `tube`: by how much each number may be off at every parameter, and then how far bodies have to stay apart, m;
-// null for none.
+// to `end`. `tube`: by how much each number may be off at every parameter, and then how far bodies have to stay apart,
+// m; null for none.
 struct Segment {
   const double *start, *end;
   std::size_t degree = 1;
@@ -50,7 +50,8 @@ struct Segments {
 // The highest degree of a curve.
 inline constexpr std::size_t kMostDegree = 31;
 
-// Whether each of n numbers stays between bounds on a straight motion; those of unit vectors are at most 1 and do not count.
+// Whether each of n numbers stays between bounds on a straight motion; those of unit vectors are at most 1 and do not
+// count.
 inline bool stays_within(const Segment& motion, std::size_t n, const double* low, const double* high) {
   bool within = true;
   for (std::size_t c = 0; c < n; ++c) {
@@ -77,8 +78,8 @@ struct PathPart {
   std::int32_t column;  // the first one
 };
 
-// Bounds of how fast a part or joint turns (rad) and slides (m) by the parameter, of its largest distance from its origin
-// (m), and of how fast turn and slide change.
+// Bounds of how fast a part or joint turns (rad) and slides (m) by the parameter, of its largest distance from its
+// origin (m), and of how fast turn and slide change.
 struct Rate {
   double turn = 0, slide = 0, extent = 0, turn_change = 0, slide_change = 0;
 };
@@ -115,8 +116,8 @@ class Path {
   Rate bound(std::int32_t column) const;
   // By how much a number may be off.
   double tube(std::int32_t column) const { return has_tube() ? tube_[at_column(column)] : 0; }
-  // The larger magnitude of a column at both ends, or of all control points, with the tube. Between them the position of
-  // a planar or floating joint may get three times as far (plannercheck/motions/joint_drives.py).
+  // The larger magnitude of a column at both ends, or of all control points, with the tube. Between them the position
+  // of a planar or floating joint may get three times as far (plannercheck/motions/joint_drives.py).
   double size(std::size_t column) const { return sizes_[column]; }
   // The largest of all columns; how far any circle or quaternion of the given numbers is off length 1.
   double largest() const { return largest_; }
@@ -138,6 +139,7 @@ class Path {
   std::vector<double> q0_, q1_, sizes_, tube_;
   std::size_t degree_ = 1;
   std::vector<double> control_;       // rows of all columns
+  std::vector<double> cut_;           // of the interval that is looked at
   std::vector<CurveBound> on_curve_;  // by column
   std::vector<PathPart> parts_;
   std::vector<Twist> twists_;
@@ -150,6 +152,8 @@ class Path {
     const double a = multiplier * on.low + offset, b = multiplier * on.high + offset, factor = std::fabs(multiplier);
     return {factor * on.rate, larger(std::fabs(a), std::fabs(b)), factor * on.change};
   }
+  void cut_up_to(double place);
+  void cut_from(double place);
   void curve_at(const double* t, std::size_t n, std::size_t stride, double* q) const;
   void set_part(std::size_t part);
   void part_at(std::size_t part, double t, double* q, std::size_t stride) const;

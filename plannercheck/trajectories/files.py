@@ -1,0 +1,71 @@
+"""Files of trajectories: messages, tables, and bags.
+
+In: a path, a robot. Out: `Points` in the order of the robot's joints; errors name the file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from plannercheck.common.checked_yaml import Node, error_context, sequence
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.robots.robot import Robot
+from plannercheck.trajectories.bags import read_bag
+from plannercheck.trajectories.controllers import Points
+from plannercheck.trajectories.joint_columns import check_plain_joints
+from plannercheck.trajectories.messages import joint_trajectories, points_of, read_document, warn_of_start
+from plannercheck.trajectories.tables import read_csv, read_npz
+
+_MESSAGES = (".yaml", ".yml", ".json")
+_BAGS = (".db3", ".mcap", ".bag")
+
+# Messages that an error lists.
+_MOST_LISTED = 20
+
+
+def read_points(path: Path, robot: Robot, message: int | None = None) -> Points:
+    """Reads the points of one trajectory.
+
+    Args:
+        path: A file, or the folder of a bag.
+        robot: Its joints, which take one number each; the file must have them all and no others.
+        message: Which JointTrajectory of several, counted from 0; None: the file must hold one.
+    """
+    suffix = path.suffix.lower()
+    with error_context(f"trajectory file {str(path)!r}"):
+        check_plain_joints(robot)
+        if not path.exists():
+            raise PlannercheckError("does not exist")
+        if path.is_dir() or suffix in _BAGS:
+            return points_of(_chosen(read_bag(path), message), robot)
+        if suffix in _MESSAGES:
+            document = read_document(path)
+            warn_of_start(path, document)
+            return points_of(_chosen([("", found) for found in joint_trajectories(document)], message), robot)
+        if message is not None:
+            raise PlannercheckError("holds one trajectory: leave message= out")
+        if suffix == ".csv":
+            return read_csv(path, robot)
+        if suffix == ".npz":
+            return read_npz(path, robot)
+        known = ", ".join((*_MESSAGES, ".csv", ".npz", *_BAGS))
+        raise PlannercheckError(f"must be one of {known}, or the folder of a bag")
+
+
+def _chosen(found: Sequence[tuple[str, Node]], message: int | None) -> Node:
+    """The message that is asked for, of messages with the topics they came by."""
+    if message is None and len(found) == 1:
+        return found[0][1]
+    if message is not None and 0 <= message < len(found):
+        return found[message][1]
+    listed = "; ".join(f"{k}: {_described(topic, node)}" for k, (topic, node) in enumerate(found[:_MOST_LISTED]))
+    listed += f"; and {len(found) - _MOST_LISTED} more" if len(found) > _MOST_LISTED else ""
+    choose = "choose one by message= (--message)" if found else "there is none to choose"
+    raise PlannercheckError(f"holds {len(found)} JointTrajectory messages: {choose}{listed and f': {listed}'}")
+
+
+def _described(topic: str, message: Node) -> str:
+    points = sequence(message.get("points"), "'points'")
+    joints = sequence(message.get("joint_names"), "'joint_names'")
+    return f"{topic and f'{topic}, '}{len(joints)} joints, {len(points)} points"

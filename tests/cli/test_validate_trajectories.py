@@ -1,0 +1,142 @@
+"""`validate --path` of trajectories: what the controller runs is judged, in words and in JSON."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from yaml import safe_load
+
+import plannercheck as pc
+from plannercheck.cli.main import main
+
+ROBOT = pc.Robot.load("panda")
+HOME = ROBOT.reference
+AWAY = HOME + 0.1
+
+
+@pytest.fixture(scope="module")
+def checker():
+    return pc.Checker(ROBOT, pc.Scene.load("bookshelf"))
+
+
+def saved(path: Path, q, v=None, times=None) -> Path:
+    times = np.arange(len(q), dtype=float) if times is None else times
+    pc.Trajectory(times, np.array(q), v, joint_names=ROBOT.joint_names).save(path)
+    return path
+
+
+def command(*words) -> int:
+    return main(["validate", "--robot", "panda", "--scene", "bookshelf", *map(str, words)])
+
+
+def judged(capsys, *words) -> tuple[int, dict]:
+    code = command("--format", "json", *words)
+    (found,) = json.loads(capsys.readouterr().out)
+    return code, found
+
+
+@pytest.fixture
+def free(tmp_path) -> Path:
+    v = np.zeros((3, 7))
+    v[1] = 0.3
+    return saved(tmp_path / "free.yaml", [HOME, AWAY, HOME], v)
+
+
+@pytest.fixture
+def through(tmp_path, checker) -> Path:
+    """Free at its three points, not between them."""
+    for seed in range(100):
+        a, b = ROBOT.random_configurations(2, seed)
+        file = saved(tmp_path / "through.yaml", [a, b, a], np.zeros((3, 7)), [0.0, 2.0, 4.0])
+        if checker.check_states([a, b]).all() and not checker.check_trajectory(pc.Trajectory.load(file, ROBOT)):
+            return file
+    raise AssertionError
+
+
+def test_a_message_with_velocities_is_judged_as_it_is_run(capsys, checker, free):
+    code, found = judged(capsys, "--path", free)
+    verdict = checker.explain_trajectory(pc.Trajectory.load(free, ROBOT))
+    assert code == 0
+    assert found["free"] is verdict.free is True
+    for key in ("free_until", "clearance", "clearance_at", "largest_tube"):
+        assert found[key] == getattr(verdict, key)
+    assert (found["controller"], found["pieces"], found["seconds"]) == ("jtc", 2, 2.0)
+    assert command("--path", free, "--tube", found["largest_tube"]) == 0
+    words = capsys.readouterr().out
+    assert f"run by jtc in 2 s, tube {found['largest_tube']:g}); clearance" in words
+    assert f"largest tube {found['largest_tube']:.3g}" in words
+
+
+def test_the_controller_and_the_tube_decide(capsys, free):
+    code, found = judged(capsys, "--path", free, "--controller", "linear")
+    assert (code, found["controller"]) == (0, "linear")
+    code, found = judged(capsys, "--path", free, "--tube", "1")
+    assert (code, found["free"], found["collides_at"]) == (1, False, None)
+    assert found["near_at"] is not None
+    assert len(found["pair"]) == 2
+    code, found = judged(capsys, "--path", free, "--tube", "0,0,0,0,0,0,1")
+    assert (code, found["tube"]) == (0, [0, 0, 0, 0, 0, 0, 1])
+
+
+def test_the_first_collision_is_told(capsys, through):
+    code, found = judged(capsys, "--path", through, "--controller", "jtc")
+    assert code == 1
+    assert 0 < found["free_until"] <= found["collides_at"] < 4
+    assert len(found["certificate"]["shared_point"]) == 3
+    assert command("--path", through, "--controller", "jtc") == 1
+    assert f"collides at {found['collides_at']:.6g} s: " in capsys.readouterr().out
+
+
+def test_the_way_from_where_the_robot_stands_counts(capsys, tmp_path):
+    file = saved(tmp_path / "t.yaml", [AWAY, HOME], None, [1.0, 2.0])
+    code, found = judged(capsys, "--path", file, "--start", ",".join(map(repr, HOME.tolist())))
+    assert (code, found["pieces"]) == (0, 2)
+
+
+def test_limits_are_told(capsys, tmp_path):
+    v = np.zeros((3, 7))
+    v[1, 0] = 3.0
+    file = saved(tmp_path / "fast.yaml", [HOME, AWAY, HOME], v)
+    (tmp_path / "joint_limits.yaml").write_text(
+        "joint_limits: {panda_joint1: {has_acceleration_limits: true, max_acceleration: 4.0}}"
+    )
+    assert judged(capsys, "--path", file)[1]["limits"] == []
+    code, found = judged(capsys, "--path", file, "--joint-limits", tmp_path / "joint_limits.yaml")
+    assert code == 1
+    assert [(each["joint"], each["kind"], each["limit"]) for each in found["limits"]] == [
+        ("panda_joint1", "velocity", 2.175),
+        ("panda_joint1", "acceleration", -4.0),
+    ]
+    assert command("--path", file, "--joint-limits", tmp_path / "joint_limits.yaml") == 1
+    assert "breaks a limit: panda_joint1: velocity 3 at 1 s, beyond 2.175" in capsys.readouterr().out
+
+
+def test_one_of_several_messages_is_chosen(capsys, tmp_path, free):
+    part = {"joint_trajectory": safe_load(free.read_text())}
+    (tmp_path / "two.json").write_text(json.dumps({"trajectory": [part, part]}))
+    assert command("--path", tmp_path / "two.json") == 2
+    assert "holds 2 JointTrajectory messages: choose one by message= (--message)" in capsys.readouterr().err
+    assert judged(capsys, "--path", tmp_path / "two.json", "--message", "1")[0] == 0
+
+
+def test_joints_that_the_start_holds_are_held(capsys, tmp_path, free):
+    """The fingers at 0.04 m, as the robot file has them, or wide open beside a shelf: the checker's robot changes."""
+    start = {"joint_state": {"name": ["panda_finger_joint1"], "position": [0.0]}}
+    message = {"trajectory_start": start, "trajectory": [{"joint_trajectory": safe_load(free.read_text())}]}
+    (tmp_path / "t.json").write_text(json.dumps(message))
+    _, found = judged(capsys, "--path", tmp_path / "t.json")
+    closed = pc.Checker(ROBOT.holding({"panda_finger_joint1": 0.0}), pc.Scene.load("bookshelf"))
+    assert found["clearance"] == closed.explain_trajectory(pc.Trajectory.load(free, ROBOT)).clearance
+
+
+def test_what_is_no_trajectory_is_named(capsys, tmp_path):
+    np.save(tmp_path / "q.npy", np.array([HOME, AWAY]))
+    assert command("--path", tmp_path / "q.npy", "--tube", "0.1") == 2
+    assert "must be one of .yaml, .yml, .json, .csv, .npz" in capsys.readouterr().err
+    words = ["--robot", "truck_trailer", "--scene", "parking", "--path", str(tmp_path / "q.npy"), "--controller", "jtc"]
+    np.save(tmp_path / "q.npy", np.zeros((2, pc.planar.Robot.load("truck_trailer").nq)))
+    assert main(["validate", *words]) == 2
+    assert "planar, and trajectories are of robots in space" in capsys.readouterr().err
