@@ -76,13 +76,14 @@ class Samples(OwnsArrays):
         return cls(even, s[1:-1] + bends / 6, (s[2:] - s[:-2]) / 2, bends)
 
 
-def fastest(curve: Curve, velocity: Floats, acceleration: Floats) -> Law | None:
+def fastest(curve: Curve, velocity: Floats, acceleration: Floats, least: float = 0.0) -> Law | None:
     """The fastest law from rest to rest.
 
     Args:
         curve: A section by its length.
         velocity: (nq,) largest speeds, rad/s and m/s.
         acceleration: (nq,) likewise, rad/s² and m/s².
+        least: How long a blend takes at least, s.
 
     Returns:
         The law; None if TOPP-RA finds none.
@@ -94,9 +95,11 @@ def fastest(curve: Curve, velocity: Floats, acceleration: Floats) -> Law | None:
     s = np.append(curve.breaks[:-1, None] + np.diff(curve.breaks)[:, None] * _GRID, curve.breaks[-1])
     unit = s / length
     unit[-1] = 1.0
+    slow = [np.diff(curve.breaks)[k] / least if least and len(p) > 2 else np.inf for k, p in enumerate(curve.pieces)]
+    speeds = np.append(np.repeat(slow, len(_GRID)), np.inf) * (second / length)
     algorithm = toppra.algorithm.TOPPRA(
         [
-            toppra.constraint.JointVelocityConstraint(_band(velocity * (second / length))),
+            _velocity(toppra, velocity * (second / length), speeds),
             toppra.constraint.JointAccelerationConstraint(_band(acceleration * (second * second / length))),
         ],
         _path(toppra, curve, length),
@@ -114,6 +117,18 @@ def fastest(curve: Curve, velocity: Floats, acceleration: Floats) -> Law | None:
 
 def _band(limits: Floats) -> Floats:
     return np.stack([-limits, limits], axis=1)
+
+
+def _velocity(toppra: Any, velocity: Floats, speeds: Floats) -> Any:
+    """Limits of joints (nq,), and of the path's own speed at the places of the grid."""
+
+    class Velocity(toppra.constraint.JointVelocityConstraint):  # type: ignore[misc]
+        def compute_constraint_params(self, path: Any, gridpoints: Any) -> Any:
+            found = super().compute_constraint_params(path, gridpoints)
+            found[-1][:, 1] = np.minimum(found[-1][:, 1], speeds**2)  # bounds of squares
+            return found
+
+    return Velocity(_band(velocity))
 
 
 def _path(toppra: Any, curve: Curve, length: float) -> Any:

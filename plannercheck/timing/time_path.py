@@ -11,7 +11,7 @@ closer, so that the curve is nearer to the path; at the finest step, blends that
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,7 @@ from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
 from plannercheck.timing.rounded_path import Legs, sections
-from plannercheck.timing.timed_section import FINEST, STEP, TimedSection, joined, timed
+from plannercheck.timing.timed_section import HALVINGS, TimedSection, joined, timed
 from plannercheck.trajectories import joint_limits
 from plannercheck.trajectories.curve import Curve
 from plannercheck.trajectories.joint_columns import check_plain_joints
@@ -37,7 +37,11 @@ from plannercheck.trajectories.timing import Timing
 from plannercheck.trajectories.trajectory import Trajectory
 
 # A blend is halved so often; then the trajectory stops at the corner.
-_HALVINGS = 6
+_BLEND_HALVINGS = 6
+
+# Plans have motions that are proved although they come nearer than the tolerance. Where a part of such a motion is
+# refused, this part of the tolerance is taken.
+_FINER = 0.01
 
 
 @set_module("plannercheck")
@@ -91,7 +95,8 @@ def time_path(
         acceleration: (nq,) largest accelerations or one number, rad/s² and m/s²; or a joint_limits.yaml.
         blend: How far from a corner its blend may pass at most, rad and m (MoveIt's path_tolerance). 0: stop at each.
         tube: How far joints may be off the trajectory in the proof, (nq,) or one number, rad and m.
-        tolerance: What comes nearer to a collision than this may be refused, m.
+        tolerance: What comes nearer to a collision than this may be refused, m. Where a path is refused, a hundredth is
+            tried, too.
 
     Returns:
         The trajectory, from rest to rest. The limits hold between its points as well. Its attribute `timing` tells
@@ -109,17 +114,22 @@ def time_path(
     if not blend >= 0:
         raise PlannercheckError(f"blend must be at least 0, not {blend!r:.40}")
     limits = _limits(robot, velocity, acceleration, np.ptp(legs.points, axis=0) > 0)
-    judge = _Judge(checker, tube, tolerance)
-    _check_legs(judge, legs)
     wanted = legs.blends(blend)
-    sizes = _proved_blends(judge, legs, wanted)
-    trajectory, sizes = _proved(judge, legs, limits, wanted, sizes)
-    stopping = joined(_all_timed(legs, limits, np.zeros_like(wanted), STEP), robot.joint_names)
+    judge = _Judge(checker, tube, tolerance)
+    try:
+        trajectory, sizes = _proved(judge, legs, limits, wanted)
+    except UnprovedPathError:
+        judge = replace(judge, tolerance=tolerance * _FINER)
+        trajectory, sizes = _proved(judge, legs, limits, wanted)
+    stopping = joined(_all_timed(legs, limits, np.zeros_like(wanted))[0], robot.joint_names)
+    if stopping.duration < trajectory.duration and judge.free([stopping])[0]:
+        trajectory, sizes = stopping, np.zeros_like(wanted)
     trajectory.timing = Timing(
         saved=stopping.duration - trajectory.duration,
         corners=len(wanted) - 2,
         stops=int((sizes[1:-1] == 0).sum()),
         cut=int((sizes < wanted).sum()),
+        tolerance=judge.tolerance,
     )
     return trajectory
 
@@ -196,19 +206,21 @@ def _proved_blends(judge: _Judge, legs: Legs, wanted: Floats) -> Floats:
 
 
 def _halved(sizes: Floats, wanted: Floats) -> Floats:
-    return np.where(sizes > wanted * 0.5**_HALVINGS, sizes / 2, 0.0)
+    return np.where(sizes > wanted * 0.5**_BLEND_HALVINGS, sizes / 2, 0.0)
 
 
-def _proved(judge: _Judge, legs: Legs, limits: JointLimits, wanted: Floats, sizes: Floats) -> tuple[Trajectory, Floats]:
-    """The trajectory that is proved, and its blends (k,)."""
-    step = STEP
+def _proved(judge: _Judge, legs: Legs, limits: JointLimits, wanted: Floats) -> tuple[Trajectory, Floats]:
+    """The trajectory that is proved, and its blends (k,), at most those wanted."""
+    _check_legs(judge, legs)
+    sizes = _proved_blends(judge, legs, wanted)
+    halvings = 0
     while True:
-        parts = _all_timed(legs, limits, sizes, step)
+        parts, sizes = _all_timed(legs, limits, sizes, halvings)
         trajectory = joined(parts, judge.checker.robot.joint_names)
         if judge.free([trajectory])[0]:
             return trajectory, sizes
-        if step > FINEST:
-            step /= 2
+        if halvings < HALVINGS:
+            halvings += 1
             continue
         corners, refused_legs = _failing(judge, parts, trajectory)
         corners = corners or [end for leg in refused_legs for end in (leg, leg + 1) if sizes[end] > 0]
@@ -218,15 +230,23 @@ def _proved(judge: _Judge, legs: Legs, limits: JointLimits, wanted: Floats, size
         sizes[corners] = _halved(sizes[corners], wanted[corners])
 
 
-def _all_timed(legs: Legs, limits: JointLimits, sizes: Floats, step: float) -> list[TimedSection]:
-    parts = []
-    for section in sections(legs, sizes):
-        found = timed(section, limits, step)
-        if found is None:
-            first, last = legs.given[section.legs[0]], legs.given[section.legs[-1] + 1]
-            raise PlannercheckError(f"TOPP-RA finds no time law from configuration {first} of the path to {last}")
-        parts.append(found)
-    return parts
+def _all_timed(legs: Legs, limits: JointLimits, sizes: Floats, halvings: int = 0) -> tuple[list[TimedSection], Floats]:
+    """The sections with their points, and the blends (k,): none where TOPP-RA finds no law through them."""
+    sizes = sizes.copy()
+    while True:
+        parts, lawless = list[TimedSection](), list[int]()
+        for section in sections(legs, sizes):
+            found = timed(section, limits, halvings)
+            if found is not None:
+                parts.append(found)
+                continue
+            if len(section.legs) == 1:
+                first, last = legs.given[section.legs[0]], legs.given[section.legs[0] + 1]
+                raise PlannercheckError(f"TOPP-RA finds no time law from configuration {first} of the path to {last}")
+            lawless += [corner for corner in section.corners if corner is not None]
+        if not lawless:
+            return parts, sizes
+        sizes[lawless] = 0.0
 
 
 def _failing(judge: _Judge, parts: Sequence[TimedSection], trajectory: Trajectory) -> tuple[list[int], list[int]]:

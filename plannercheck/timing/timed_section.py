@@ -20,16 +20,17 @@ from plannercheck.timing.rounded_path import Section
 from plannercheck.timing.time_law import Law, Samples, fastest
 from plannercheck.trajectories.controllers import Points
 from plannercheck.trajectories.joint_limits import JointLimits
-from plannercheck.trajectories.limits import broken_limits
 from plannercheck.trajectories.trajectory import Trajectory
 
-# Steps between points, s: the first that is tried, and the least. Plans of the Panda take 1 % longer than TOPP-RA's at
-# the first one (tests/benchmarks/rounded_plans.py).
-STEP = 0.02
-FINEST = STEP / 8
+# First step between points, s: plans of the Panda then take about 1 % longer than TOPP-RA's law. A section has so many
+# steps at first at most, and steps are halved so often at most.
+STEP, _STEPS, HALVINGS = 0.02, 500, 3
+
+# A blend takes so many of the least steps at least, or the whole section would be slowed down for it.
+_STEPS_A_BLEND = 10
 
 # Slowing down by more than this calls for more points.
-_SLOWER = 1.02
+_SLOWER = 1.04
 
 # Slowed down a little further, for the rounding of times.
 _MARGIN = 1 + 1e-9
@@ -52,15 +53,27 @@ class TimedSection(OwnsArrays):
     pieces: Ints64
 
 
-def timed(section: Section, limits: JointLimits, step: float) -> TimedSection | None:
-    """A section with its points, at most `step` s apart at first; None if TOPP-RA finds no law."""
+def timed(section: Section, limits: JointLimits, halvings: int) -> TimedSection | None:
+    """A section with its points; None if TOPP-RA finds no law.
+
+    Args:
+        section: The section.
+        limits: Of each joint.
+        halvings: How often the first step is halved; it is halved further where that makes the section faster.
+    """
     law = fastest(section.curve, limits.velocity, limits.acceleration)
     if law is None:
         return None
-    found, factor = _sampled(section, law, limits, step)
-    while factor > _SLOWER and step > FINEST:
-        step /= 2
-        found, factor = _sampled(section, law, limits, step)
+    first = max(STEP, float(law.times[-1]) / _STEPS)
+    if len(section.legs) > 1:
+        least = _STEPS_A_BLEND * first * 0.5**HALVINGS
+        law = fastest(section.curve, limits.velocity, limits.acceleration, least)
+    if law is None:
+        return None
+    found, factor = _sampled(section, law, limits, first * 0.5**halvings)
+    while factor > _SLOWER and halvings < HALVINGS:
+        halvings += 1
+        found, factor = _sampled(section, law, limits, first * 0.5**halvings)
     return found
 
 
@@ -88,13 +101,19 @@ def _points(by_sample: tuple[Floats, Floats, Floats], nanoseconds: int) -> Point
 
 
 def _excess(points: Points, limits: JointLimits) -> float:
-    """By what factor points have to be slowed down to keep the limits; at most 1 if they do."""
-    curve = Trajectory(points.times, points.positions, points.velocities, points.accelerations).curve
-    names = [str(j) for j in range(curve.nq)]
-    speeds = broken_limits(curve, names, "velocity", -limits.velocity, limits.velocity)
-    bends = broken_limits(curve, names, "acceleration", -limits.acceleration, limits.acceleration)
-    factors = [each.value / each.limit for each in speeds] + [(each.value / each.limit) ** 0.5 for each in bends]
-    return max(factors, default=1.0)
+    """By what factor points have to be slowed down to keep the limits; at most 1 if they do.
+
+    The derivatives of the polynomials are in the hull of their control points.
+    """
+    (p, q), (v, w), (a, b) = (
+        (rows[:-1], rows[1:]) for rows in (points.positions, points.velocities, points.accelerations)
+    )
+    h = np.diff(points.times)[:, None]
+    after, before = v + a * (h / 4), w - b * (h / 4)
+    middle = 5 * (q - p) / h - 2 * (v + w) + (b - a) * (h / 4)
+    speeds = np.abs([v, after, middle, before, w]) / limits.velocity
+    bends = np.abs([a, 4 * (middle - after) / h, 4 * (before - middle) / h, b]) / limits.acceleration
+    return float(max(speeds.max(), bends.max() ** 0.5))
 
 
 def joined(sections: Sequence[TimedSection], names: Sequence[str]) -> Trajectory:

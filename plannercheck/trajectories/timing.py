@@ -14,9 +14,11 @@ class Timing:
         corners: How many corners the plan has; a waypoint on a straight line is none.
         stops: How many of them the trajectory stops at.
         cut: How many blends had to be made smaller, or given up, until the trajectory was proved.
+        tolerance: With which it was proved, m: the one that was asked for, or less.
     """
 
     saved: float
     corners: int
     stops: int
     cut: int
+    tolerance: float

@@ -11,7 +11,7 @@ from scipy.interpolate import BPoly
 
 import plannercheck as pc
 from plannercheck.ompl.plans import Plan
-from plannercheck.timing import time_path, timed_section
+from plannercheck.timing import timed_section
 from plannercheck.timing.time_path import UnprovedPathError
 
 ACCELERATION = np.array([3.75, 1.875, 2.5, 3.125, 3.75, 5, 5])
@@ -75,7 +75,7 @@ def test_blending_is_near_the_optimum_and_stopping_is_slower(tmp_path):
     stopping = pc.time_path(checker, CORNER, 1.0, 2.0, blend=0)
     check_as_run(checker, stopping, CORNER, 1.0, 2.0)
     assert stopping.duration == pytest.approx(3.0, rel=0.06)
-    assert stopping.timing == pc.trajectories.Timing(saved=0.0, corners=1, stops=1, cut=0)
+    assert stopping.timing == pc.trajectories.Timing(saved=0.0, corners=1, stops=1, cut=0, tolerance=1e-4)
     blended = pc.time_path(checker, CORNER, 1.0, 2.0)
     assert 2.3 < blended.duration < 2.75
     assert blended.timing.saved == pytest.approx(stopping.duration - blended.duration, abs=1e-9)
@@ -103,7 +103,27 @@ def test_it_stops_at_a_corner_without_room(tmp_path):
     checker = gantry(tmp_path, inside_corner(0.0005))
     made = pc.time_path(checker, CORNER, 1.0, 2.0)
     check_as_run(checker, made, CORNER, 1.0, 2.0)
-    assert made.timing == pc.trajectories.Timing(saved=0.0, corners=1, stops=1, cut=1)
+    assert made.timing == pc.trajectories.Timing(saved=0.0, corners=1, stops=1, cut=1, tolerance=1e-4)
+
+
+def test_a_path_nearer_than_the_tolerance_is_proved_by_a_finer_one(tmp_path, monkeypatch):
+    proved = pc.Checker.check_trajectories
+
+    def check(self, trajectories, tube, tolerance):
+        return proved(self, trajectories, tube, tolerance) & (tolerance < 1e-5)
+
+    monkeypatch.setattr(pc.Checker, "check_trajectories", check)
+    made = pc.time_path(gantry(tmp_path), CORNER, 1.0, 2.0)
+    assert made.timing.tolerance == pytest.approx(1e-6)
+    assert made.timing.cut == 0
+
+
+@pytest.mark.parametrize("blend", [1e-7, 1e-5, 1e-3])
+def test_short_blends_do_not_slow_down_the_rest(tmp_path, blend):
+    path, acceleration = CORNER * 3, np.array([20.0, 0.5])
+    made = pc.time_path(gantry(tmp_path), path, np.inf, acceleration, blend=blend)
+    check_as_run(gantry(tmp_path), made, path, np.inf, acceleration)
+    assert made.timing.saved >= 0
 
 
 def test_a_segment_that_is_not_free_is_named(tmp_path):
@@ -136,7 +156,7 @@ def test_points_are_set_closer_where_the_curve_leaves_the_path(tmp_path, monkeyp
     """Points 0.4 s apart cut the corner by some mm; the room outside it is 0.1 mm."""
     outside = (-0.5, -0.5, 1.5, -HALF - 1e-4), (1 + HALF + 1e-4, -0.4, 1.5, 1.5)
     checker = gantry(tmp_path, *outside)
-    monkeypatch.setattr(time_path, "STEP", 0.4)
+    monkeypatch.setattr(timed_section, "STEP", 0.4)
     monkeypatch.setattr(timed_section, "_SLOWER", 9.0)
     far = pc.time_path(gantry(tmp_path), CORNER, 1.0, 2.0)
     assert not checker.check_states(as_run(far)(np.linspace(0, far.duration, 10000))).all()

@@ -24,7 +24,7 @@ def test_the_curve_through_the_points_stays_on_the_section(blend):
     legs = Legs.through(np.cumsum(np.random.default_rng(5).normal(size=(5, 3)), axis=0))
     limits = JointLimits(np.array([1.0, 2.0, np.inf]), np.array([2.0, 5.0, 3.0]))
     (section,) = sections(legs, legs.blends(blend))
-    found = timed(section, limits, 0.02)
+    found = timed(section, limits, 0)
     rows = np.stack([found.points.positions, found.points.velocities, found.points.accelerations], axis=1)
     run = BPoly.from_derivatives(found.points.times, rows)
     path = section.curve.at(np.linspace(0, section.curve.breaks[-1], 20000))
