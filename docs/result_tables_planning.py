@@ -85,7 +85,7 @@ def rounded_plans() -> str:
     for row in found["rows"]:
         parts = [f"{100 * row[field] / row['plans']:.0f} %" for field in _EXECUTED]
         saved, cut, stops = f"{100 * row['saved']:.0f} %", row["cut"], row["stops"]
-        lines.append((row["set"].removesuffix("_panda"), row["plans"], *parts, saved, row["corners"], cut, stops))
+        lines.append((row["set"].replace("_panda", ", set"), row["plans"], *parts, saved, row["corners"], cut, stops))
     header = ("set", "plans", "rounded collides", "missed", "spline collides", "spline proved", "timed: proved")
     return table((*header, "time saved", "corners", "cut", "stops"), lines) + "\n" + provenance(found)
 
