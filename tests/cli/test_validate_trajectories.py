@@ -81,6 +81,15 @@ def test_the_controller_and_the_tube_decide(capsys, free):
     assert (code, found["tube"]) == (0, [0, 0, 0, 0, 0, 0, 1])
 
 
+def test_a_proof_is_written_and_verified(capsys, tmp_path, free):
+    code, found = judged(capsys, "--path", free, "--tube", "0.02", "--certify")
+    assert (code, found["proof"], found["proof_fault"]) == (0, str(tmp_path / "free.proof.json"), None)
+    same = ["--robot", "panda", "--scene", "bookshelf", "--path", str(free), "--controller", "jtc"]
+    assert main(["verify", found["proof"], *same, "--tube", "0.02"]) == 0
+    assert main(["verify", found["proof"], *same, "--tube", "0.03"]) == 1  # wider than what is proved
+    capsys.readouterr()
+
+
 def test_the_first_collision_is_told(capsys, through):
     code, found = judged(capsys, "--path", through, "--controller", "jtc")
     assert code == 1
