@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.model_comparisons import Comparison, set_model_comparison, set_path_reader
+from plannercheck.common.model_comparisons import Comparison, set_message_reader, set_model_comparison, set_path_reader
 from plannercheck.common.version import __version__
 
 if TYPE_CHECKING:
@@ -110,14 +110,22 @@ def _comparison(home: str) -> Comparison:
     return compare
 
 
-def _read_path(path: Any, joint_names: Sequence[str], width: int) -> Any:
-    return importlib.import_module("plannercheck.validation.formats.paths").read_path(path, joint_names, width)
+def _read_path(path: Any, joint_names: Sequence[str], width: int, robot: Any) -> Any:
+    return importlib.import_module("plannercheck.validation.formats.paths").read_proved_path(
+        path, joint_names, width, robot
+    )
+
+
+def _read_message(path: Any, joint_names: Sequence[str]) -> Any:
+    joints = importlib.import_module("plannercheck.trajectories.joint_columns").NamedJoints("the proof", joint_names)
+    return importlib.import_module("plannercheck.trajectories.files").read_points_of(path, joints)
 
 
 # `Proof.verify` with a robot compares the proof's model with files, which takes folders above `proofs`.
 set_model_comparison("space", _comparison("motions.proof_confirmation"))
 set_model_comparison("plane", _comparison("planar.proof_confirmation"))
 set_path_reader(_read_path)
+set_message_reader(_read_message)
 
 __all__ = [
     "Box",

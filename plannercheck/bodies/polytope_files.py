@@ -60,7 +60,7 @@ def read(path: Path) -> bytes:
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise PlannercheckError(f"can't read a body from {path}: {error}") from error
+        raise PlannercheckError(f"can't read a body from {path}: {error.strerror or error}") from error
     header = _header()
     if not content.startswith(_MAGIC):
         raise PlannercheckError(f"{path} is no file of a prepared body: it does not start with {_MAGIC.decode()!r}")

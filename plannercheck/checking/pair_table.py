@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Bools
 from plannercheck.common.arrays import read_only
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.user_warnings import warn
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
 
@@ -70,6 +71,18 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
     fixed = robot.remembered("fixed", lambda: _on_fixed_links(robot))
     obstacles, static = _with_obstacles(kept & ~fixed[:, None]), _with_obstacles(kept & fixed[:, None])
     return PairTable(read_only(np.concatenate([own, obstacles])), read_only(static), len(own))
+
+
+def warn_of_unknown_names(robot: Robot, scene: Scene) -> None:
+    """Warns of pairs that a user allows or forbids to touch by a name that there is not."""
+    names = [*robot.link_names, *(item.name for item in (*robot.carried, *scene.objects))]
+    unknown = sorted({name for pair in scene.allowed.asked for name in pair}.difference(names))
+    if unknown:
+        more = f" (and {len(unknown) - 1} more)" if len(unknown) > 1 else ""
+        warn(
+            f"scene {scene.name!r} says which pairs may touch by an {unknown_name('link or object', unknown[0], names)}"
+            f"{more}; such an entry does nothing"
+        )
 
 
 def _with_obstacles(chosen: Bools) -> NDArray[np.int32]:

@@ -30,7 +30,7 @@ from plannercheck.checking.compiled_tables import CompiledTables
 from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.checking.padding import Padding
 from plannercheck.checking.pair_proofs import MeetingProofs
-from plannercheck.checking.pair_table import Acm
+from plannercheck.checking.pair_table import Acm, warn_of_unknown_names
 from plannercheck.checking.point_queries import PointChecker
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.checking.scene_placement import place_objects
@@ -138,6 +138,8 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         place_objects(settings.robot, self.scene)
         self.robot = settings.carrier(self.scene.attached, None if same is None else same.robot)
         self._kernel = self.robot.kinematics if settings.kinematics == "batch" else None
+        if earlier is None:
+            warn_of_unknown_names(self.robot, self.scene)
         padded = settings.padded(self.robot, self.scene, is_first=earlier is None)
         self.bodies, self._labels, paddings, (pairs, at_rest) = padded
         self.paddings, self.pairs = read_only(paddings), read_only(pairs)

@@ -25,7 +25,7 @@ from plannercheck.cli.bench_options import (
 )
 from plannercheck.cli.robot_options import robot_of
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench import from_files, many_boxes, motions, plans, set_up
+from plannercheck.evaluation.bench import from_files, many_boxes, motions, plans, set_up, trajectories
 from plannercheck.evaluation.bench.from_files import FromFilesRow
 from plannercheck.evaluation.bench.many_boxes import BoxesRow
 from plannercheck.evaluation.bench.motion_sets import MotionSet, random_sets, recorded_set
@@ -35,6 +35,7 @@ from plannercheck.evaluation.bench.plans import PlanRow, Tally
 from plannercheck.evaluation.bench.problems import name_of_set, tasks
 from plannercheck.evaluation.bench.set_up import SetUpRow
 from plannercheck.evaluation.bench.tables import number
+from plannercheck.evaluation.bench.trajectories import TrajectoryRow
 from plannercheck.ompl import LONGEST_MOTION
 from plannercheck.robots.robot import Robot
 
@@ -241,8 +242,34 @@ def _print_plans(rows: Sequence[PlanRow]) -> None:
         show(rows, columns)
 
 
+def _add_trajectories(parser: argparse.ArgumentParser) -> None:
+    add_robot(parser)
+    add_scenes(parser)
+    parser.add_argument("--trajectories", type=positive, default=40, help="of 3 s each (default: %(default)s)")
+    add_seed(parser)
+
+
+def _run_trajectories(options: argparse.Namespace) -> None:
+    rows: list[TrajectoryRow] = []
+    for scene in options.scene:
+        checker = checker_in(robot_of(options), scene)
+        found = trajectories.measure(checker, options.trajectories, options.rounds, options.seed, note)
+        print(f"\n{checker.robot.name} in {checker.scene.name}: trajectories of 3 s, 30 quintic pieces, all free")
+        columns: dict[str, Callable[[TrajectoryRow], object]] = {
+            "method": lambda row: row.method,
+            "µs a trajectory": lambda row: f"{row.microseconds:.1f}",
+            "x": ratio_of,
+            "refused": lambda row: row.refused,
+            "of": lambda row: row.trajectories,
+        }
+        show(found, columns)
+        rows += found
+    keep(options.output, "trajectories", rows)
+
+
 SUBCOMMANDS = {
     "motions": Subcommand("proved motions beside motions that others sample", _add_motions, _run_motions),
     "setup": Subcommand("loading, building a checker, changing its scene", _add_setup, _run_setup),
+    "trajectories": Subcommand("proved trajectories beside samples at 1 kHz", _add_trajectories, _run_trajectories),
     "plans": Subcommand("searches and whole plans on MotionBenchMaker problems", _add_plans, _run_plans, 3),
 }

@@ -7,22 +7,20 @@ from __future__ import annotations
 
 import argparse
 import time
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
-from plannercheck.checking.protocols import AnyRobot
 from plannercheck.cli.proved_paths import PathProof, proof_file, write_proofs
 from plannercheck.cli.told_certificates import certificate_as_json, certificate_in_words
+from plannercheck.cli.trajectory_files import add_controller_argument, trajectory_of
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import error_context
-from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.trajectory_verdict import TrajectoryVerdict
 from plannercheck.robots.robot import Robot
-from plannercheck.trajectories import Controller, Excess, Trajectory, joint_limits
+from plannercheck.trajectories import Excess, Trajectory, joint_limits
 from plannercheck.validation.formats.paths import read_robot_path
 
 # Options by which a file is judged as a trajectory, whatever is in it.
@@ -34,12 +32,7 @@ _MESSAGES = (".json", ".yaml", ".yml")
 def add_trajectory_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options."""
     group = parser.add_argument_group("trajectories, as --path")
-    group.add_argument(
-        "--controller",
-        choices=("jtc", "jtc-upsampled", "ur", "motoros2", "linear"),
-        help="prove what this controller runs between the points; a message with velocities is judged so anyway; "
-        "default: jtc, ros2_control's joint_trajectory_controller",
-    )
+    add_controller_argument(group, "prove")
     group.add_argument(
         "--tube",
         type=_numbers,
@@ -155,7 +148,7 @@ def _shown_tube(tube: Floats) -> str:
 
 
 def judge_trajectory(
-    path: Path, robot: AnyRobot, checker_of: Callable[[Mapping[str, float]], Checker], options: argparse.Namespace
+    path: Path, robot: Robot, checker_of: Callable[[Mapping[str, float]], Checker], options: argparse.Namespace
 ) -> JudgedTrajectory:
     """Judges the trajectory in a file.
 
@@ -165,14 +158,8 @@ def judge_trajectory(
         checker_of: The checker for a robot that holds other joints, by their values.
         options: Of the command.
     """
-    if not isinstance(robot, Robot):
-        raise PlannercheckError(f"{robot.name!r} is planar, and trajectories are of robots in space")
+    trajectory = trajectory_of(path, robot, options.controller, options.start, options.message)
     held = read_robot_path(path, robot).others if path.suffix.lower() in _MESSAGES else {}
-    controller = cast("Controller", options.controller or "jtc")
-    with warnings.catch_warnings():
-        # Joints that it holds are taken from it above; the planner's start is not where the controller starts.
-        warnings.filterwarnings("ignore", ".*trajectory_start is not looked at")
-        trajectory = Trajectory.load(path, robot, controller, options.start and list(options.start), options.message)
     began = time.perf_counter()
     with error_context(f"trajectory file {str(path)!r}"):
         checker = checker_of(held)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import warnings
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from plannercheck.cli.common import (
     load_checker,
 )
 from plannercheck.cli.robot_options import described
+from plannercheck.cli.trajectory_files import add_controller_argument, trajectory_of
 from plannercheck.cli.unused_options import check_used
 from plannercheck.common.array_types import Floats
 from plannercheck.common.atomic_files import is_stream
@@ -31,7 +33,7 @@ from plannercheck.ompl.start_and_goal import checked_end
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.validation.formats.chunks import read_states
 from plannercheck.validation.formats.paths import read_robot_path
-from plannercheck.view.frames import DEFAULT_FRAMES, along_path
+from plannercheck.view.frames import DEFAULT_FRAMES, along_path, along_trajectory
 from plannercheck.view.joints import joints_of
 from plannercheck.view.page import write_page
 from plannercheck.view.picture import picture
@@ -49,6 +51,7 @@ theme=dark or theme=light, which otherwise the browser chooses.
 Examples:
   plannercheck view --robot panda --scene bookshelf --html panda.html
   plannercheck view --robot panda --scene bookshelf --path plan.json
+  plannercheck view --robot panda --scene bookshelf --path trajectory.yaml --controller jtc
   plannercheck view --robot talos --meshes --only-invalid samples.npy --html talos.html
 """
 
@@ -71,8 +74,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--q", metavar="A,B,...", help="configuration to show, rad and m")
     parser.add_argument("--path", type=Path, metavar="PATH", help="plan or other path to animate")
     parser.add_argument(
-        "--frames", type=int, default=DEFAULT_FRAMES, help="number of frames of a path; default: %(default)s"
+        "--frames",
+        type=int,
+        help=f"number of frames of a path; default: {DEFAULT_FRAMES}, more of a trajectory that takes longer than 4 s",
     )
+    add_controller_argument(parser, "show, in real time,")
     parser.add_argument(
         "--motion-path",
         choices=PATHS,
@@ -107,12 +113,20 @@ def run(options: argparse.Namespace) -> int:
     """Runs the command."""
     _check(options)
     checker = load_checker(options)
-    rows, labels = _frames(options, checker)
+    shown = _frames(options, checker)
+    rows = shown.rows
     robot = described(options) if options.meshes else None
     meshes, visuals = (None, ()) if robot is None else (delivered_meshes(robot), visual_meshes(robot))
     is_path = options.path is not None
     drawn = picture(
-        checker, rows, labels=labels, animated=is_path, planes=options.planes, meshes=meshes, visuals=visuals
+        checker,
+        rows,
+        labels=shown.labels,
+        animated=is_path,
+        times=shown.times,
+        planes=options.planes,
+        meshes=meshes,
+        visuals=visuals,
     )
     frames = "1 frame" if drawn.frames == 1 else f"{drawn.frames} frames"
     if options.html is not None:
@@ -139,12 +153,12 @@ def _check(options: argparse.Namespace) -> None:
     if sum(given is not None for given in (options.file, options.q, options.path)) > 1:
         raise PlannercheckError("FILE, --q and --path exclude each other: give one")
     if options.path is None:
-        check_used(options, ("--frames", "--motion-path"), "with --path")
+        check_used(options, ("--frames", "--motion-path", "--controller"), "with --path")
     if options.file is None:
         check_used(options, ("--first", "--only-invalid"), "with FILE, a set")
     if options.html is not None:
         check_used(options, ("--port", "--host"), "without --html, which serves nothing")
-    if options.frames < 1 or options.first < 1 or (options.planes or 0) < 0:
+    if (1 if options.frames is None else options.frames) < 1 or options.first < 1 or (options.planes or 0) < 0:
         raise PlannercheckError("--frames and --first must be at least 1, --planes at least 0")
     if not 0 < options.port <= _LAST_PORT:
         raise PlannercheckError(f"--port must be from 1 to {_LAST_PORT}, not {options.port}")
@@ -152,24 +166,37 @@ def _check(options: argparse.Namespace) -> None:
         raise PlannercheckError("--meshes is for robots in space")
 
 
-def _frames(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, tuple[str, ...]]:
-    """The configurations to show, and what they are called."""
+class Shown(NamedTuple):
+    """The configurations to show, what they are called, and when they are."""
+
+    rows: Floats
+    labels: tuple[str, ...]
+    times: Floats | None = None
+
+
+def _frames(options: argparse.Namespace, checker: AnyChecker) -> Shown:
     robot = checker.robot
     if options.path is not None:
+        if options.controller is not None:
+            return _in_time(options, checker)
         path = read_robot_path(options.path, robot)
-        if path.bent_by:
-            warnings.warn(
-                f"straight motions between the points are shown, not the splines that the {' and '.join(path.bent_by)} "
-                "in the file ask for",
-                stacklevel=2,
-            )
+        if path.bent_by and not options.motion_path:
+            return _in_time(options, checker)
         motion_path: MotionPath = options.motion_path or path.motion_path or "screw"
-        return along_path(checker, path.states, options.frames, motion_path, path.pieces)
+        frames = options.frames or DEFAULT_FRAMES
+        return Shown(*along_path(checker, path.states, frames, motion_path, path.pieces))
     if options.file is not None:
         return _of_set(options, checker)
     if options.q is not None:
-        return _given(options.q, checker), ("--q",)
+        return Shown(_given(options.q, checker), ("--q",))
     return _declared(checker)
+
+
+def _in_time(options: argparse.Namespace, checker: AnyChecker) -> Shown:
+    """A trajectory as its controller runs it."""
+    trajectory = trajectory_of(options.path, checker.robot, options.controller)
+    rows, times = along_trajectory(trajectory, options.frames)
+    return Shown(rows, tuple(f"{time:.3f} s" for time in times.tolist()), times)
 
 
 def _given(text: str, checker: AnyChecker) -> Floats:
@@ -181,7 +208,7 @@ def _given(text: str, checker: AnyChecker) -> Floats:
     return q[None]
 
 
-def _of_set(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, tuple[str, ...]]:
+def _of_set(options: argparse.Namespace, checker: AnyChecker) -> Shown:
     """The first configurations of a file, or the first that collide."""
     found: list[Floats] = []
     labels: list[str] = []
@@ -195,13 +222,13 @@ def _of_set(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, t
     if not labels:
         what = "no configuration that collides" if options.only_invalid else "no configuration"
         raise PlannercheckError(f"file {str(options.file)!r} holds {what}")
-    return np.concatenate(found), tuple(labels)
+    return Shown(np.concatenate(found), tuple(labels))
 
 
-def _declared(checker: AnyChecker) -> tuple[Floats, tuple[str, ...]]:
+def _declared(checker: AnyChecker) -> Shown:
     """The start of the scene, else the robot's reference, else zeros."""
     robot, states = checker.robot, getattr(checker.scene, "states", {})
     if robot.name in states and states[robot.name].start is not None:
-        return checker.scene.start(robot.name)[None], ("start of the scene",)
+        return Shown(checker.scene.start(robot.name)[None], ("start of the scene",))
     reference = getattr(robot, "reference", np.zeros(robot.nq))
-    return np.asarray(reference)[None], ("reference of the robot",)
+    return Shown(np.asarray(reference)[None], ("reference of the robot",))

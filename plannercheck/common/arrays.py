@@ -175,6 +175,14 @@ def _has_masked(values: object) -> bool:
     return isinstance(values, list | tuple) and any(map(_has_masked, values))
 
 
+def row_length(rows: ArrayLike) -> int:
+    """The length of an array's last axis; 0 for numbers and for rows of different lengths."""
+    try:
+        return int(np.shape(rows)[-1])
+    except (ValueError, IndexError):
+        return 0
+
+
 def shown_array(values: object) -> str:
     """Words of an error for what is no array of real numbers: its beginning, and the dtype if it has one."""
     if _has_masked(values):

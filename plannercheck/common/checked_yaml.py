@@ -74,12 +74,11 @@ class error_context:  # noqa: N801  # used as a function; a generator would take
 
 
 def read_bytes(path: Path) -> bytes:
-    """The content of a file, or an error that says why it can't be read."""
+    """The content of a file, or an error that says why it can't be read; the caller's context names the file."""
     try:
         return path.read_bytes()
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise PlannercheckError(f"file {str(path)!r} can't be read: {reason}") from None
+        raise PlannercheckError(f"can't be read: {error.strerror or error}") from None
 
 
 def parse_yaml(text: bytes | str) -> Node:

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from functools import cached_property, partial
 from typing import ClassVar, TypeVar
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.checking.state_checker import StateChecker
@@ -210,9 +209,8 @@ class Checker(StateChecker):
         threads: int = 1,
     ) -> Bools:
         """Whether each of n trajectories is proved free: (n,); arguments as for `check_trajectory`."""
-        checks = TrajectoryChecks(self, tube, tolerance)
         threads = checked_threads(threads, MOST_THREADS)
-        return np.array([free.all() for free in checks.free_pieces(trajectories, threads)], dtype=bool)
+        return TrajectoryChecks(self, tube, tolerance).are_free(trajectories, threads)
 
     def explain_trajectory(
         self, trajectory: Trajectory, tube: ArrayLike = 0.0, tolerance: float = DEFAULT_TOLERANCE
@@ -256,7 +254,13 @@ class Checker(StateChecker):
         self, trajectory: Trajectory, tube: ArrayLike = 0.0, tolerance: float = DEFAULT_TOLERANCE
     ) -> tuple[Proof, ...] | None:
         """Proofs of a trajectory's pieces, in order; None if it is not free. Arguments as for `check_trajectory`."""
-        raise NotImplementedError
+        checks = TrajectoryChecks(self, tube, tolerance)
+        if not checks.are_free([trajectory])[0]:
+            return None
+        around = checks.tube_of(trajectory)
+        proofs = [self._prover.curve_proof(points, around, tolerance) for points in trajectory.curve.pieces]
+        found = tuple(proof for proof in proofs if proof is not None)
+        return found if len(found) == len(proofs) else None
 
     def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:
         return self._prover.proof(start, end, asked_end, tolerance, path)
@@ -269,14 +273,14 @@ class Checker(StateChecker):
     def certifier_of(self, path: MotionPath) -> MotionCertifier:
         """Proves motions along a path free; arguments as for `check_motion`, errors as of `motion_certifier`."""
         check_path(path)
-        table = self.robot.joint_table
-        if table is None or not split_joints(table, path):
-            return self.motion_certifier
-        return self._slerp_certifier
+        return self.motion_certifier if path == "screw" else self._slerp_certifier
 
     @cached_property
     def _slerp_certifier(self) -> MotionCertifier:
-        return self._made_certifier("slerp")
+        """The one along screws where no joint both slides and turns."""
+        table = self.robot.joint_table
+        splits = table is not None and split_joints(table, "slerp")
+        return self._made_certifier("slerp") if splits else self.motion_certifier
 
     @cached_property
     def motion_certifier(self) -> MotionCertifier:

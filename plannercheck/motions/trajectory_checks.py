@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import accumulate, pairwise
+from itertools import accumulate
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.checking.protocols import AnyChecker
-from plannercheck.common.array_types import Bools, Floats
+from plannercheck.common.array_types import Bools, Floats, Ints64
 from plannercheck.common.arrays import contiguous, shown_array
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath
@@ -26,6 +26,7 @@ from plannercheck.motions.motion_ends import Curves
 from plannercheck.motions.trajectory_verdict import Stop, TrajectoryVerdict
 from plannercheck.proofs.proof import Proof
 from plannercheck.robots.robot import Robot
+from plannercheck.trajectories.curve import Curve
 from plannercheck.trajectories.trajectory import Trajectory
 
 # The clearance is looked at so many instants a piece, and at most so many in all.
@@ -65,36 +66,46 @@ class TrajectoryChecks:
         self._units = checker.robot.configuration_map.units
         self.tube = self._checked_tube(contiguous(tube))
 
-    def free_pieces(
-        self, trajectories: Sequence[Trajectory], threads: int = 1, tube: Floats | None = None, room: float = 0.0
-    ) -> list[Bools]:
-        """Which pieces of each trajectory are proved free.
+    def are_free(self, trajectories: Sequence[Trajectory], threads: int = 1) -> Bools:
+        """Which of n trajectories are proved free (n,), on a number of threads."""
+        if not trajectories:
+            return np.empty(0, dtype=bool)
+        starts = [0, *accumulate(len(each.curve.pieces) for each in trajectories[:-1])]
+        return np.logical_and.reduceat(self._free_pieces(trajectories, self.tube, threads=threads), starts)
 
-        Args:
-            trajectories: Trajectories of the robot.
-            threads: Number of threads to use.
-            tube: (nq,) in place of the tube that was given.
-            room: How far bodies have to stay apart, m.
-
-        Returns:
-            For each trajectory (pieces,).
-        """
+    def _free_pieces(
+        self, trajectories: Sequence[Trajectory], tube: Floats, room: float = 0.0, threads: int = 1
+    ) -> Bools:
+        """Which pieces of all trajectories, one after the other, are proved free; `room`: how far bodies stay apart."""
         for trajectory in trajectories:
             self._check(trajectory)
-        pieces = [piece for each in trajectories for piece in each.curve.pieces]
-        tubes = self._tubes(trajectories, self.tube if tube is None else tube, room)
-        counts = np.array([len(piece) for piece in pieces], dtype=np.int64)
-        free = np.empty(len(pieces), dtype=bool)
-        for count in np.flatnonzero(np.bincount(counts)).tolist():
-            rows = np.flatnonzero(counts == count)
-            curves = Curves(np.array([pieces[k] for k in rows.tolist()]), tubes[rows] if tubes.any() else tubes[:0])
-            free[rows] = self._certifier.check(curves, self._tolerance, max(1, min(threads, len(rows))))
-        starts = accumulate((len(each.curve.pieces) for each in trajectories), initial=0)
-        return [free[start:past] for start, past in pairwise(starts)]
+        curves = [each.curve for each in trajectories]
+        counts = [len(curve.pieces) for curve in curves]
+        starts = accumulate(counts[:-1], initial=0)
+        tubes = self._tubes(curves, tube, room).repeat(counts, axis=0)
+        by_count: dict[int, list[tuple[Ints64, Floats]]] = {}
+        for start, curve in zip(starts, curves, strict=True):
+            for count, (pieces, points) in curve.by_count.items():
+                by_count.setdefault(count, []).append((start + pieces, points))
+        free = np.empty(sum(counts), dtype=bool)
+        for some in by_count.values():
+            rows, points = (np.concatenate(arrays) for arrays in zip(*some, strict=True))
+            free[rows] = self._certifier.check_curves(Curves(points, tubes[rows]), self._tolerance, threads)
+        return free
+
+    def tube_of(self, trajectory: Trajectory) -> Floats:
+        """(nq,) the tube with the errors of a trajectory's control points."""
+        return np.asarray(self._tubes([trajectory.curve], self.tube, 0.0)[0, :-1])
+
+    def _tubes(self, curves: Sequence[Curve], tube: Floats, room: float) -> Floats:
+        """(n, nq + 1) a tube around the polynomials that each curve stands for, and how far bodies stay apart, m."""
+        tubes = np.full((len(curves), len(tube) + 1), room)
+        tubes[:, :-1] = (tube + np.array([curve.error for curve in curves])) * (1 + 2.0**-52)
+        return tubes
 
     def explain(self, trajectory: Trajectory, prover: Callable[[], tuple[Proof, ...] | None]) -> TrajectoryVerdict:
         """How far a trajectory is free and what stops it; `prover` computes its proof."""
-        (free,) = self.free_pieces([trajectory])
+        free = self._free_pieces([trajectory], self.tube)
         robot = self._checker.robot
         made = partial(
             TrajectoryVerdict,
@@ -106,7 +117,7 @@ class TrajectoryChecks:
         at, least = self._least_clearance(trajectory)
         if free.all():
             no_tube = 0.0 * self.tube
-            proved = _largest(lambda room: self._is_free(trajectory, no_tube, room), least * _FINE, least)
+            proved = _largest(lambda room: self.keeps(trajectory, no_tube, room), least * _FINE, least)
             end = float(trajectory.curve.breaks[-1])
             return made(True, Stop(end), clearance=proved, clearance_at=at, prover=prover)
         return made(False, self._stopped(trajectory, free), clearance=0.0, clearance_at=at)
@@ -126,25 +137,33 @@ class TrajectoryChecks:
         return first
 
     def _stopped_on(self, trajectory: Trajectory, piece: int) -> Stop:
-        points, (start, end) = trajectory.curve.pieces[piece], trajectory.curve.breaks[piece : piece + 2].tolist()
-        tubes = self._tubes([trajectory], self.tube, 0.0)[piece : piece + 1]
-        result = self._certifier.result(Curves(points[None], tubes), self._tolerance)
-        states = partial(self._certifier.states_on, points)
+        points = trajectory.curve.pieces[piece]
+        start, end = (float(time) for time in trajectory.curve.breaks[piece : piece + 2])
+        curve = Curves(points[None], self._tubes([trajectory.curve], self.tube, 0.0))
+        result = self._certifier.result(curve, self._tolerance)
+
+        def states(s: Floats) -> Floats:
+            return trajectory.position(np.minimum(start + (end - start) * s, end))
+
+        def time(s: float) -> float:
+            return min(start + (end - start) * s, end)
+
         found = explained_motion(self._checker, result, states, self._tolerance)
+        collides_at, near_at = (None if s is None else time(s) for s in (found.collides_at, found.near_at))
+        return Stop(time(found.free_until), collides_at, near_at, found.pair)
 
-        def time(parameter: float | None) -> float | None:
-            return None if parameter is None else start + (end - start) * parameter
-
-        return Stop(start + (end - start) * found.free_until, time(found.collides_at), time(found.near_at), found.pair)
-
-    def _is_free(self, trajectory: Trajectory, tube: Floats, room: float) -> bool:
-        return bool(self.free_pieces([trajectory], 1, tube, room)[0].all())
+    def keeps(self, trajectory: Trajectory, tube: Floats, room: float) -> bool:
+        """Whether bodies are proved to keep further apart than `room`, m, all over a tube (nq,)."""
+        try:
+            return bool(self._free_pieces([trajectory], tube, room).all())
+        except PlannercheckError:  # the tube is so large, or a pair that is left out otherwise, that rounding is, too
+            return False
 
     def _largest_tube(self, trajectory: Trajectory) -> float:
         around = np.ones(len(self.tube))
         for first, past in self._units:
             around[first:past] = 0.0
-        return _largest(lambda size: self._is_free(trajectory, around * size, 0.0), _SMALLEST_TUBE, _LARGEST_TUBE)
+        return _largest(lambda size: self.keeps(trajectory, around * size, 0.0), _SMALLEST_TUBE, _LARGEST_TUBE)
 
     def _least_clearance(self, trajectory: Trajectory) -> tuple[float, float]:
         """The instant, s, of those that are looked at, at which the clearance is least, and the clearance, m."""
@@ -155,11 +174,6 @@ class TrajectoryChecks:
         least = int(clearances.argmin())
         return float(times[least]), float(clearances[least])
 
-    def _tubes(self, trajectories: Sequence[Trajectory], tube: Floats, room: float) -> Floats:
-        """(pieces, nq + 1) the tube of each piece, and the room."""
-        row = np.append(tube, room)
-        return np.tile(row, (sum(len(each.curve.pieces) for each in trajectories), 1))
-
     def _check(self, trajectory: Trajectory) -> None:
         robot = self._checker.robot
         if not isinstance(trajectory, Trajectory):
@@ -169,6 +183,10 @@ class TrajectoryChecks:
         if trajectory.curve.nq != robot.nq:
             columns = robot.configuration_map.described_columns()
             raise PlannercheckError(f"the trajectory has {trajectory.curve.nq} columns, but {columns}")
+        if trajectory.curve.units != self._units:
+            raise PlannercheckError(
+                f"columns of {robot.name!r} form unit vectors, which turn by slerp: give trajectory.of_robot(robot)"
+            )
 
     def _checked_tube(self, given: Floats) -> Floats:
         nq = self._checker.robot.nq
@@ -176,7 +194,7 @@ class TrajectoryChecks:
             raise PlannercheckError(
                 f"tube must be a number of at least 0, or a row of {nq}, rad and m, not {shown_array(given)}"
             )
-        row = np.array(np.broadcast_to(given, nq))
+        row = given if len(given) == nq else np.full(nq, given[0])
         for first, past in self._units:
             if row[first:past].any():
                 raise PlannercheckError(

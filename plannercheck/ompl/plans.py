@@ -17,7 +17,7 @@ import numpy as np
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.atomic_files import write_atomically
-from plannercheck.common.checked_yaml import BROKEN_FILE
+from plannercheck.common.checked_yaml import BROKEN_FILE, error_context, read_bytes
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.escaping import csv_cell
 from plannercheck.common.html_tables import html_table
@@ -62,8 +62,10 @@ class Plan(OwnsArrays):
     @classmethod
     def load(cls, path: str | Path) -> Plan:
         """Reads a plan from JSON, with the same numbers."""
+        with error_context(f"plan file {str(path)!r}"):
+            content = read_bytes(Path(path))
         try:
-            values = json.loads(Path(path).read_text(encoding="utf-8"))
+            values = json.loads(content.decode("utf-8"))
             rows = np.array(values["path"], dtype=np.float64)
             joints = len(values["joint_names"])
             width = max(joints, rows.shape[1]) if rows.ndim == 2 else joints

@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import row_length
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.model_comparisons import path_reader
 from plannercheck.proofs.claims import column_names, held_joints, motion_of
-from plannercheck.proofs.data import ProofData
+from plannercheck.proofs.data import Motion, ProofData
 from plannercheck.proofs.planar_proof import PlanarModel
 
 # An inner end of a long turn may be off the line by this part of both: rounded products and a sum, there and here.
@@ -51,13 +52,14 @@ class PathProved:
         return self.fault is None
 
 
-def path_proved(proofs: Sequence[ProofData], path: Any, straight: bool = False) -> PathProved:
+def path_proved(proofs: Sequence[ProofData], path: Any, straight: bool = False, robot: Any = None) -> PathProved:
     """Whether proofs prove a path.
 
     Args:
         proofs: At least one, of one model; those that are confirmed, in their order.
         path: A file, or configurations (k, columns), which are joined the short way.
         straight: Whether straight motions are meant although a file has velocities or accelerations.
+        robot: The robot, as for `Proof.verify`, for paths of one number a joint.
 
     Returns:
         What is missing.
@@ -66,19 +68,28 @@ def path_proved(proofs: Sequence[ProofData], path: Any, straight: bool = False) 
         PlannercheckError: If the file can't be read, holds other joints, or is run along splines.
     """
     proof, as_given = proofs[0], None
+    names, columns = column_names(proof), proof.model.columns
+    robot = None if isinstance(proof.model, PlanarModel) else robot
     if isinstance(path, str) or hasattr(path, "__fspath__"):
-        file = path_reader()(path, column_names(proof), proof.model.columns)
+        file = path_reader()(path, names, columns, robot)
         if file.bent_by and not straight:
             raise PlannercheckError(
                 f"path file {str(path)!r}: its {' and '.join(file.bent_by)} are not zero, so a controller runs splines "
-                "between its points, which the proof does not prove: --straight says that straight motions are meant"
+                "between its points: --controller says which, --straight says that straight motions are meant"
             )
         other = _held_elsewhere(proof, file.others) or _moved_otherwise(proofs, file.motion_path)
         states, as_given = file.states, file.as_given
+        if states.shape[1] != columns:
+            raise PlannercheckError(
+                f"path file {str(path)!r}: its configurations have {states.shape[1]} numbers, the proof's {columns}: "
+                "name the robot, too (--robot, robot=)"
+            )
         if other:
             return PathProved(max(1, len(states) - 1), tuple(range(max(1, len(states) - 1))), other)
+    elif robot is not None and row_length(path) != columns:
+        states = path_reader()(path, names, columns, robot).states
     else:
-        states = _configurations(path, proof.model.columns)
+        states = _configurations(path, columns)
     return _compared(proofs, states, as_given)
 
 
@@ -88,7 +99,10 @@ def _configurations(path: ArrayLike, columns: int) -> Floats:
     except (TypeError, ValueError):
         states = np.zeros((0, 0))
     if states.ndim != 2 or states.shape[1] != columns or not len(states) or not np.isfinite(states).all():
-        raise PlannercheckError(f"path= must be a file, or finite configurations (k, {columns}), k at least 1")
+        raise PlannercheckError(
+            f"path= must be a file, or finite configurations (k, {columns}), k at least 1; with robot= they may have "
+            "one number a joint"
+        )
     return states
 
 
@@ -119,7 +133,8 @@ def _compared(proofs: Sequence[ProofData], states: Floats, as_given: Any) -> Pat
     motions = list(pairwise(rows)) or [(rows[0], rows[0])]
     starts: dict[tuple[float, ...], list[int]] = {}
     for k, proof in enumerate(proofs):
-        starts.setdefault(proof.motion.start, []).append(k)
+        if not _is_curve(proof):
+            starts.setdefault(proof.motion.start, []).append(k)
     missing, last = list[int](), 0
     for k, (start, end) in enumerate(motions):
         literal = as_given is not None and bool(as_given[k])
@@ -142,7 +157,7 @@ def _chained(proofs: Sequence[ProofData], first: int, start: Any, end: Any, lite
     reached, part = start, 0.0
     for k in range(first, len(proofs)):
         motion = proofs[k].motion
-        if motion.start != reached or motion.end != motion.asked_end:
+        if motion.start != reached or motion.end != motion.asked_end or _is_curve(proofs[k]):
             return 0
         reached = motion.end
         if reached == end:
@@ -151,6 +166,11 @@ def _chained(proofs: Sequence[ProofData], first: int, start: Any, end: Any, lite
         if not before < part < 1:
             return 0
     return 0
+
+
+def _is_curve(proof: ProofData) -> bool:
+    """Whether a proof is of polynomials, which go another way than a path's straight motions."""
+    return isinstance(proof.motion, Motion) and bool(proof.motion.inner)
 
 
 def _is_line(proof: ProofData, start: Any, end: Any, literal: bool) -> bool:

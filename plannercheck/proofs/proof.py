@@ -6,7 +6,7 @@ In: a result of `explain_motion` or `certify_motions`, or a file. Out: the same 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs.data import ProofData, Verification
+from plannercheck.proofs.executed_curves import trajectory_proved
 from plannercheck.proofs.files import read_proofs, save_proofs
 from plannercheck.proofs.paths import path_proved
 from plannercheck.proofs.verify import model_confirmed, verified
@@ -37,8 +38,9 @@ class Proof(ProofData):
         Args:
             robot: If given, the model has to be that of this robot: the name of a shipped one, a YAML or a URDF file.
             scene: With `robot`: a shipped scene's name, or a file; None for the empty one.
-            path: If given, the proof has to prove all of this path: a file, or configurations (k, columns). A file of
-                several proofs is compared with a path by `plannercheck.proofs.verify_path`.
+            path: If given, the proof has to prove all of this path: a file, or configurations (k, columns); with
+                `robot` they may have one number a joint. A file of several proofs is compared with a path by
+                `plannercheck.proofs.verify_path`.
             meshes: What meshes of the scene are, as for `Scene.load`.
             geometry: What meshes of the robot are, as for `Robot.load`; None for what its YAML says.
             mesh_units: How mesh files are read, as for `Robot.load` and `Scene.load`.
@@ -61,7 +63,7 @@ class Proof(ProofData):
             model = model_confirmed(self, robot, scene, meshes, geometry, mesh_units)
             found = replace(model, entries=found.entries, seconds=found.seconds + model.seconds)
         if found and path is not None:
-            missing = path_proved([self], path).fault
+            missing = path_proved([self], path, robot=robot).fault
             found = replace(found, proved=missing is None, fault=missing)
         return found
 
@@ -116,12 +118,14 @@ def load_proofs(path: str | Path) -> tuple[Proof, ...]:
     return tuple(Proof(*(getattr(data, field.name) for field in fields(data))) for data in read_proofs(path))
 
 
-def verify_path(proofs: Sequence[Proof], path: str | Path | ArrayLike) -> Verification:
+def verify_path(proofs: Sequence[Proof], path: str | Path | ArrayLike, robot: str | None = None) -> Verification:
     """Confirms proofs, and that they prove every motion of a path, in order, end to end.
 
     Args:
         proofs: Of one file, at least one.
         path: A path file, or configurations (k, columns).
+        robot: For paths of one number a joint, where joints follow others or turn without end: the robot, as for
+            `Proof.verify`. It is not compared with the proofs.
 
     Returns:
         The verification; `fault` is that of the first proof that fails, or names what is missing of the path.
@@ -129,6 +133,31 @@ def verify_path(proofs: Sequence[Proof], path: str | Path | ArrayLike) -> Verifi
     Raises:
         PlannercheckError: If python-flint is not installed, or the file can't be read.
     """
+    return _with_all(proofs, lambda: path_proved(proofs, path, robot=robot).fault)
+
+
+def verify_trajectory(
+    proofs: Sequence[Proof], path: str | Path, controller: str = "jtc", tube: float = 0.0
+) -> Verification:
+    """Confirms proofs, and that they prove a trajectory as a controller runs it, piece by piece.
+
+    Args:
+        proofs: Of one file, at least one.
+        path: A file that `pc.Trajectory.load` reads.
+        controller: "jtc" (joint_trajectory_controller of ros2_control), "motoros2", or "linear".
+        tube: How far each number may be off the curve at any instant, rad and m.
+
+    Returns:
+        The verification, as of `verify_path`.
+
+    Raises:
+        PlannercheckError: If python-flint is not installed, or the file can't be read or is run by no controller.
+    """
+    return _with_all(proofs, lambda: trajectory_proved(proofs, path, controller, tube).fault)
+
+
+def _with_all(proofs: Sequence[Proof], missing: Callable[[], str | None]) -> Verification:
+    """The verification of several proofs, and of what they are asked to prove together."""
     found = [proof.verify() for proof in proofs]
-    fault = next((each.fault for each in found if not each), None) or path_proved(proofs, path).fault
+    fault = next((each.fault for each in found if not each), None) or missing()
     return Verification(fault is None, fault, sum(each.entries for each in found), sum(each.seconds for each in found))

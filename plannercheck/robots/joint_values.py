@@ -14,7 +14,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import contiguous
+from plannercheck.common.arrays import contiguous, row_length
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.configurations import ConfigurationMap, planning_group
 from plannercheck.robots.urdf import Mimic
@@ -93,7 +93,7 @@ class JointValues:
         """
         if not self.maps:
             return self._map.checked(rows)
-        width = np.shape(rows)[-1] if np.ndim(rows) else 0
+        width = row_length(rows)
         chosen = next((each for each in self.maps if each.width == width), None)
         return self._map.checked(rows) if chosen is None else chosen.expand(chosen.checked(rows))
 

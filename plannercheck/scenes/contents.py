@@ -41,11 +41,13 @@ class AllowedCollisions:
         pairs: By pair of names, whether the two may touch.
         defaults: By name, whether it may touch any other name, where `pairs` has no entry.
         geometries: (link, geometry of it, object) that may touch, where a link has geometries that may not.
+        asked: The pairs that a user named one by one. A whole matrix names whatever there was when it was recorded.
     """
 
     pairs: dict[frozenset[str], bool] = field(default_factory=dict)
     defaults: dict[str, bool] = field(default_factory=dict)
     geometries: set[tuple[str, str, str]] = field(default_factory=set)
+    asked: set[frozenset[str]] = field(default_factory=set)
 
     def __call__(self, a: str, b: str) -> bool:
         """Whether two links or objects may touch: by their own entry, else by the stricter of their defaults."""
@@ -118,9 +120,8 @@ class SceneContents(DeclaredStates):
     def copy(self: Contents) -> Contents:
         """A copy that can be changed by itself; both share the objects' shapes and bodies prepared from them."""
         other = type(self)(self.name)
-        other.allowed = AllowedCollisions(
-            dict(self.allowed.pairs), dict(self.allowed.defaults), set(self.allowed.geometries)
-        )
+        own = self.allowed
+        other.allowed = AllowedCollisions(dict(own.pairs), dict(own.defaults), set(own.geometries), set(own.asked))
         other.states, other.link_padding, other.frames = dict(self.states), dict(self.link_padding), self.frames
         other._objects, other._attached = dict(self._objects), dict(self._attached)
         other._body_names = set(self._body_names)
@@ -341,5 +342,6 @@ class SceneContents(DeclaredStates):
         return self.allowed(a, b)
 
     def allow(self, a: str, b: str, allowed: bool = True) -> None:
-        """Sets whether two links or objects may touch."""
+        """Sets whether two links or objects may touch; a checker warns of names that neither it nor the scene has."""
         self.allowed.pairs[frozenset((a, b))] = allowed
+        self.allowed.asked.add(frozenset((a, b)))

@@ -46,7 +46,7 @@ def read_bag(path: Path) -> list[tuple[str, Node]]:
     """The JointTrajectory messages of a bag, in the order of their time, with topic and type in words."""
     reading = extra_module("rosbags.highlevel", "rosbags", "bags")
     try:
-        with reading.AnyReader([path], default_typestore=_known_types()) as reader:
+        with reading.AnyReader([path], default_typestore=known_types()) as reader:
             chosen = [c for c in reader.connections if c.msgtype.rpartition("/")[2] in _TYPES]
             messages = [
                 (f"{connection.topic} ({connection.msgtype})", _plain(reader.deserialize(data, connection.msgtype)))
@@ -60,7 +60,7 @@ def read_bag(path: Path) -> list[tuple[str, Node]]:
     return [(topic, found) for topic, message in messages for found in joint_trajectories(_without_goal(message))]
 
 
-def _known_types() -> Any:
+def known_types() -> Any:
     """Types of ROS 2 and MoveIt, for bags without definitions."""
     systems = extra_module("rosbags.typesys", "rosbags", "bags")
     store = systems.get_typestore(systems.Stores.ROS2_HUMBLE)

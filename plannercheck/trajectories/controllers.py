@@ -32,7 +32,7 @@ import numpy as np
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError, unknown_name
-from plannercheck.trajectories.curve import Curve
+from plannercheck.trajectories.curve import Curve, check_size
 from plannercheck.trajectories.rounding import hermite_error, turned_error, upsampled_error
 from plannercheck.trajectories.stamps import durations, nanoseconds
 
@@ -102,6 +102,7 @@ def curve_of(points: Points, controller: Controller, start: Points | None, conti
     steps = durations(run.times).tolist()
     ends = [_conditions(run, k) for k in range(len(steps))]
     pieces = tuple(_control_points(*each, h) for each, h in zip(ends, steps, strict=True))
+    check_size(run.times, pieces)
     by_jtc = controller.startswith("jtc")
     error = np.max([hermite_error(*each, h, by_jtc) for each, h in zip(ends, steps, strict=True)], axis=0)
     if controller == "jtc-upsampled" and not points.has_velocities.any():

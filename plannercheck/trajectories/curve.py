@@ -8,14 +8,20 @@ of control points are those of the derivative, and a piece of degree 1 is a stra
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays, contiguous
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.robots.configurations import LARGEST_VALUE
+
+# s: 1 ns, less the rounding of late times.
+_SHORTEST = 0.9e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,16 +33,26 @@ class Curve(OwnsArrays):
         pieces: (degree + 1, nq) each, the control points, rad and m.
         error: (nq,) how far the pieces, and a known controller's own evaluation, are at most from the polynomials that
             the numbers given define, rad and m (rounding.py).
+        units: (first, past) of columns that form a unit vector: cosine and sine, or a quaternion. They turn from the
+            first control point of a piece to its last by slerp, the short way.
     """
 
     breaks: Floats
     pieces: tuple[Floats, ...]
     error: Floats
+    units: tuple[tuple[int, int], ...] = ()
 
     @property
     def nq(self) -> int:
         """Numbers of a configuration."""
         return int(self.pieces[0].shape[1])
+
+    @cached_property
+    def by_count(self) -> dict[int, tuple[NDArray[np.int64], Floats]]:
+        """The pieces by the count of their control points: their numbers (m,), and (m, degree + 1, nq)."""
+        counts = np.array([len(piece) for piece in self.pieces])
+        numbers = {count: np.flatnonzero(counts == count) for count in sorted(set(counts.tolist()))}
+        return {count: (some, np.array([self.pieces[k] for k in some.tolist()])) for count, some in numbers.items()}
 
     def at(self, times: ArrayLike, derivative: int = 0) -> Floats:
         """Positions, or derivatives by time.
@@ -63,8 +79,35 @@ class Curve(OwnsArrays):
             here = piece == k
             start, end = self.breaks[k], self.breaks[k + 1]
             control = differentiated(self.pieces[k], end - start, derivative)
-            found[here] = _de_casteljau(control, (asked[here] - start) / (end - start))
+            s = (asked[here] - start) / (end - start)
+            found[here] = _de_casteljau(control, s)
+            for first, past in self.units:
+                a, b = self.pieces[k][[0, -1], first:past]
+                found[here, first:past] = _slerp(a, b, s, derivative) / (end - start) ** derivative
         return found[0] if np.ndim(times) == 0 else found
+
+
+def _slerp(start: Floats, end: Floats, s: Floats, derivative: int) -> Floats:
+    """Unit vectors (n, 2) or (n, 4) on the way from one to another at s (n,) from 0 to 1, or derivatives by s."""
+    a, b = start / np.linalg.norm(start), end / np.linalg.norm(end)
+    if len(a) == 4 and a @ b < 0:  # quaternions of both signs turn alike
+        b = -b
+    across = b - (a @ b) * a
+    length = np.linalg.norm(across)
+    angle = np.arctan2(length, a @ b)
+    phase = angle * s[:, None] + derivative * np.pi / 2
+    sideways = across / length if length > 0 else across
+    return np.asarray(angle**derivative * (np.cos(phase) * a + np.sin(phase) * sideways))
+
+
+def check_size(breaks: Floats, pieces: Sequence[Floats]) -> None:
+    """Raises for pieces that are shorter than any message has them, or larger than any robot."""
+    if not (np.diff(breaks) >= _SHORTEST).all():
+        k = int(np.argmin(np.diff(breaks) >= _SHORTEST))
+        raise PlannercheckError(f"piece {k} takes {breaks[k + 1] - breaks[k]:.3g} s, less than 1 ns")
+    for k, piece in enumerate(pieces):
+        if not (np.abs(piece) <= LARGEST_VALUE).all():
+            raise PlannercheckError(f"piece {k} has control points beyond {LARGEST_VALUE:g}")
 
 
 def differentiated(control: Floats, duration: float, times: int = 1) -> Floats:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import contiguous
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.trajectories.curve import Curve, bernstein
+from plannercheck.trajectories.curve import Curve, bernstein, check_size
 from plannercheck.trajectories.rounding import UNIT, blossom_error, powers_error
 
 # Highest degree of a piece.
@@ -96,6 +96,7 @@ def joined(breaks: Floats, pieces: list[Floats], error: Floats) -> Curve:
         error: (nq,) of the control points.
     """
     pieces = [np.repeat(piece, 2, axis=0) if len(piece) == 1 else piece for piece in pieces]
+    check_size(breaks, pieces)
     moved = np.zeros_like(error)
     for k in range(1, len(pieces)):
         before, after = pieces[k - 1][-1], pieces[k]

@@ -114,9 +114,8 @@ def _limit(node: Node, kind: str, otherwise: float) -> float:
 
 
 def _warn_of_positions(path: str | Path, robot: Robot, joints: Node) -> None:
-    named = [
-        name for name in joints if name in robot.joint_names and {"min_position", "max_position"} & {*joints[name]}
-    ]
+    keys = {"min_position", "max_position"}
+    named = [name for name in joints if name in robot.joint_names and keys & {*mapping(joints[name], "it")}]
     if named:
         warnings.warn(
             f"file {str(path)!r}: its position limits ({', '.join(named)}) are not looked at: the URDF's count",

@@ -19,6 +19,9 @@ from plannercheck.trajectories.curve import Curve, differentiated
 Kind = Literal["position", "velocity", "acceleration"]
 KINDS: tuple[Kind, ...] = ("position", "velocity", "acceleration")
 
+# A coefficient below this part of the largest one is lost in rounding.
+_NEGLIGIBLE = 2.0**-60
+
 
 @dataclass(frozen=True)
 class Excess:
@@ -78,6 +81,8 @@ def extremes(control: Floats) -> Iterator[tuple[float, float]]:
     yield 0.0, control[0]
     yield 1.0, control[-1]
     derivative = np.polynomial.polynomial.polyder(powers)
-    for root in np.polynomial.polynomial.polyroots(np.trim_zeros(derivative, "b")) if derivative.any() else ():
+    # Between 0 and 1, leading terms below rounding change nothing, and would make the roots overflow.
+    counting = np.flatnonzero(np.abs(derivative) > _NEGLIGIBLE * np.abs(derivative).max())
+    for root in np.polynomial.polynomial.polyroots(derivative[: counting[-1] + 1]) if len(counting) else ():
         if abs(root.imag) < 1e-9 and 0 < root.real < 1:
             yield float(root.real), float(np.polynomial.polynomial.polyval(root.real, powers))

@@ -28,13 +28,15 @@ from plannercheck.common.checked_yaml import (
     text,
 )
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.robots.robot import Robot
 from plannercheck.scenes.moveit_messages import transform
 from plannercheck.trajectories.controllers import Points
-from plannercheck.trajectories.joint_columns import columns_of
+from plannercheck.trajectories.joint_columns import Joints, columns_of
 
 TRAJECTORY_KEYS = ("header", "joint_names", "points")
 POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
+
+# Of a Duration's parts.
+_MOST_STAMP = 2**32
 
 
 def read_document(path: Path) -> Node:
@@ -79,7 +81,7 @@ def _check_base(node: Node) -> None:
                 raise PlannercheckError(f"moves {moved}: only joint_trajectory is supported")
 
 
-def points_of(message: Node, robot: Robot) -> Points:
+def points_of(message: Node, robot: Joints) -> Points:
     """The points of a JointTrajectory in the order of a robot's joints, which must be the message's."""
     check_keys(message, TRAJECTORY_KEYS)
     names = [text(name, "joint_names") for name in sequence(required(message, "joint_names"), "'joint_names'")]
@@ -118,6 +120,6 @@ def _seconds(duration: Any) -> float:
 
 
 def _whole(value: Any, key: str) -> int:
-    if not isinstance(value, int) or isinstance(value, bool):
-        raise PlannercheckError(f"{key!r} must be a whole number, not {value!r:.60}")
+    if not isinstance(value, int) or isinstance(value, bool) or abs(value) >= _MOST_STAMP:
+        raise PlannercheckError(f"{key!r} must be a whole number of at most 32 bits, not {value!s:.60}")
     return value

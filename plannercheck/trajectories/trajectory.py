@@ -9,6 +9,7 @@ A trajectory that is slowed down, by speed scaling or by a pendant, runs through
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -145,6 +146,29 @@ class Trajectory:
         if self.points is None:
             raise PlannercheckError("a curve is no message: only a trajectory of points can be saved")
         write_message(self.points, Path(path))
+
+    def of_robot(self, robot: Robot) -> Trajectory:
+        """The same trajectory, of a robot whose configurations hold unit vectors: cosines and sines, or quaternions.
+
+        They turn from the start of a piece to its end by slerp, the short way; what the trajectory says of them in
+        between does not count. Positions of floating and planar bases follow their polynomials.
+
+        Raises:
+            PlannercheckError: If the robot has another number of columns, a unit vector has another length, or points
+                have velocities of one.
+        """
+        units, columns = robot.configuration_map.units, robot.configuration_map.described_columns()
+        if robot.nq != self.curve.nq:
+            raise PlannercheckError(f"the trajectory has {self.curve.nq} columns, but {columns}")
+        robot.check_configurations(np.concatenate([piece[[0, -1]] for piece in self.curve.pieces]))
+        for first, past in units:
+            if self.points is not None and np.nan_to_num(self.points.velocities[:, first:past]).any():
+                raise PlannercheckError(
+                    f"columns {first} to {past - 1} turn by slerp between points: set their velocities to 0"
+                )
+        made = Trajectory.of_curve(replace(self.curve, units=units))
+        made.points, made.controller = self.points, self.controller
+        return made
 
     @property
     def duration(self) -> float:

@@ -1,6 +1,6 @@
-"""The frames of an animated path: configurations at even steps, the path's own among them.
+"""The frames of an animation: of a path at even steps, its own configurations among them; of a trajectory in time.
 
-In: a checker, a path. Out: configurations and a label for each.
+In: a checker and a path, or a trajectory. Out: configurations with labels or times.
 """
 
 from __future__ import annotations
@@ -14,9 +14,13 @@ from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath, check_path
 from plannercheck.motions.checker import Checker
+from plannercheck.trajectories import Trajectory
 
 # Frames of an animation of four seconds.
 DEFAULT_FRAMES = 120
+
+# Frames a second of a trajectory, and the most of a long one.
+_A_SECOND, _MOST = 30.0, 600
 
 
 def along_path(
@@ -54,6 +58,21 @@ def along_path(
         parts.append(_states(checker, rows[k], rows[k + 1], parameters, motion_path))
         labels += [f"motion {motion} at {(piece + t) / of:.3g}" for t in parameters.tolist()]
     return np.concatenate(parts), tuple(labels)
+
+
+def along_trajectory(trajectory: Trajectory, frames: int | None = None) -> tuple[Floats, Floats]:
+    """Configurations of a trajectory at even times.
+
+    Args:
+        trajectory: The trajectory.
+        frames: Their number; None: 30 a second, but not fewer than `DEFAULT_FRAMES` and not more than `_MOST`.
+
+    Returns:
+        (n, nq) configurations and their times (n,), s.
+    """
+    count = min(max(DEFAULT_FRAMES, round(_A_SECOND * trajectory.duration)), _MOST) if frames is None else frames
+    times = np.linspace(trajectory.curve.breaks[0], trajectory.curve.breaks[-1], max(count, 2))
+    return trajectory.position(times), times
 
 
 def _steps(checker: AnyChecker, rows: Floats, frames: int) -> NDArray[np.int64]:

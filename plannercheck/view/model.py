@@ -9,7 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+import numpy as np
+
 from plannercheck.common.array_types import Bools, Floats, Ints
+from plannercheck.common.errors import PlannercheckError, with_article
 from plannercheck.view.drawn_parts import DrawnParts
 
 # What a mesh is: the hull of a link, a link's mesh for collisions as it was delivered, or for the eye; an obstacle, a
@@ -123,6 +126,8 @@ class Drawing:
         centre: (3,) what to look at, m.
         radius: Radius of the ball to look at, m.
         parts: Bodies of very many parts.
+        times: (frames,) when each frame is, s, so that they are played in real time; None: they have no times.
+        clearances: (frames,) the least clearance at each, m, which is plotted over time; None likewise.
     """
 
     title: str
@@ -135,6 +140,13 @@ class Drawing:
     centre: Floats
     radius: float
     parts: tuple[DrawnParts, ...] = ()
+    times: Floats | None = None
+    clearances: Floats | None = None
+
+    def frame_at(self, time: float) -> int:
+        """The last frame that is not later than a time, s."""
+        assert self.times is not None
+        return max(int(np.searchsorted(self.times, time, side="right")) - 1, 0)
 
     @property
     def frames(self) -> int:
@@ -150,3 +162,17 @@ class Drawing:
         hit = sum(map(bool, self.collisions))
         bodies = len(self.meshes) + len(self.parts)
         return f"Picture({self.title!r}, {self.frames} frames, {hit} in collision, {bodies} bodies)"
+
+
+def checked_drawing(picture: Drawing) -> Drawing:
+    """The picture.
+
+    Raises:
+        PlannercheckError: If it is none.
+    """
+    if not isinstance(picture, Drawing):
+        raise PlannercheckError(
+            f"a picture is needed, not {with_article(type(picture).__name__)}: plannercheck.view.picture(checker, q) "
+            "makes one"
+        )
+    return picture

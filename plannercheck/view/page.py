@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.escaping import json_in_script
 from plannercheck.view.drawn_parts import DrawnParts
-from plannercheck.view.model import COLLIDING, COLOURS, PLANE, Drawing, Mesh
+from plannercheck.view.model import COLLIDING, COLOURS, PLANE, Drawing, Mesh, checked_drawing
 
 _TEMPLATE, *_SCRIPTS = (
-    Path(__file__).with_name(name) for name in ("viewer.html", "viewer_parts.js", "viewer_layer.js")
+    Path(__file__).with_name(name) for name in ("viewer.html", "viewer_parts.js", "viewer_layer.js", "viewer_plot.js")
 )
 _TITLE, _DATA, _PARTS = "<!--TITLE-->", "/*DATA*/", "/*PARTS*/"
 
@@ -45,8 +45,12 @@ class Picture(Drawing):
 
 
 def write_page(picture: Drawing, path: str | Path) -> None:
-    """Writes a picture as one HTML file; aside first, then renamed."""
-    text = page_of(picture)
+    """Writes a picture as one HTML file; aside first, then renamed.
+
+    Raises:
+        PlannercheckError: If it is no picture, or the file can't be written.
+    """
+    text = page_of(checked_drawing(picture))
     write_atomically(Path(path), lambda aside: aside.write_text(text, encoding="utf-8"))
 
 
@@ -65,6 +69,8 @@ def data_of(picture: Drawing) -> dict[str, Any]:
         "title": picture.title,
         "labels": list(picture.labels),
         "animated": picture.animated,
+        "times": None if picture.times is None else picture.times.tolist(),
+        "clearances": None if picture.clearances is None else picture.clearances.tolist(),
         "verdicts": [picture.verdict(frame) for frame in range(picture.frames)],
         "valid": [not pairs for pairs in picture.collisions],
         "colours": {layer: list(colour) for layer, colour in COLOURS.items()},

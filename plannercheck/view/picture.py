@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from plannercheck.checking.named_configurations import given_configurations, named_configuration
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Bools, Floats
-from plannercheck.common.arrays import Configuration
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.arrays import Configuration, contiguous
+from plannercheck.common.errors import PlannercheckError, with_article
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.view.drawn_parts import DrawnParts, has_many_parts, parts_of
@@ -39,6 +40,7 @@ def picture(
     *,
     labels: Sequence[str] | None = None,
     animated: bool = False,
+    times: ArrayLike | None = None,
     planes: int | None = None,
     meshes: Mapping[str, Surface] | None = None,
     visuals: Sequence[Visual] = (),
@@ -50,6 +52,7 @@ def picture(
         q: (nq,) or (n, nq) a configuration a frame; or each joint's value of one by its name.
         labels: What the frames are called; default: their numbers.
         animated: Whether the frames follow each other in time, as those of `along_path` do.
+        times: (n,) s, growing: frames are played in real time, with the least clearance over time as a plot.
         planes: Separating planes a frame, of the nearest pairs; default: 3 for one frame, 1 for several; in the plane
             none are drawn.
         meshes: Meshes that `delivered_meshes` gives, to be drawn inside their hulls.
@@ -59,8 +62,11 @@ def picture(
         The picture.
 
     Raises:
-        PlannercheckError: If there are no configurations or more than `MOST_FRAMES`, or labels do not fit them.
+        PlannercheckError: If it is no checker, if there are no configurations or more than `MOST_FRAMES`, or if labels
+            do not fit them.
     """
+    if not isinstance(checker, (Checker, PlanarChecker)):
+        raise PlannercheckError(f"a picture is of a checker, not of {with_article(type(checker).__name__)}")
     numbers = named_configuration(checker.robot, q) if isinstance(q, Mapping) else q
     rows = given_configurations(checker.robot, numbers)
     names = [f"configuration {k}" for k in range(len(rows))] if labels is None else list(labels)
@@ -68,13 +74,13 @@ def picture(
         raise PlannercheckError(
             f"a picture takes 1 to {MOST_FRAMES} configurations, each with a label: not {len(rows)}"
         )
+    instants = None if times is None else _checked_times(times, len(rows))
     colliding = checker.colliding_pairs(rows)
     if isinstance(checker, PlanarChecker):
         drawn = planar_meshes(checker, rows, _bodies_hit(checker, colliding))
         sensed: tuple[DrawnParts, ...] = ()
         points, found = planar_witnesses(checker, rows, colliding), list[Plane]()
     else:
-        assert isinstance(checker, Checker)
         hit = _bodies_hit(checker, colliding)
         drawn = with_floor(space_meshes(checker, rows, hit, meshes or {}, veiled=bool(visuals)))
         drawn += visual_layer(checker, rows, hit, visuals)
@@ -85,7 +91,7 @@ def picture(
     return Picture(
         title=f"{checker.robot.name} in {checker.scene.name}",
         labels=tuple(names),
-        animated=animated,
+        animated=animated or instants is not None,
         meshes=tuple(drawn),
         collisions=tuple(_names_hit(checker, row) for row in colliding),
         planes=tuple(found),
@@ -93,7 +99,16 @@ def picture(
         centre=centre,
         radius=radius,
         parts=sensed,
+        times=instants,
+        clearances=checker.clearances(rows) if instants is not None and isinstance(checker, Checker) else None,
     )
+
+
+def _checked_times(times: ArrayLike, count: int) -> Floats:
+    found = contiguous(times)
+    if found.shape != (count,) or not np.isfinite(found).all() or not (np.diff(found) > 0).all():
+        raise PlannercheckError(f"times must be {count} numbers that grow, one a configuration")
+    return found
 
 
 def space_meshes(

@@ -15,12 +15,14 @@ import numpy as np
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.transforms import quaternion_of_rotation
 from plannercheck.view.joints import Joints
-from plannercheck.view.model import PLANE, Drawing, Mesh
+from plannercheck.view.model import PLANE, Drawing, Mesh, checked_drawing
 from plannercheck.view.origins import own_pages_only
 
 DEFAULT_PORT = 8080
 # Time a frame is shown, s: of an animation, and of a set of configurations.
 _ANIMATION_STEP, _SET_STEP = 1 / 30, 0.8
+# How long the end of a trajectory is shown, s.
+_PAUSE = 1.0
 # Where one looks from at first, seen from the centre, in radii: from behind robots that look along x.
 _EYE = np.array([-1.6, -2.2, 1.2])
 # By which sliders move joints, rad and m.
@@ -42,9 +44,10 @@ def serve(picture: Drawing, port: int = DEFAULT_PORT, host: str = "localhost", j
         The stage; its `server.stop()` ends it, its `play()` plays frames as long as the box is ticked.
 
     Raises:
-        PlannercheckError: If viser is not installed.
+        PlannercheckError: If it is no picture, or viser is not installed.
         RuntimeError: If pages of others can't be refused with the viser that is installed.
     """
+    checked_drawing(picture)
     try:
         import viser
     except ImportError:
@@ -71,6 +74,7 @@ class Stage:
         self._drawing = threading.RLock()  # viser calls from several threads
         self._at: list[float] | None = None  # the sliders' values that are shown; None while they are put there
         self._marks: list[Any] = []
+        self._instant = 0.0 if picture.times is None else float(picture.times[0])
         server.scene.set_up_direction("+z")
         server.scene.world_axes.visible = False
         self.meshes = [self._added(k, mesh) for k, mesh in enumerate(picture.meshes)]
@@ -78,6 +82,7 @@ class Stage:
         self._slider = server.gui.add_slider("frame", 0, max(picture.frames - 1, 1), 1, 0, disabled=picture.frames == 1)
         self._slider.on_update(lambda _: self.show(int(self._slider.value)))
         self._playing = server.gui.add_checkbox("play", False, disabled=picture.frames == 1)
+        self._add_plot(picture)
         for layer in dict.fromkeys(mesh.layer for mesh in picture.meshes):
             self._add_switch(layer)
         self.sliders = self._added_sliders(joints) if joints is not None else []
@@ -106,11 +111,34 @@ class Stage:
         box.on_update(switch)
 
     def play(self) -> None:
-        """Steps through the frames as long as the box is ticked; never returns."""
+        """Steps through the frames as long as the box is ticked, in real time if they have times; never returns."""
+        before = time.monotonic()
         while True:
             time.sleep(_ANIMATION_STEP if self._picture.animated else _SET_STEP)
+            now = time.monotonic()
             if self._playing.value:
-                self._slider.value = (int(self._slider.value) + 1) % self._picture.frames
+                self._slider.value = self.next_frame(int(self._slider.value), now - before)
+            before = now
+
+    def next_frame(self, frame: int, elapsed: float) -> int:
+        """The frame to show some time after another one, s; after the last one comes the first."""
+        picture, times = self._picture, self._picture.times
+        if times is None:
+            return (frame + 1) % picture.frames
+        if picture.frame_at(self._instant) != frame:  # someone has moved the slider
+            self._instant = float(times[frame])
+        self._instant += elapsed
+        if self._instant > times[-1] + _PAUSE:
+            self._instant = float(times[0])
+        return picture.frame_at(self._instant)
+
+    def _add_plot(self, picture: Drawing) -> None:
+        """The least clearance over time."""
+        from viser import uplot
+
+        if picture.times is not None and picture.clearances is not None:
+            series = (uplot.Series(label="s"), uplot.Series(label="least clearance, m", stroke="#1d5fae"))
+            self.server.gui.add_uplot((picture.times, picture.clearances), series, aspect=2.0)
 
     def show(self, frame: int) -> None:
         """Shows a frame; the sliders follow."""
@@ -160,7 +188,8 @@ class Stage:
             for mark in self._marks:
                 mark.remove()
             self._marks = [*self._drawn_witnesses(picture, frame), *self._drawn_planes(picture, frame)]
-        self.verdict.content = f"**{picture.labels[frame]}**: {picture.verdict(frame)}"
+        clearance = "" if picture.clearances is None else f"; least clearance {1000 * picture.clearances[frame]:.3g} mm"
+        self.verdict.content = f"**{picture.labels[frame]}**: {picture.verdict(frame)}{clearance}"
 
     def _drawn_witnesses(self, picture: Drawing, frame: int) -> list[Any]:
         return [

@@ -114,3 +114,32 @@ def test_tables_are_read_only(panda, scene):
     for rows in (table.pairs, table.static):
         with pytest.raises(ValueError, match="read-only"):
             rows[0] = 0
+
+
+def of_unknown_names(caught):
+    return [each for each in caught if "unknown link or object" in str(each.message)]
+
+
+def test_pairs_of_names_that_there_are_not_are_one_warning(panda, scene, recwarn):
+    scene.allow("panda_hand", "shelf")
+    scene.add_sphere("can", 0.01, None)
+    scene.attach("can", "panda_hand", touch_links=["panda_hand"])
+    scene.allow("can", "ball", False)
+    checker = pc.Checker(panda, scene)
+    assert not of_unknown_names(recwarn)
+    scene.allow("panda_hnad", "shelf")
+    scene.allow("ball", "blal")
+    pc.Checker(panda, scene)
+    (found,) = of_unknown_names(recwarn)
+    assert "'blal': did you mean 'ball'" in str(found.message)
+    assert "(and 1 more)" in str(found.message)
+    assert found.filename == __file__
+    checker.with_scene(scene)  # a later scene may lack what an earlier one had
+    assert len(of_unknown_names(recwarn)) == 1
+    assert scene.copy().allowed == scene.allowed
+
+
+def test_matrices_may_name_what_is_not_there(panda, scene, recwarn):
+    scene.allowed.pairs[frozenset(("gripper of last year", "shelf"))] = True
+    pc.Checker(panda, scene)
+    assert not of_unknown_names(recwarn)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import Box
+from plannercheck.bodies.shapes import Box, Sphere
 from plannercheck.bodies.solids import Solid
 from plannercheck.cli.main import main
 from plannercheck.common.errors import PlannercheckError
@@ -99,6 +99,18 @@ def test_one_body_inside_another_is_free_for_coal_and_counted_apart(compiled):
     pair = PosedBodies((grain, ring), (None, None), np.array([True, True]), np.array([[0, 1]]), ("grain", "ring"))
     loop = CoalLoop(pair, np.tile(np.eye(4), (2, 1, 1)))
     assert loop.check(loop.posed(np.stack([middle, np.eye(4)])[None]), VARIANTS[0]).tolist() == [True]
+
+
+def test_coal_is_not_given_triangles_without_area(compiled):
+    """Named case: a cap of tiago's hand. coal takes a sphere near the box of such a triangle as in contact with it."""
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [0, 0, 1]])
+    solid = Polytope(Solid(points, [[0, 1, 3], [0, 1, 4], [0, 1, 2]], open="triangles"))
+    beside = np.eye(4)
+    beside[:3, 3] = 1.5, -0.09, -0.09
+    ball = Sphere(0.1)
+    pair = PosedBodies((Polytope(ball), solid), (ball, None), np.array([True, True]), np.array([[0, 1]]), ("a", "b"))
+    loop = CoalLoop(pair, np.tile(np.eye(4), (2, 1, 1)))
+    assert loop.check(loop.posed(np.stack([beside, np.eye(4)])[None]), VARIANTS[0]).tolist() == [True]
 
 
 def test_the_fastest_loop_is_sought_among_the_kinds_of_boxes(compiled, checker):

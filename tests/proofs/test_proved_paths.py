@@ -11,7 +11,7 @@ import pytest
 import plannercheck as pc
 from plannercheck.cli.main import main
 from plannercheck.ompl.plans import Plan
-from plannercheck.proofs import save_proofs, verify_path
+from plannercheck.proofs import load_proofs, save_proofs, verify_path
 
 
 @pytest.fixture(scope="module")
@@ -171,3 +171,46 @@ def test_calls_that_would_ignore_something_are_errors(proofs, tmp_path, capsys):
     assert main(["verify", file, "--straight"]) == 2
     assert main(["verify", file, file, "--path", "p.json"]) == 2
     assert "one proof file" in capsys.readouterr().err
+
+
+LIFT = (
+    "<robot name='lift'><link name='base'/>"
+    + "".join(
+        f"<link name='{child}'><collision><origin xyz='0 0 0.2'/><geometry><box size='0.05 0.05 0.2'/></geometry>"
+        f"</collision></link><joint name='{child}' type='{kind}'><parent link='{parent}'/><child link='{child}'/>"
+        f"<origin xyz='0 0 0.5'/><axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/>{more}</joint>"
+        for parent, child, kind, more in (
+            ("base", "turn", "continuous", ""),
+            ("turn", "left", "revolute", ""),
+            ("left", "right", "revolute", "<mimic joint='left' multiplier='0.7' offset='0.1'/>"),
+        )
+    )
+    + "</robot>"
+)
+
+
+def test_a_path_of_one_number_a_joint_is_read_by_the_robot(tmp_path, capsys, monkeypatch):
+    """A plan of a hand with joints that follow others was certified and could not be compared with its proof."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lift.urdf").write_text(LIFT)
+    robot = ["--robot", "lift.urdf"]
+    ends = ["--start", "0.5,0.1", "--goal", "2.8,-0.2"]
+    assert main(["plan", *robot, *ends, "--output", "plan.json", "--seed", "1"]) == 0
+    assert main(["validate", *robot, "--path", "plan.json", "--certify"]) == 0
+    capsys.readouterr()
+    assert main(["verify", "plan.proof.json", *robot, "--path", "plan.json"]) == 0
+    assert "path 'plan.json': " in capsys.readouterr().out
+    assert main(["verify", "plan.proof.json", "--path", "plan.json"]) == 2
+    assert "name the robot, too (--robot, robot=)" in capsys.readouterr().err
+    plan, proofs = Plan.load("plan.json"), load_proofs("plan.proof.json")
+    assert plan.path.shape[1] == 2
+    assert verify_path(proofs, plan.path, robot="lift.urdf")
+    assert verify_path(proofs, "plan.json", robot="lift.urdf")
+    other = plan.path + np.array([0.0, 1e-9])
+    assert not verify_path(proofs, other, robot="lift.urdf")
+    assert "not proved" in proofs[0].verify(robot="lift.urdf", path=other).fault
+    for path in (plan.path, [[1.0, 2.0], [1.0]]):
+        with pytest.raises(pc.PlannercheckError, match="with robot= they may have one number a joint"):
+            verify_path(proofs, path)
+    with pytest.raises(pc.PlannercheckError):
+        verify_path(proofs, [[1.0, 2.0], [1.0]], robot="lift.urdf")

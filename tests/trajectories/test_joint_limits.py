@@ -43,7 +43,7 @@ def test_moveits_file_overrides_the_urdf(tmp_path: Path, wrapped: bool):
 
 def test_position_limits_of_the_file_are_said_to_be_unused(tmp_path: Path):
     file = tmp_path / "joint_limits.yaml"
-    file.write_text("joint_limits: {panda_joint1: {max_position: 1.0}}")
+    file.write_text("joint_limits: {panda_joint1: {max_position: 1.0}, panda_joint2: }")
     with pytest.warns(UserWarning, match=r"position limits \(panda_joint1\) are not looked at"):
         joint_limits.read(file, PANDA)
 

@@ -162,6 +162,21 @@ def test_polynomials_are_those_of_scipy(degree):
         np.testing.assert_allclose(values, peer(at, derivative), atol=1e-12 * size)
 
 
+def test_sizes_that_no_robot_has_are_refused():
+    with pytest.raises(pc.PlannercheckError, match=r"piece 0 has control points beyond 1e\+15"):
+        pc.Trajectory([0, 1], [[0.0], [1e300]])
+    with pytest.raises(pc.PlannercheckError, match="piece 1 takes 1e-10 s, less than 1 ns"):
+        pc.Trajectory.bezier([0, 1, 1 + 1e-10], [[[0.0], [1.0]], [[1.0], [1.0]]])
+
+
+def test_limits_with_leading_terms_below_rounding():
+    """A parabola as a cubic whose last term is 1e-310: its roots would overflow."""
+    robot = pc.Robot.load("panda").with_group(["panda_joint1"])
+    found = pc.Trajectory.bezier([0, 1], [[[0.0], [10.0], [10.0], [1e-310]]])
+    (excess,) = found.limits(robot)
+    assert (excess.kind, excess.value, excess.time) == ("position", 7.5, 0.5)
+
+
 def test_pieces_must_meet():
     with pytest.raises(pc.PlannercheckError, match="pieces 0 and 1 are 1 apart where they meet"):
         pc.Trajectory.polynomials([0, 1, 2], [[[0.0]], [[1.0]]])

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rosbags.rosbag2 import StoragePlugin, Writer
+from bags import bag_of, empty, message_of
+from rosbags.rosbag2 import StoragePlugin
 
 import plannercheck as pc
-from plannercheck.trajectories.bags import _known_types
 
 ROBOT = pc.Robot.load("panda")
 NAMES = list(ROBOT.joint_names)
@@ -105,55 +105,18 @@ def test_malformed_npz_is_named(tmp_path: Path, arrays: dict, words: str):
         pc.Trajectory.load(tmp_path / "t.npz", ROBOT)
 
 
-STORE = _known_types()
-
-
-def made(name: str, **fields):
-    """A message of rosbags' own classes, other fields empty."""
-    cls = STORE.types[name]
-    empty = {"string": "", "bool": False, "float64": 0.0, "int32": 0, "uint32": 0, "byte": 0, "uint8": 0}
-    for field, (kind, what) in STORE.fielddefs[name][1]:
-        if field in fields:
-            continue
-        if kind.name == "BASE":
-            fields[field] = empty[what[0]]
-        elif kind.name == "NAME":
-            fields[field] = made(what)
-        else:
-            base = what[0]
-            fields[field] = np.zeros(0) if base[0].name == "BASE" and base[1][0] == "float64" else []
-    return cls(**fields)
+def in_the_files_order() -> pc.Trajectory:
+    rows = (np.ascontiguousarray(each[:, TURNED]) for each in (Q, V, A))
+    return pc.Trajectory(TIMES, *rows, joint_names=[NAMES[j] for j in TURNED])
 
 
 def joint_trajectory():
-    points = [
-        made(
-            "trajectory_msgs/msg/JointTrajectoryPoint",
-            positions=q,
-            velocities=v,
-            accelerations=a,
-            time_from_start=made("builtin_interfaces/msg/Duration", sec=int(t), nanosec=round(t % 1 * 1e9)),
-        )
-        for t, q, v, a in zip(
-            TIMES.tolist(), *(np.ascontiguousarray(rows[:, TURNED]) for rows in (Q, V, A)), strict=True
-        )
-    ]
-    names = [NAMES[j] for j in TURNED]
-    return made("trajectory_msgs/msg/JointTrajectory", joint_names=names, points=points)
+    return message_of(in_the_files_order())
 
 
 def display_trajectory():
-    part = made("moveit_msgs/msg/RobotTrajectory", joint_trajectory=joint_trajectory())
-    return made("moveit_msgs/msg/DisplayTrajectory", model_id="panda", trajectory=[part])
-
-
-def bag_of(folder: Path, plugin: StoragePlugin, *messages) -> Path:
-    with Writer(folder, version=9, storage_plugin=plugin) as writer:
-        for k, message in enumerate(messages):
-            kind = message.__msgtype__
-            connection = writer.add_connection(f"/topic{k}", kind, typestore=STORE)
-            writer.write(connection, k, STORE.serialize_cdr(message, kind))
-    return folder
+    part = empty("moveit_msgs/msg/RobotTrajectory", joint_trajectory=joint_trajectory())
+    return empty("moveit_msgs/msg/DisplayTrajectory", model_id="panda", trajectory=[part])
 
 
 @pytest.mark.parametrize("plugin", list(StoragePlugin))
@@ -185,7 +148,7 @@ def test_one_of_several_messages_is_chosen(tmp_path: Path):
 
 
 def test_what_is_no_bag_of_trajectories_is_named(tmp_path: Path):
-    folder = bag_of(tmp_path / "bag", StoragePlugin.MCAP, made("std_msgs/msg/Header"))
+    folder = bag_of(tmp_path / "bag", StoragePlugin.MCAP, empty("std_msgs/msg/Header"))
     with pytest.raises(pc.PlannercheckError, match=r"(?s)bag.*no messages of.*topics: /topic0 \(std_msgs/msg/Header"):
         pc.Trajectory.load(folder, ROBOT)
     (tmp_path / "t.mcap").write_bytes(b"no bag")

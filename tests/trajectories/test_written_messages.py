@@ -48,7 +48,7 @@ def test_what_no_message_holds_is_refused(tmp_path: Path):
     for made, words in (
         (random_trajectory(0), "names its joints: make the trajectory with joint_names="),
         (random_trajectory(0, times=[0, 1 / 3, 1, 2, 3, 4], **named), "point 1 is at .*333 s.*whole nanoseconds"),
-        (random_trajectory(0, times=[0, 1, 2, 3, 4, 2**31], **named), "point 5 is at .* below 2147483648 s"),
+        (pc.Trajectory([0, 1, 2**31], np.zeros((3, 7)), **named), "point 2 is at .* below 2147483648 s"),
         (pc.Trajectory.bezier([0, 1], [[[0.0], [1.0]]]), "a curve is no message"),
     ):
         with pytest.raises(pc.PlannercheckError, match=words):
@@ -60,7 +60,9 @@ def test_what_no_message_holds_is_refused(tmp_path: Path):
         random_trajectory(0, joint_names=["a", "b"])
 
 
-@pytest.mark.parametrize("stamp", [{"sec": 1.5}, {"sec": 1, "nanosec": 0.5}, {"sec": True}, {"secs": "1"}])
+@pytest.mark.parametrize(
+    "stamp", [{"sec": 1.5}, {"sec": 1, "nanosec": 0.5}, {"sec": True}, {"secs": "1"}, {"sec": 10**400}]
+)
 def test_stamps_are_whole_numbers(tmp_path: Path, stamp: dict):
     random_trajectory(0, joint_names=ROBOT.joint_names).save(tmp_path / "t.json")
     message = json.loads((tmp_path / "t.json").read_text())

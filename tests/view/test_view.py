@@ -52,6 +52,17 @@ def drawn(checker, rows):
     return picture(checker, rows, planes=2)
 
 
+def test_what_is_no_picture_is_one_error(checker, rows, drawn, tmp_path):
+    for call in (write_page, serve):
+        with pytest.raises(
+            PlannercheckError, match=r"not a Checker: plannercheck.view.picture\(checker, q\) makes one"
+        ):
+            call(checker, tmp_path / "page.html")
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(PlannercheckError, match="a picture is of a checker, not of a Robot"):
+        picture(checker.robot, rows)
+
+
 def test_poses_are_pinocchios(checker, rows, drawn):
     description = read_description(find_description("panda"))
     model = read_model(description.urdf)

@@ -133,6 +133,32 @@ int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const Segment
   return answer;
 }
 
+// Of n motions: an array (n,) of whether each is free, or None if any of them is none of those that are answered here.
+nb::object known_validity(BoundCertifier& bound, const Kinematics& kinematics, const Segments& motions, std::size_t n,
+                          const KnownMotions& known, double tolerance, int threads) {
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!known.hold(motions[i])) return nb::none();
+  }
+  std::atomic<bool> answered{true};
+  const auto free = bound.of_rows<std::uint8_t>(
+      n, threads, [&](std::size_t row, std::size_t count, std::uint8_t* answers, MotionCertifier::Workspace& w) {
+        bound.core().check(kinematics, motions.from(row), count, tolerance, known.error, answers, w);
+        for (std::size_t i = 0; i < count; ++i) {
+          if (answers[i] > static_cast<std::uint8_t>(MotionAnswer::kRefused)) answered = false;
+          answers[i] = answers[i] == static_cast<std::uint8_t>(MotionAnswer::kFree) ? 1 : 0;
+        }
+      });
+  return answered ? nb::cast(free) : nb::none();
+}
+
+// The same of curves that stay in a range in which a kinematic error holds.
+nb::object curve_validity(BoundCertifier& bound, const Kinematics& kinematics, InputArray<double, -1> low,
+                          InputArray<double, -1> high, double kinematic_error, ControlPoints points,
+                          Configurations tubes, double tolerance, int threads) {
+  const KnownMotions known = known_motions(low, high, kinematic_error, {}, 0);
+  return known_validity(bound, kinematics, curves(points, &tubes), points.shape(0), known, tolerance, threads);
+}
+
 // A function of two states (ompl_states.hpp): whether the motion between them is free; it counts its answers. It passes
 // motions that are not known to `elsewhere`, a function of two lists. `angles` are the columns of angles that whole
 // turns do not change.
@@ -214,19 +240,7 @@ nb::object motion_set_validity(nb::object certifier, nb::object kinematics, Inpu
     const double tolerance = PyFloat_AS_DOUBLE(length.ptr());
     if (!(tolerance > 0 && std::isfinite(tolerance))) return nb::none();
     const Segments motions{from.data, to.data, width};
-    for (std::size_t i = 0; i < from.n; ++i) {
-      if (!known.hold(motions[i])) return nb::none();
-    }
-    std::atomic<bool> answered{true};
-    const auto free = bound->of_rows<std::uint8_t>(
-        from.n, threads, [&](std::size_t row, std::size_t n, std::uint8_t* answers, MotionCertifier::Workspace& w) {
-          bound->core().check(*kernel, motions.from(row), n, tolerance, known.error, answers, w);
-          for (std::size_t i = 0; i < n; ++i) {
-            if (answers[i] > static_cast<std::uint8_t>(MotionAnswer::kRefused)) answered = false;
-            answers[i] = answers[i] == static_cast<std::uint8_t>(MotionAnswer::kFree) ? 1 : 0;
-          }
-        });
-    return answered ? nb::cast(free) : nb::none();
+    return known_validity(*bound, *kernel, motions, from.n, known, tolerance, threads);
   };
   return nb::cpp_function(are_free, nb::arg("starts").none(), nb::arg("ends").none(), nb::arg("tolerance").none(),
                           nb::arg("threads"), plain_floats);
@@ -293,6 +307,7 @@ void bind_motion(nb::module_& m) {
       .def("statistics", &BoundCertifier::statistics, plain_floats);
   m.def("motion_row_validity", &motion_row_validity, plain_floats);
   m.def("motion_set_validity", &motion_set_validity, plain_floats);
+  m.def("curve_validity", &curve_validity, plain_floats);
   m.def("motion_validity", &motion_validity, nb::arg("certifier"), nb::arg("kinematics"), nb::arg("low"),
         nb::arg("high"), nb::arg("tolerance"), nb::arg("kinematic_error"), nb::arg("elsewhere"), nb::arg("counts"),
         nb::arg("states").none() = nb::none(), nb::arg("angles") = std::vector<std::size_t>(),

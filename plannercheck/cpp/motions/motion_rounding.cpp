@@ -17,8 +17,7 @@ MotionRounding motion_rounding(const MotionModel& model, double extent, const Pa
   double size = 1 + extent + model.extent + bound.curvature / 8 + bound.arm;
   for (std::size_t c = 0; c < model.travel.size(); ++c) size += model.travel[c] * path.size(c);
   const double part = kRunRounding + kTurnRounding * model.joints + kPartRounding * model.depth + 4 * model.defect +
-                      8 * model.depth * path.off_unit() +
-                      path.roundings() * kUnit * model.leverage * (1 + path.largest());
+                      8 * model.depth * path.off_unit() + model.leverage * path.number_error();
   return {4 * kinematic_error + part * size, size};
 }
 

@@ -135,13 +135,25 @@ void Path::set(const Segment& motion) {
     sizes_[c] = larger(std::fabs(low), std::fabs(high));
   }
   for (std::size_t c = 0; c < width; ++c) largest_ = larger(largest_, size(c));
-  tube_.clear();
-  if (motion.tube != nullptr) {
-    tube_.assign(motion.tube, motion.tube + width);
-    room_ = motion.tube[width];
-    for (std::size_t c = 0; c < width; ++c) sizes_[c] += tube_[c];
-  }
+  set_tube(motion.tube);
   for (std::size_t part = 0; part < parts_.size(); ++part) set_part(part);
+}
+
+// A tube as thin as rounding is covered as rounding is, at no cost.
+void Path::set_tube(const double* tube) {
+  constexpr double kThin = 0x1p-33;
+  const std::size_t width = q0_.size();
+  tube_.clear();
+  off_curve_ = 0;
+  if (tube == nullptr) return;
+  room_ = tube[width];
+  const double widest = *std::max_element(tube, tube + width);
+  if (widest <= kThin && room_ == 0) {
+    off_curve_ = widest;
+  } else {
+    tube_.assign(tube, tube + width);
+  }
+  for (std::size_t c = 0; c < width; ++c) sizes_[c] += tube[c];
 }
 
 // Cutting errs by three roundings a level, and by two more where the place is rounded. Differences err by as many of

@@ -50,14 +50,18 @@ struct Segments {
 // The highest degree of a curve.
 inline constexpr std::size_t kMostDegree = 31;
 
-// Whether each of n numbers stays between bounds on a straight motion; those of unit vectors are at most 1 and do not
-// count.
+// Whether each of n numbers stays between bounds on a motion, its tube included; those of unit vectors are at most 1
+// and do not count.
 inline bool stays_within(const Segment& motion, std::size_t n, const double* low, const double* high) {
   bool within = true;
-  for (std::size_t c = 0; c < n; ++c) {
-    within &= motion.start[c] >= low[c] && motion.start[c] <= high[c];
-    within &= motion.end[c] >= low[c] && motion.end[c] <= high[c];
-  }
+  const auto look_at = [&](const double* row) {
+    for (std::size_t c = 0; c < n; ++c) {
+      const double off = motion.tube == nullptr ? 0 : motion.tube[c];
+      within &= row[c] - off >= low[c] && row[c] + off <= high[c];
+    }
+  };
+  for (std::size_t k = 0; k < motion.degree; ++k) look_at(motion.start + k * n);
+  look_at(motion.end);
   return within;
 }
 
@@ -122,8 +126,11 @@ class Path {
   // The largest of all columns; how far any circle or quaternion of the given numbers is off length 1.
   double largest() const { return largest_; }
   double off_unit() const { return off_unit_; }
-  // How many roundings, of half a unit in the last place of the largest number, the numbers of `at` err by at most.
-  double roundings() const { return is_curve() ? 16 + 4 * static_cast<double>(degree_) : 16; }
+  // By how much the numbers of `at` may be off, by rounding and a thin tube.
+  double number_error() const {
+    const double roundings = is_curve() ? 16 + 4 * static_cast<double>(degree_) : 16;
+    return roundings * 0x1p-53 * (1 + largest()) + off_curve_;
+  }
 
  private:
   struct Twist {
@@ -144,7 +151,7 @@ class Path {
   std::vector<PathPart> parts_;
   std::vector<Twist> twists_;
   std::vector<std::int32_t> linear_;  // columns that no part covers
-  double largest_ = 0, off_unit_ = 0, room_ = 0;
+  double largest_ = 0, off_unit_ = 0, room_ = 0, off_curve_ = 0;
 
   static std::size_t at_column(std::int32_t column) { return static_cast<std::size_t>(column); }
   NumberBound bound_of_curve(std::size_t column, double multiplier, double offset) const {
@@ -152,6 +159,7 @@ class Path {
     const double a = multiplier * on.low + offset, b = multiplier * on.high + offset, factor = std::fabs(multiplier);
     return {factor * on.rate, larger(std::fabs(a), std::fabs(b)), factor * on.change};
   }
+  void set_tube(const double* tube);
   void cut_up_to(double place);
   void cut_from(double place);
   void curve_at(const double* t, std::size_t n, std::size_t stride, double* q) const;

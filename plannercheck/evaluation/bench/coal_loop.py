@@ -208,7 +208,10 @@ class CoalLoop:
         kind, numbers = _simple(shape)
         points, faces = polytope.vertices, polytope.faces if kind == _HULL else np.zeros((0, 3))
         if polytope.solid is not None:
-            kind, points, faces = _MESH_BOXES[self.mesh_boxes], polytope.solid.points(), polytope.solid.triangles()
+            points, faces = polytope.solid.points(), polytope.solid.triangles()
+            a, b, c = (points[corner] for corner in faces.T)
+            has_area = np.cross(b - a, c - a).any(axis=1)  # coal takes a sphere as in contact with any other one
+            kind, faces = _MESH_BOXES[self.mesh_boxes], faces[has_area]
         if kind == _HULL and polytope.dimension < 3:
             raise PlannercheckError(f"coal has no shape for {name}, which has no volume")
         points = np.ascontiguousarray(points, dtype=np.float64)

@@ -116,7 +116,7 @@ def coal_geometry_model(checker: Checker) -> Any:
         if id(polytope) not in shapes:  # equal shapes are one, as in the checker
             is_map = isinstance(body.shape, PartSet)
             shapes[id(polytope)] = coal_map(body.shape) if is_map else (coal_shape(body, polytope), np.eye(4))
-        joint, placement = _joint_of(checker, body)
+        joint, placement = joint_of(checker, body)
         shape, own = shapes[id(polytope)]
         item = pin.GeometryObject(f"{k} {body.name}", joint, placement * pin.SE3(own), shape)
         place[k] = geometry.addGeometryObject(item)
@@ -125,7 +125,7 @@ def coal_geometry_model(checker: Checker) -> Any:
     return geometry
 
 
-def _joint_of(checker: Checker, body: GeometryObject) -> tuple[int, Any]:
+def joint_of(checker: Checker, body: GeometryObject) -> tuple[int, Any]:
     """The joint that a body hangs on, 0 for the world, and its placement there."""
     import pinocchio as pin
 

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from plannercheck.checking.protocols import AnyRobot
 from plannercheck.common.array_types import Bools, Floats, Ints64
@@ -30,6 +31,7 @@ from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.motion_paths import MotionPath, check_path
 from plannercheck.robots.configurations import ConfigurationMap
+from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.robot import Robot
 from plannercheck.validation.formats.chunks import read_chunks, read_states
 from plannercheck.validation.formats.columns import WidthError
@@ -130,6 +132,34 @@ def read_robot_path(path: str | Path, robot: AnyRobot) -> PathFile:
         with error_context(f"path file {str(path)!r}"):
             return _turned(found, robot, spread, Path(path))
     raise errors[0]
+
+
+def read_proved_path(
+    path: str | Path | ArrayLike, joint_names: Sequence[str], width: int, robot: str | RobotDescription | None
+) -> PathFile:
+    """Reads a path that a proof may be of.
+
+    Args:
+        path: The file; with a robot also configurations (k, n), one number a joint.
+        joint_names: Joint names of the proof.
+        width: Numbers of its configurations.
+        robot: The proof's robot, by which joints follow others and continuous joints are cosines and sines; None if it
+            is not known.
+
+    Returns:
+        The path in the proof's configurations.
+    """
+    loaded = None if robot is None else Robot.from_description(description_of(robot))
+    if not isinstance(path, str | os.PathLike):
+        assert loaded is not None
+        return PathFile(loaded.joint_values.configurations(path), {})
+    if loaded is not None and loaded.joint_values.maps:
+        return read_robot_path(Path(path), loaded)
+    try:
+        return read_path(Path(path), joint_names, width)
+    except WidthError as error:
+        hint = "" if loaded else "; if it gives one number a joint, name the robot, too (--robot, robot=)"
+        raise type(error)(f"{error}{hint}") from None
 
 
 def _turned(found: PathFile, robot: AnyRobot, spread: ConfigurationMap | None, path: Path) -> PathFile:

@@ -15,6 +15,7 @@ import sys
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,7 @@ from plannercheck.proofs.urdf_joints import read_tree
 from plannercheck.robots import urdf_messages
 from plannercheck.scenes.motion_bench_maker import load_problems
 from plannercheck.scenes.moveit_request import read_request
+from plannercheck.trajectories import joint_limits
 from plannercheck.validation.formats.chunks import STANDARD_INPUT, read_chunks
 from plannercheck.validation.formats.paths import read_path
 
@@ -154,6 +156,19 @@ def _by_a_fork(
     return subprocess.CompletedProcess([module], status, said, b"")
 
 
+@cache
+def _arm() -> pc.Robot:
+    return pc.Robot.load("panda").with_group(seed_files.ARM)
+
+
+def _timed(path: Path) -> None:
+    arm = _arm()
+    trajectory = pc.Trajectory.load(path, arm)
+    middle = trajectory.curve.breaks.mean()
+    trajectory.position(middle)
+    trajectory.limits(arm, velocity=1.0, acceleration=1.0)
+
+
 def _mesh(path: Path) -> None:
     read_mesh(path)
 
@@ -208,6 +223,10 @@ FILES: dict[str, Loader] = {
     "problem_archive": Loader(_problems, (), _BYTES),
     "path": Loader(lambda path: read_path(path, JOINTS, len(JOINTS)), (), _BOTH),
     "trajectory": Loader(lambda path: read_path(path, JOINTS, len(JOINTS))),
+    "timed": Loader(_timed),
+    "timed_npz": Loader(_timed, (), _BYTES),
+    "bag": Loader(_timed, (), _BYTES),
+    "joint_limits": Loader(lambda path: joint_limits.read(path, _arm())),
     "plan": Loader(Plan.load),
     "proof_json": Loader(_proofs),
     "proof_npz": Loader(_proofs, (), _BYTES),

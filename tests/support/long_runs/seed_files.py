@@ -15,6 +15,8 @@ import h5py
 import numpy as np
 import pyarrow.parquet
 import yaml
+from bags import bag_of, message_of
+from rosbags.rosbag2 import StoragePlugin
 from sensed_files import FOLDER as SENSED_FILES
 
 import plannercheck as pc
@@ -27,6 +29,7 @@ from plannercheck.proofs.files import save_proofs
 from plannercheck.scenes.scene import shipped_scenes
 
 JOINTS = ("a", "b", "c")
+ARM = ("panda_joint1", "panda_joint2", "panda_joint3")
 URDF = """<?xml version="1.0" encoding="utf-8"?>
 <robot name="r"><link name="a"><collision><origin xyz="0 0 0.1" rpy="0 0 0.2"/><geometry><box size="1 2 3"/>
 </geometry></collision></link><link name="b"><collision><geometry><cylinder radius="0.1" length="0.4"/></geometry>
@@ -215,7 +218,7 @@ TRIANGLES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
 def make(folder: Path) -> None:
     """Writes all files."""
     rng = np.random.default_rng(0)
-    for part in (_robots, _scenes, _paths, _proofs, _bodies, _configurations, _meshes, _sensed):
+    for part in (_robots, _scenes, _paths, _trajectories, _proofs, _bodies, _configurations, _meshes, _sensed):
         part(_Files(folder), rng)
 
 
@@ -289,6 +292,23 @@ def _paths(files: _Files, rng: np.random.Generator) -> None:
     ):
         files.of("trajectory", f"{name}.json", json.dumps(document))
         files.of("trajectory", f"{name}.yaml", yaml.safe_dump(document))
+
+
+def _trajectories(files: _Files, rng: np.random.Generator) -> None:
+    times, q = np.array([0.0, 0.5, 2.0]), rng.normal(size=(3, 3))
+    made = pc.Trajectory(times, q, 0 * q, 0 * q, joint_names=ARM)
+    for name in ("t.json", "t.yaml"):
+        made.save(files.of("timed", name))
+    header = ["time", *ARM, *(f"{name}.velocity" for name in ARM)]
+    rows = np.column_stack([times, q, 0 * q]).tolist()
+    files.of("timed", "t.csv", "\n".join([",".join(header), *(",".join(map(repr, row)) for row in rows)]))
+    np.savez(files.of("timed_npz", "t.npz"), times=times, positions=q, velocities=0 * q, joint_names=ARM)
+    for storage in StoragePlugin:
+        bag = bag_of(files.folder / f"made_{storage.name}", storage, message_of(made))
+        file = next(path for path in bag.iterdir() if path.suffix != ".yaml")
+        files.of("bag", f"t{file.suffix}", file.read_bytes())
+    limits = "{has_velocity_limits: true, max_velocity: 1.5, has_acceleration_limits: false}"
+    files.of("joint_limits", "joint_limits.yaml", f"joint_limits:\n  {ARM[0]}: {limits}\n  {ARM[2]}: {limits}\n")
 
 
 def _proofs(files: _Files, rng: np.random.Generator) -> None:

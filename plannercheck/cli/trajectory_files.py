@@ -1,0 +1,53 @@
+"""Trajectories for commands: which controller runs them, and the file that holds one.
+
+In: options, a file. Out: a `Trajectory`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import cast
+
+from plannercheck.checking.protocols import AnyRobot
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.robots.robot import Robot
+from plannercheck.trajectories import CONTROLLERS, Controller, Trajectory
+
+_DEFAULT: Controller = "jtc"
+
+
+def add_controller_argument(parser: argparse._ActionsContainer, what: str) -> None:
+    """Adds --controller; `what` begins its help."""
+    parser.add_argument(
+        "--controller",
+        choices=CONTROLLERS,
+        help=f"{what} what this controller runs between the points of --path; a message with velocities is taken so "
+        "anyway; default: jtc, ros2_control's joint_trajectory_controller",
+    )
+
+
+def trajectory_of(
+    path: Path,
+    robot: AnyRobot,
+    controller: str | None,
+    start: Sequence[float] | None = None,
+    message: int | None = None,
+) -> Trajectory:
+    """The trajectory in a file, as a controller runs it.
+
+    Args:
+        path: The file.
+        robot: Whose it is; the caller takes joints that the file holds from it.
+        controller: Its name; None: "jtc".
+        start: (nq,) where the robot stands; None: at the first point.
+        message: Which of several messages.
+    """
+    if not isinstance(robot, Robot):
+        raise PlannercheckError(f"{robot.name!r} is planar, and trajectories are of robots in space")
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".*trajectory_start is not looked at")
+        given = None if start is None else list(start)
+        return Trajectory.load(path, robot, cast("Controller", controller or _DEFAULT), given, message)
