@@ -17,6 +17,7 @@ def test_a_timed_plan_is_written_as_a_message(tmp_path, capsys):
     assert main([*PLAN, "--timed", *LIMITS, "--velocity", "1.5", "--output", str(file)]) == 0
     said = capsys.readouterr().out
     assert "less than stopping at each corner" in said
+    assert "within a tube of 0, with a tolerance of 0.0001 m" in said
     assert f"written to {file}" in said
     checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("kitchen"))
     read = pc.Trajectory.load(file, checker.robot)
