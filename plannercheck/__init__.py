@@ -53,6 +53,8 @@ if TYPE_CHECKING:
     from plannercheck.motions.checker import Checker as Checker
     from plannercheck.robots.robot import Robot as Robot
     from plannercheck.scenes.scene import Scene as Scene
+    from plannercheck.timing.time_path import UnprovedPathError as UnprovedPathError
+    from plannercheck.timing.time_path import time_path as time_path
     from plannercheck.trajectories.trajectory import Trajectory as Trajectory
 
 # Loaded on first use, so that `import plannercheck` costs nothing that is not needed.
@@ -85,6 +87,7 @@ _HOMES = {
     "Sphere": "bodies.shapes",
     "Trajectory": "trajectories.trajectory",
     "Tuning": "bodies.tuning",
+    "UnprovedPathError": "timing.time_path",
     "ValidityReport": "checking.verdicts",
     "Verdict": "checking.verdicts",
     "VoxelGrid": "bodies.voxel_grids",
@@ -92,6 +95,7 @@ _HOMES = {
     "depth": "bodies.penetration_depth",
     "distance": "bodies.distance",
     "intersects": "bodies.intersection",
+    "time_path": "timing.time_path",
 }
 _MODULES = ("ndim", "ompl", "planar", "view")
 
@@ -153,6 +157,7 @@ __all__ = [
     "Sphere",
     "Trajectory",
     "Tuning",
+    "UnprovedPathError",
     "ValidityReport",
     "Verdict",
     "VoxelGrid",
@@ -164,6 +169,7 @@ __all__ = [
     "ndim",
     "ompl",
     "planar",
+    "time_path",
     "view",
 ]
 

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from functools import cached_property, partial
 from typing import ClassVar, TypeVar
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.checking.state_checker import StateChecker
@@ -210,9 +209,8 @@ class Checker(StateChecker):
         threads: int = 1,
     ) -> Bools:
         """Whether each of n trajectories is proved free: (n,); arguments as for `check_trajectory`."""
-        checks = TrajectoryChecks(self, tube, tolerance)
         threads = checked_threads(threads, MOST_THREADS)
-        return np.array([free.all() for free in checks.free_pieces(trajectories, threads)], dtype=bool)
+        return TrajectoryChecks(self, tube, tolerance).are_free(trajectories, threads)
 
     def explain_trajectory(
         self, trajectory: Trajectory, tube: ArrayLike = 0.0, tolerance: float = DEFAULT_TOLERANCE
@@ -265,7 +263,7 @@ class Checker(StateChecker):
             PlannercheckError: As of `certify_motions`.
         """
         checks = TrajectoryChecks(self, tube, tolerance)
-        if not checks.free_pieces([trajectory])[0].all():
+        if not checks.are_free([trajectory])[0]:
             return None
         around = checks.tube_of(trajectory)
         proofs = [self._prover.curve_proof(points, around, tolerance) for points in trajectory.curve.pieces]

@@ -122,14 +122,16 @@ def test_one_of_several_messages_is_chosen(capsys, tmp_path, free):
     assert judged(capsys, "--path", tmp_path / "two.json", "--message", "1")[0] == 0
 
 
-def test_joints_that_the_start_holds_are_held(capsys, tmp_path, free):
-    """The fingers at 0.04 m, as the robot file has them, or wide open beside a shelf: the checker's robot changes."""
-    start = {"joint_state": {"name": ["panda_finger_joint1"], "position": [0.0]}}
+def test_joints_that_the_start_holds_are_held(capsys, tmp_path, checker, free):
+    """A finger far out leaves less room around the trajectory."""
+    out = {"panda_finger_joint1": 0.3}
+    start = {"joint_state": {"name": list(out), "position": list(out.values())}}
     message = {"trajectory_start": start, "trajectory": [{"joint_trajectory": safe_load(free.read_text())}]}
     (tmp_path / "t.json").write_text(json.dumps(message))
     _, found = judged(capsys, "--path", tmp_path / "t.json")
-    closed = pc.Checker(ROBOT.holding({"panda_finger_joint1": 0.0}), pc.Scene.load("bookshelf"))
-    assert found["clearance"] == closed.explain_trajectory(pc.Trajectory.load(free, ROBOT)).clearance
+    trajectory = pc.Trajectory.load(free, ROBOT)
+    held = pc.Checker(ROBOT.holding(out), checker.scene).explain_trajectory(trajectory)
+    assert found["largest_tube"] == held.largest_tube < checker.explain_trajectory(trajectory).largest_tube
 
 
 def test_what_is_no_trajectory_is_named(capsys, tmp_path):
