@@ -70,10 +70,12 @@ def test_a_turning_point_is_where_the_curve_is_nearest(tmp_path):
             assert checker.check_trajectory(pc.Trajectory.polynomials([0, 1], powers)) == free, (at, gap)
 
 
-def test_a_corner_of_a_tube_touches(tmp_path):
-    """The ball keeps 0.2 m away from two others; both joints are needed to reach them."""
+@pytest.mark.parametrize("others", [0, 1100])  # obstacles in lanes, and in the tree
+def test_a_corner_of_a_tube_touches(others, tmp_path):
+    """The ball keeps 0.3 m away from two others, and far away from more."""
     robot = slider(tmp_path)
-    checker = pc.Checker(robot, balls([0.0, 0.5, 0.0], [0.6, -0.5, 0.0]))
+    far = ([5.0 + k, 5.0, 0.0] for k in range(others))
+    checker = pc.Checker(robot, balls([0.0, 0.5, 0.0], [0.6, -0.5, 0.0], *far))
     straight = pc.Trajectory.bezier([0, 1], [[[-1.0, 0.0], [0.5, 0.0], [1.0, 0.0]]])
     assert checker.check_trajectory(straight, tube=[0.0, 0.29])
     assert not checker.check_trajectory(straight, tube=[0.0, 0.301])
@@ -82,17 +84,56 @@ def test_a_corner_of_a_tube_touches(tmp_path):
     assert not checker.check_trajectory(still, tube=[0.101, 0.0])
     verdict = checker.explain_trajectory(straight)
     assert 0.14 < verdict.largest_tube < 0.3
+    # A tube as thin as rounding, wider than the gap.
+    beside = pc.Trajectory.bezier([0, 1], np.full((1, 3, 2), [0.0, 0.3 - 5e-11]))
+    assert checker.is_valid([0.0, 0.3 - 5e-11])
+    assert not checker.check_trajectory(beside, tube=1e-10)
 
 
-def test_a_tube_swings_by_the_lever(tmp_path):
+def test_two_tubes_meet(tmp_path):
+    """Both balls move on one line, 0.3 m apart; each has half of it."""
+    side = (
+        SLIDER.format("prismatic")
+        .replace('axis xyz="0 1 0"', 'axis xyz="1 0 0"')
+        .replace('parent link="cart"', 'parent link="base"')
+    )
+    side = side.replace(
+        '<link name="cart"/>',
+        '<link name="cart"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>',
+    )
+    (tmp_path / "two.urdf").write_text(side)
+    checker = pc.Checker(pc.Robot.from_urdf(tmp_path / "two.urdf"))
+    for swing in (0.0, 0.5):
+        both = np.array([[0.0, 0.5], [swing, 0.5 + swing], [0.0, 0.5]])
+        curve = pc.Trajectory.bezier([0, 1], both[None])
+        assert checker.check_trajectory(curve, tube=0.149)
+        assert not checker.check_trajectory(curve, tube=0.1501)
+
+
+def test_an_arm_turns_back_where_it_touches(tmp_path):
+    """A ball on a slide on a turning joint comes near another one, and turns back: at instants that no grid has."""
+    checker = swinging(tmp_path, [1.0, 0.0, 0.0])
+    touching = 2 * np.arcsin(0.1)
+    for at in (0.3, 0.5, 0.61803):
+        for gap, free in ((1e-3, True), (-1e-6, False), (-1e-3, False)):
+            powers = np.array([[[touching + gap + 2 * at**2, -4 * at, 2.0], [0.0, 0.0, 0.0]]])
+            assert checker.check_trajectory(pc.Trajectory.polynomials([0, 1], powers)) == free, (at, gap)
+
+
+def swinging(folder, centre):
+    """The checker of a ball 1 m away from a turning joint, on a slide across."""
     arm = (
         SLIDER.replace('origin xyz="0 0 0"', "")
         .replace("prismatic", "revolute", 1)
         .replace('xyz="1 0 0"', 'xyz="0 0 1"')
     )
     arm = arm.replace("<collision>", '<collision><origin xyz="1 0 0"/>').format("prismatic")
-    (tmp_path / "arm.urdf").write_text(arm)
-    checker = pc.Checker(pc.Robot.from_urdf(tmp_path / "arm.urdf"), balls([0.0, 1.4, 0.0]))
+    (folder / "arm.urdf").write_text(arm)
+    return pc.Checker(pc.Robot.from_urdf(folder / "arm.urdf"), balls(centre))
+
+
+def test_a_tube_swings_by_the_lever(tmp_path):
+    checker = swinging(tmp_path, [0.0, 1.4, 0.0])
     turned = np.pi / 2
     curve = pc.Trajectory.bezier([0, 1], [[[turned - 0.5, 0.0], [turned, 0.0], [turned + 0.5, 0.0]]])
     assert checker.check_trajectory(curve)
@@ -141,3 +182,11 @@ def test_unit_vectors_turn_from_end_to_end(tmp_path):
     points[2, 5] = 0.0
     with pytest.raises(PlannercheckError, match="quaternion"):
         pc.Trajectory.bezier([0, 2], points[None]).of_robot(robot)
+
+
+def test_a_search_for_the_largest_tube_ends_where_rounding_is_too_large(tmp_path):
+    checker = pc.Checker(slider(tmp_path), balls([0.0, 0.0, 2.0]))
+    still = pc.Trajectory.bezier([0, 1], np.zeros((1, 3, 2)))
+    with pytest.raises(PlannercheckError, match="rounding"):
+        checker.check_trajectory(still, tube=1.5, tolerance=1.5e-11)
+    assert 1 < checker.explain_trajectory(still, tolerance=1.5e-11).largest_tube < 1.5
