@@ -27,6 +27,7 @@ TABLES: dict[str, Callable[[], str]] = {
     for make in (
         *(peers.overview, peers.summary, peers.states, peers.pairs),
         *(planning.motions, planning.plans, planning.plan_sampling, planning.waiting, planning.changing_scenes),
+        planning.rounded_plans,
         *(inside.clearance_of_motions, inside.hierarchies, inside.stages),
         *(inside.planar, inside.clearance, inside.scale, inside.ndim_rounds, inside.ndim_speed),
         *(inside.motions_missed, inside.kinematic_rounding, inside.disabled_pairs),

@@ -1,8 +1,8 @@
 """Tables of what planners and their users wait for, in Markdown, from docs/results: motions, plans, set-up.
 
-In: files of results, written by `plannercheck bench motions`, `plans` and `setup`, and by
-tests/benchmarks/plan_sampling.py. Out: text for `render_results.py`, under each table the command, the date, the commit
-and the machine that its figures come from.
+In: files of results, written by `plannercheck bench motions`, `plans` and `setup`, and by plan_sampling.py and
+rounded_plans.py of tests/benchmarks. Out: text for `render_results.py`, under each table the command, the date, the
+commit and the machine that its figures come from.
 """
 
 from __future__ import annotations
@@ -76,6 +76,21 @@ def plan_sampling() -> str:
 
 
 _SAMPLED = ("median_ms", "mean_ms", "shortened")
+
+
+def rounded_plans() -> str:
+    """What becomes of plans that are executed with rounded corners, as splines, and timed; a row for each set."""
+    found = record("rounded_plans")
+    lines = []
+    for row in found["rows"]:
+        parts = [f"{100 * row[field] / row['plans']:.0f} %" for field in _EXECUTED]
+        saved, cut, stops = f"{100 * row['saved']:.0f} %", row["cut"], row["stops"]
+        lines.append((row["set"].replace("_panda", ", set"), row["plans"], *parts, saved, row["corners"], cut, stops))
+    header = ("set", "plans", "rounded collides", "missed", "spline collides", "spline proved", "timed: proved")
+    return table((*header, "time saved", "corners", "cut", "stops"), lines) + "\n" + provenance(found)
+
+
+_EXECUTED = ("rounded_collide", "missed", "spline_collides", "spline_proved", "proved")
 
 
 def waiting() -> str:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.model_comparisons import Comparison, set_model_comparison, set_path_reader
+from plannercheck.common.model_comparisons import Comparison, set_message_reader, set_model_comparison, set_path_reader
 from plannercheck.common.version import __version__
 
 if TYPE_CHECKING:
@@ -53,6 +53,8 @@ if TYPE_CHECKING:
     from plannercheck.motions.checker import Checker as Checker
     from plannercheck.robots.robot import Robot as Robot
     from plannercheck.scenes.scene import Scene as Scene
+    from plannercheck.timing.time_path import UnprovedPathError as UnprovedPathError
+    from plannercheck.timing.time_path import time_path as time_path
     from plannercheck.trajectories.trajectory import Trajectory as Trajectory
 
 # Loaded on first use, so that `import plannercheck` costs nothing that is not needed.
@@ -85,6 +87,7 @@ _HOMES = {
     "Sphere": "bodies.shapes",
     "Trajectory": "trajectories.trajectory",
     "Tuning": "bodies.tuning",
+    "UnprovedPathError": "timing.time_path",
     "ValidityReport": "checking.verdicts",
     "Verdict": "checking.verdicts",
     "VoxelGrid": "bodies.voxel_grids",
@@ -92,6 +95,7 @@ _HOMES = {
     "depth": "bodies.penetration_depth",
     "distance": "bodies.distance",
     "intersects": "bodies.intersection",
+    "time_path": "timing.time_path",
 }
 _MODULES = ("ndim", "ompl", "planar", "view")
 
@@ -112,10 +116,16 @@ def _read_path(path: Any, joint_names: Sequence[str], width: int, robot: Any) ->
     )
 
 
+def _read_message(path: Any, joint_names: Sequence[str]) -> Any:
+    joints = importlib.import_module("plannercheck.trajectories.joint_columns").NamedJoints("the proof", joint_names)
+    return importlib.import_module("plannercheck.trajectories.files").read_points_of(path, joints)
+
+
 # `Proof.verify` with a robot compares the proof's model with files, which takes folders above `proofs`.
 set_model_comparison("space", _comparison("motions.proof_confirmation"))
 set_model_comparison("plane", _comparison("planar.proof_confirmation"))
 set_path_reader(_read_path)
+set_message_reader(_read_message)
 
 __all__ = [
     "Box",
@@ -147,6 +157,7 @@ __all__ = [
     "Sphere",
     "Trajectory",
     "Tuning",
+    "UnprovedPathError",
     "ValidityReport",
     "Verdict",
     "VoxelGrid",
@@ -158,6 +169,7 @@ __all__ = [
     "ndim",
     "ompl",
     "planar",
+    "time_path",
     "view",
 ]
 

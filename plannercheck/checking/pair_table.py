@@ -9,7 +9,6 @@ places where a pair may be left out.
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 from plannercheck.common.array_types import Bools
 from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.user_warnings import warn
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
 
@@ -74,16 +74,14 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
 
 
 def warn_of_unknown_names(robot: Robot, scene: Scene) -> None:
-    """Warns of pairs that a user allows or forbids to touch by a name that there is not, three calls up."""
+    """Warns of pairs that a user allows or forbids to touch by a name that there is not."""
     names = [*robot.link_names, *(item.name for item in (*robot.carried, *scene.objects))]
     unknown = sorted({name for pair in scene.allowed.asked for name in pair}.difference(names))
     if unknown:
         more = f" (and {len(unknown) - 1} more)" if len(unknown) > 1 else ""
-        warnings.warn(
+        warn(
             f"scene {scene.name!r} says which pairs may touch by an {unknown_name('link or object', unknown[0], names)}"
-            f"{more}; such an entry does nothing",
-            RuntimeWarning,
-            stacklevel=4,
+            f"{more}; such an entry does nothing"
         )
 
 

@@ -7,7 +7,6 @@ touches a link which no joint moves against it makes every configuration invalid
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
@@ -15,6 +14,7 @@ import numpy as np
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.checking.compiled_pairs import CompiledPairs, PairSource
 from plannercheck.common.array_types import Floats, Ints
+from plannercheck.common.user_warnings import warn
 
 LinkPoses = Callable[[Floats], Floats]
 
@@ -36,7 +36,7 @@ def warn_of_touching(
     link_poses: LinkPoses,
     known: Collection[GeometryObject],
 ) -> None:
-    """Warns of touching pairs that no joint moves; the warning names the line three calls up, in the user's code.
+    """Warns of touching pairs that no joint moves.
 
     Args:
         source: The bodies, and how pairs are tested.
@@ -50,7 +50,7 @@ def warn_of_touching(
         news = [row for row in rows.tolist() if not all(source.bodies[k] in known for k in row)]
         for a, b in _touching(source, np.array(news, dtype=np.int32).reshape(-1, 2), link_poses):
             text = words.format(labels[a], labels[b], robot=source.robot.name)
-            warnings.warn(text, RuntimeWarning, stacklevel=4)
+            warn(text)
 
 
 def _touching(source: PairSource, pairs: Ints, link_poses: LinkPoses) -> list[list[int]]:

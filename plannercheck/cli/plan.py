@@ -10,6 +10,7 @@ from pathlib import Path
 
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli import plan_problem_sets as problem_sets
+from plannercheck.cli import timed_plans
 from plannercheck.cli.checked_paths import show_checks
 from plannercheck.cli.common import (
     add_checker_arguments,
@@ -32,14 +33,15 @@ from plannercheck.ompl.start_and_goal import check_end_state, checked_end
 from plannercheck.planar.curves import CURVES
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.robots.robot import Robot
+from plannercheck.trajectories.written_messages import check_suffix as check_message_suffix
 from plannercheck.validation.path_recheck import check_path
 
 _EPILOG = """\
 Every motion is proved free, not sampled, in space and in the plane; one that comes within 0.1 mm of a collision may be
 refused.
 
-Exit codes: 0 solved, 1 not (all) solved, 2 bad input, such as a start or a single goal that collides (the pairs are
-named) or is beyond the limits; in a set, such problems count as not solved.
+Exit codes: 0 solved, 1 not (all) solved, or not proved as timed, 2 bad input, such as a start or a single goal that
+collides (the pairs are named) or is beyond the limits; in a set, such problems count as not solved.
 
 Examples:
   plannercheck plan --robot panda --scene bookshelf --output plan.csv
@@ -48,6 +50,7 @@ Examples:
   plannercheck plan --robot configs/puzzles/hook.yaml --scene configs/puzzles/ring.yaml --scene-meshes solid
   plannercheck plan --robot ur5 --scene cell.yaml --goal 1,-1,1,0,0,0 --goal 1,-1,1,0,0,3.1
   plannercheck plan --robot panda --problems cage_panda.tar.bz2 --output results.json
+  plannercheck plan --robot panda --scene bookshelf --timed --acceleration joint_limits.yaml --output traj.yaml
 """
 
 
@@ -121,6 +124,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="write the plan as json, npy or csv; the results of sets as json",
     )
+    timed_plans.add_arguments(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -129,10 +133,11 @@ def run(options: argparse.Namespace) -> int:
     if options.problems:
         return problem_sets.run(options)
     check_used(options, ("--first", "--each"), "with --problems")
+    timed_plans.check_arguments(options)
     if options.scene is None and (options.start is None or options.goal is None):
         raise PlannercheckError("has no start or no goal: needs --scene, or --problems, or both --start and --goal")
     if options.output is not None:
-        check_suffix(options.output)
+        (check_message_suffix if options.timed else check_suffix)(options.output)
     if options.verify and is_planar(options.robot, "robots"):
         raise PlannercheckError("--verify fcl is for robots in space: FCL knows no polygons")
     return _run_one(options)
@@ -163,8 +168,15 @@ def _run_one(options: argparse.Namespace) -> int:
     )
     reached = f", to goal {found.goal}" if len(goals) > 1 else ""
     _show(found, _columns(checker), "rad" if isinstance(checker, Checker) else "in m and rad", reached)
-    if found.solved and options.output is not None:
+    if found.solved and options.timed:
+        made = timed_plans.timed_plan(checker, found, options)
+        if made is None:
+            return 1
+        if options.output is not None:
+            made.save(options.output)
+    elif found.solved and options.output is not None:
         found.save(options.output)
+    if found.solved and options.output is not None:
         print(f"written to {options.output}")
     if not found.solved or not options.verify:
         return 0 if found.solved else 1

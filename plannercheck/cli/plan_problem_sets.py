@@ -13,6 +13,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+from plannercheck.cli import timed_plans
 from plannercheck.cli.checked_paths import show_checks
 from plannercheck.cli.common import percentage, save_json, table
 from plannercheck.cli.robot_options import robot_of
@@ -24,7 +25,15 @@ from plannercheck.scenes.motion_bench_maker import load_problems
 from plannercheck.validation.problem_sets import ProblemResult, SetSummary, solve, summary, with_ompl
 
 # Options that say nothing of problem sets, whose problems are in space and are judged as they are.
-_OF_ONE = ("--padding", "--no-self-collision", "--curve", "--turning-radius", "--bounds")
+_OF_ONE = (
+    "--padding",
+    "--no-self-collision",
+    "--curve",
+    "--turning-radius",
+    "--bounds",
+    "--timed",
+    *timed_plans.OPTIONS,
+)
 
 _HEADER = (
     "set",

@@ -36,11 +36,12 @@ With --motions instead: random trees of all kinds of joints, the shipped robots,
 that touch them by construction. Exit code 1 if a motion that collides is passed, one is refused without reason, a
 verdict depends on what else was asked, or a proof is not verified. With --geometry solid: arms with their meshes as
 they are, and free bodies in concave puzzles, held against coal's meshes at states in between, too; and how many motions
-of RRT-Connect hulls, or with --pieces convex pieces (which CoACD makes first, in minutes), would have refused.
+of RRT-Connect hulls, or with --pieces convex pieces (which CoACD makes first, in minutes), would have refused. With
+--curves: trajectories of degree 1 to 7 through the same contacts, with which a corner of their tube may touch.
 """
 # Options that count only with the one that asks for a campaign; others are of pairs.
 _OF_CAMPAIGNS: dict[str, tuple[str, ...]] = {
-    "--motions": ("--verified", "--families", "--geometry", "--pieces"),
+    "--motions": ("--verified", "--families", "--geometry", "--pieces", "--curves"),
     "--solids": ("--links",),
     "--parts": (),
 }
@@ -64,6 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--geometry", choices=("hull", "solid"), default="hull", help="what moves (default: hulls, among hulls)"
     )
     parser.add_argument("--pieces", action="store_true", help="with solids: count what convex pieces refuse, too")
+    parser.add_argument("--curves", action="store_true", help="with --motions: curves, many of them with a tube")
     parser.add_argument("--families", default="", metavar="NAME,...", help="families of motions to draw (default: all)")
     parser.add_argument("--case", type=Path, metavar="FILE", help="judge the motion or the pair in this file again")
     parser.add_argument("--seed", type=int, default=0, help="seed of the random numbers (default: %(default)s)")
@@ -140,16 +142,17 @@ def _parts(options: argparse.Namespace) -> Campaign[Any]:
 
 
 def _motions(options: argparse.Namespace) -> Campaign[Any]:
-    from plannercheck.evaluation.stress_motions.campaign import FAMILY_NAMES, SOLID_NAMES, campaign  # needs OMPL
+    from plannercheck.evaluation.stress_motions.campaign import campaign, families_of  # needs OMPL
 
-    known = SOLID_NAMES if options.geometry == "solid" else FAMILY_NAMES
+    known = families_of(options.geometry == "solid", options.curves)
     families = tuple(name for name in options.families.split(",") if name) or known
     for name in families:
         if name not in known:
             raise unknown_name("family", name, known)
     if options.pieces and options.geometry != "solid":
         raise PlannercheckError("--pieces is of planners' motions among solids, with --geometry solid")
-    return campaign(options.seed, families, options.verified / (options.motions or 1), options.pieces)
+    verified = options.verified / (options.motions or 1)
+    return campaign(options.seed, families, verified, options.pieces, options.curves)
 
 
 _CAMPAIGNS = {"pairs": _pairs, "solids": _solids, "parts": _parts, "motions": _motions}

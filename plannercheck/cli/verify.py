@@ -17,6 +17,7 @@ from plannercheck.cli.unused_options import check_used
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs import Proof, Verification, load_proofs
 from plannercheck.proofs.claims import held_joints, least_padding, motion_of, sentence_of
+from plannercheck.proofs.executed_curves import RUNNERS, trajectory_proved
 from plannercheck.proofs.paths import path_proved
 from plannercheck.proofs.verify import model_confirmed
 from plannercheck.scenes.scene_paths import MeshKind
@@ -27,6 +28,7 @@ Exit codes: 0 all motions proved, 1 some are not, 2 bad input, such as a file th
 Examples:
   plannercheck validate --robot panda --scene bookshelf --path plan.json --certify
   plannercheck verify plan.proof.json --robot panda --scene bookshelf --path plan.json
+  plannercheck verify traj.proof.json --robot panda --scene bookshelf --path traj.yaml --controller jtc --tube 0.02
   plannercheck verify plan.proof.json --robot ur10 --geometry solid --scene cell.yaml --scene-meshes solid
 """
 
@@ -47,6 +49,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--straight", action="store_true", help="with --path: straight motions are meant, whatever its velocities"
     )
+    parser.add_argument(
+        "--controller", choices=RUNNERS, help="with --path: it is a JointTrajectory, and this one runs it along curves"
+    )
+    parser.add_argument(
+        "--tube", type=float, default=0.0, metavar="WIDTH", help="with --controller: in a tube, rad and m; default: 0"
+    )
     parser.add_argument("--format", choices=("table", "json"), default="table", help="format of what is printed")
 
 
@@ -59,9 +67,13 @@ def run(options: argparse.Namespace) -> int:
     if options.scene is None:
         check_used(options, ("--scene-meshes",), "with --scene")
     if options.path is None:
-        check_used(options, ("--straight",), "with --path")
+        check_used(options, ("--straight", "--controller", "--tube"), "with --path")
     elif len(options.files) > 1:
         raise PlannercheckError(f"--path is of one proof file, and {len(options.files)} are given")
+    elif options.controller is None:
+        check_used(options, ("--tube",), "with --controller")
+    elif options.straight:
+        raise PlannercheckError("--straight and --controller say different things: give one of them")
     results = [_verified(path, options) for path in options.files]
     if options.format == "json":
         print(json.dumps(results, indent=1))
@@ -113,7 +125,11 @@ def _path(proofs: tuple[Proof, ...], found: list[Verification], options: argpars
         return {"fault": None}
     if not confirmed:
         return {"file": str(options.path), "motions": None, "missing": None, "fault": "no motion is proved"}
-    known = path_proved(confirmed, options.path, options.straight, None if options.robot is None else _robot(options))
+    if options.controller is not None:
+        known = trajectory_proved(confirmed, options.path, options.controller, options.tube)
+    else:
+        robot = None if options.robot is None else _robot(options)
+        known = path_proved(confirmed, options.path, options.straight, robot)
     missing = list(known.missing)
     return {"file": str(options.path), "motions": known.motions, "missing": missing, "fault": known.fault}
 

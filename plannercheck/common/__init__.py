@@ -1,6 +1,7 @@
 """Basics that all folders use, without robots, bodies or scenes.
 
-Read `errors` and `core` first (the one family of errors; the compiled core for the best instruction set), then
+Read `errors`, `user_warnings` and `core` first (the one family of errors; warnings that name the user's line; the
+compiled core for the best instruction set), then
 `array_types`, `arrays`, `transforms` and `angles` (numbers as the core reads them) and `counters` (sums of its
 counters). Files: `package_data`, `package_files`, `checked_yaml` and `input_limits` find and read them, `atomic_files`
 writes them, `escaping` and `html_tables` put names into them. `optional_imports`, `isolated_process`, `silence` and

@@ -1,6 +1,6 @@
 """Functions that compare the model in a proof with the files of robot and scene, by kind of proof, and read paths.
 
-In: a comparison for each kind and a reader, from the package's face, above all folders. Out: these, for
+In: a comparison for each kind and two readers, from the package's face, above all folders. Out: these, for
 `plannercheck.proofs`. Loading the files takes all of the package, while proofs stand on `common` alone.
 """
 
@@ -18,8 +18,12 @@ Comparison: TypeAlias = Callable[[Any, Any, str | None, Any, Any, Any], tuple[st
 # `validation.formats.paths`.
 PathReader: TypeAlias = Callable[[Any, Sequence[str], int, Any], Any]
 
+# Takes a file of a JointTrajectory and the names of its joints; returns its points, see `trajectories.messages`.
+MessageReader: TypeAlias = Callable[[Any, Sequence[str]], Any]
+
 _comparisons: dict[str, Comparison] = {}
 _path_readers: list[PathReader] = []
+_message_readers: list[MessageReader] = []
 
 
 def set_model_comparison(kind: str, comparison: Comparison) -> None:
@@ -40,3 +44,13 @@ def set_path_reader(reader: PathReader) -> None:
 def path_reader() -> PathReader:
     """What reads path files."""
     return _path_readers[0]
+
+
+def set_message_reader(reader: MessageReader) -> None:
+    """Sets what reads files of trajectories."""
+    _message_readers[:] = [reader]
+
+
+def message_reader() -> MessageReader:
+    """What reads files of trajectories."""
+    return _message_readers[0]

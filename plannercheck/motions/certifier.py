@@ -111,7 +111,7 @@ class MotionCertifier:
         """`check` of curves; those within the limits are judged without Python in between."""
         part, (low, high) = self._pairs_within_limits, self._range
         check_tolerance(tolerance)
-        if not part.touching:
+        if not part.touching and not curves.have_room:
             known = core.curve_validity(
                 part.core, self._kernel, low, high, self._errors.usual, *curves, tolerance, threads
             )
@@ -139,7 +139,7 @@ class MotionCertifier:
         points, tubes = motions.points, motions.tubes
         free = np.empty(len(points), dtype=bool)
         by_error = self._errors.of_ranges(*ranges)
-        for part, some in self._parts_of(*ranges):
+        for part, some in self._parts_of(motions):
             for error, rows in by_error(some):
                 if part.touching:  # these pairs touch at every state, so no motion is free
                     free[rows] = False
@@ -149,9 +149,15 @@ class MotionCertifier:
                 free[rows] = verdicts(answers, tolerance, rows)
         return free
 
-    def _parts_of(self, least: Floats, largest: Floats) -> list[tuple[ChainedPairs, NDArray[np.int64]]]:
-        """Pairs, and the rows of the motions that they judge: within the limits all the way, and the others."""
+    def _parts_of(self, motions: Motions | Curves) -> list[tuple[ChainedPairs, NDArray[np.int64]]]:
+        """Pairs, and the rows of the motions that they judge: within the limits all the way, and the others.
+
+        Pairs that can't meet within the limits may come nearer to each other than they have to stay apart.
+        """
+        least, largest = motions.ranges()
         rows, limits = np.arange(len(least)), self._limits
+        if motions.have_room:
+            return [(self._all_pairs, rows)]
         within = None if limits is None else ((least >= limits[0]) & (largest <= limits[1])).all(axis=1)
         if within is None or within.all():
             return [(self._pairs_within_limits, rows)]
@@ -248,7 +254,7 @@ class MotionCertifier:
         """How far one motion or curve, of a set of one, is free; arguments as for `motion_result`."""
         check_tolerance(tolerance)
         ranges = motion.ranges()
-        ((part, row),) = self._parts_of(*ranges)
+        ((part, row),) = self._parts_of(motion)
         if part.touching:
             return MotionResult(False, 0.0, 0.0, part.touching[0])
         ((error, _),) = self._errors.of_ranges(*ranges)(row)

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from functools import cached_property, partial
 from typing import ClassVar, TypeVar
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.checking.state_checker import StateChecker
@@ -210,9 +209,8 @@ class Checker(StateChecker):
         threads: int = 1,
     ) -> Bools:
         """Whether each of n trajectories is proved free: (n,); arguments as for `check_trajectory`."""
-        checks = TrajectoryChecks(self, tube, tolerance)
         threads = checked_threads(threads, MOST_THREADS)
-        return np.array([free.all() for free in checks.free_pieces(trajectories, threads)], dtype=bool)
+        return TrajectoryChecks(self, tube, tolerance).are_free(trajectories, threads)
 
     def explain_trajectory(
         self, trajectory: Trajectory, tube: ArrayLike = 0.0, tolerance: float = DEFAULT_TOLERANCE
@@ -255,8 +253,22 @@ class Checker(StateChecker):
     def certify_trajectory(
         self, trajectory: Trajectory, tube: ArrayLike = 0.0, tolerance: float = DEFAULT_TOLERANCE
     ) -> tuple[Proof, ...] | None:
-        """Proofs of a trajectory's pieces, in order; None if it is not free. Arguments as for `check_trajectory`."""
-        raise NotImplementedError
+        """Proofs of a trajectory's pieces that anyone can check, in order; arguments as for `check_trajectory`.
+
+        Returns:
+            One for each piece; None where the trajectory is not free, and where it is free but the tube is too wide for
+            a pair that limits keep apart, so that the verdict leaves it out: a proof covers all pairs.
+
+        Raises:
+            PlannercheckError: As of `certify_motions`.
+        """
+        checks = TrajectoryChecks(self, tube, tolerance)
+        if not checks.are_free([trajectory])[0]:
+            return None
+        around = checks.tube_of(trajectory)
+        proofs = [self._prover.curve_proof(points, around, tolerance) for points in trajectory.curve.pieces]
+        found = tuple(proof for proof in proofs if proof is not None)
+        return found if len(found) == len(proofs) else None
 
     def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:
         return self._prover.proof(start, end, asked_end, tolerance, path)

@@ -41,6 +41,11 @@ class Motions(NamedTuple):
         """None, (0, 0)."""
         return np.empty((0, 0))
 
+    @property
+    def have_room(self) -> bool:
+        """Not of these."""
+        return False
+
     def ranges(self) -> tuple[Floats, Floats]:
         """The least and the largest (n, nq) of each number on each motion, the end as asked for included.
 
@@ -63,6 +68,11 @@ class Curves(NamedTuple):
 
     points: Floats
     tubes: Floats
+
+    @property
+    def have_room(self) -> bool:
+        """Whether bodies of any have to stay apart."""
+        return bool(self.tubes[:, -1:].any())
 
     def ranges(self) -> tuple[Floats, Floats]:
         """The least and the largest (n, nq) of each number on each curve, the tube included."""

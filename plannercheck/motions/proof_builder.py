@@ -1,9 +1,9 @@
 """Builds proofs of motions in space: a few entries for each pair, found in doubles from the certifier's planes.
 
-In: a checker, a motion that its certifier proves free. Out: a `Proof`. For bodies that are far apart, one entry by
-balls is enough. For the others, the certifier's planes are used, each for as long as it holds: an interval is halved
-until one plane holds on it. The verifier's check decides whether an entry holds, so that few proofs are refused later.
-If no entry holds, an entry with the certifier's plane is written, which the verifier refuses.
+In: a checker, a motion or a curve that its certifier proves free. Out: a `Proof`. For bodies that are far apart, one
+entry by balls is enough. For the others, the certifier's planes are used, each for as long as it holds: an interval is
+halved until one plane holds on it. The verifier's check decides whether an entry holds, so that few proofs are refused
+later. If no entry holds, an entry with the certifier's plane is written, which the verifier refuses.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from plannercheck.common.optional_imports import extra_module
 from plannercheck.motions.certifier import MotionCertifier
 from plannercheck.motions.certifier_answers import MotionResult
 from plannercheck.motions.certifier_answers import Proof as Plane
+from plannercheck.motions.motion_ends import Curves, Motions
 from plannercheck.motions.part_covers import PartCover
 from plannercheck.motions.proof_model import PosedPairs, space_model
 from plannercheck.motions.solid_covers import PartHulls, Poses, SolidCover
@@ -98,17 +99,43 @@ class Builder:
         Raises:
             PlannercheckError: If the motion is free, but no proof is found of a pair with a solid or a set of parts.
         """
-        result = self._motion_result(start, end, asked_end, tolerance, path)
+        motion = Motion(tuple(start.tolist()), tuple(end.tolist()), tuple(asked_end.tolist()), path)
+        return self._proof(Motions(start[None], end[None], asked_end[None]), motion, tolerance)
+
+    def curve_proof(self, points: Floats, tube: Floats, tolerance: float) -> Proof | None:
+        """The proof of one piece of a trajectory, None if the certifier does not find it free.
+
+        Args:
+            points: (degree + 1, nq) control points.
+            tube: (nq,) by how much each number may be off, rad and m; the errors of the control points included.
+            tolerance: m.
+
+        Raises:
+            PlannercheckError: As of `proof`.
+        """
+        wider = tube.copy()
+        turns = list(self._model.whole_turns)
+        if len(points) == 2 and np.abs(points[1] - points[0])[turns].max(initial=0.0) > np.pi:
+            points = np.stack([points[0], points.mean(axis=0), points[1]])  # a straight motion would be the short way
+            wider += 2.0**-51 * np.abs(points).max(axis=0)
+        for first, past in self._checker.robot.configuration_map.units:
+            wider[first:past] = 0.0
+        start, end = tuple(points[0].tolist()), tuple(points[-1].tolist())
+        motion = Motion(start, end, end, "slerp", tuple(points[1:-1].ravel().tolist()), tuple(wider.tolist()))
+        return self._proof(Curves(points[None], np.append(wider, 0.0)[None]), motion, tolerance)
+
+    def _proof(self, moved: Motions | Curves, motion: Motion, tolerance: float) -> Proof | None:
+        """The proof of a set of one motion, of which the proof's data are known."""
+        result = self._motion_result(moved, tolerance, motion.path)
         if result is None:
             return None
-        margin = self._margin(start, end, asked_end)
-        motion = Motion(tuple(start.tolist()), tuple(end.tolist()), tuple(asked_end.tolist()), path)
+        margin, points = self._margin(moved), moved.points[0]
         names = self._checker.robot.name, self._checker.scene.name
         empty = Proof("space", *names, self._hashes, self._model, motion, margin, ())
         if self._is_in_parts:
-            entries = self._of_solids(empty, start, end, path)
+            entries = self._of_solids(empty, points, motion.path)
         else:
-            resting = _resting_directions(self._checker, result.proofs, start)
+            resting = _resting_directions(self._checker, result.proofs, points[0])
             entries = _entries(empty, result.proofs, resting)
         return Proof("space", *names, self._hashes, self._model, motion, margin, entries)
 
@@ -118,7 +145,7 @@ class Builder:
             f"this motion is free, but no proof of it was found, since of {first} and {second}: {why}"
         )
 
-    def _of_solids(self, empty: Proof, start: Floats, end: Floats, path: MotionPath) -> tuple[Entry, ...]:
+    def _of_solids(self, empty: Proof, points: Floats, path: MotionPath) -> tuple[Entry, ...]:
         """The entries of all pairs; planes between parts of surfaces are sought here, not by the certifier."""
         import flint
 
@@ -128,18 +155,18 @@ class Builder:
         bits, flint.ctx.prec = flint.ctx.prec, 64
         try:
             verifier = EntryChecker(empty)
-            poses = _MotionPoses(self._checker, start, end, path)
+            poses = _MotionPoses(self._checker, points, path)
             return tuple(
                 entry
                 for pair in range(len(self._model.pairs))
-                for entry in self._entries_of_solids(verifier, pair, poses, empty.margin)
+                for entry in self._entries_of_solids(verifier, pair, poses)
             )
         except UnprovedError:  # the verifier will refuse this motion and say why
             return ()
         finally:
             flint.ctx.prec = bits
 
-    def _entries_of_solids(self, verifier: EntryChecker, pair: int, poses: _MotionPoses, margin: float) -> list[Entry]:
+    def _entries_of_solids(self, verifier: EntryChecker, pair: int, poses: _MotionPoses) -> list[Entry]:
         from plannercheck.proofs.faults import UnprovedError
 
         if has_half_space(self._model, pair):
@@ -148,10 +175,9 @@ class Builder:
             if of_plane.lost:
                 raise self._not_found(pair, "it comes too near to the plane")
             return found
-        radii = sum(self._model.bodies[k].radius for k in self._model.pairs[pair])
         is_set = any(self._model.bodies[k].parts for k in self._model.pairs[pair])
         cover_of = PartCover if is_set else SolidCover
-        cover = cover_of(verifier, self._parts, pair, poses, radii + margin)
+        cover = cover_of(verifier, self._parts, pair, poses, verifier.needed(pair))
         found = cover.entries()
         if cover.lost:
             raise self._not_found(pair, "parts come too near to each other for planes between them")
@@ -161,40 +187,39 @@ class Builder:
             raise self._not_found(pair, f"one may be inside the other: {why}") from None
         return found
 
-    def _motion_result(
-        self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath
-    ) -> MotionResult | None:
+    def _motion_result(self, moved: Motions | Curves, tolerance: float, path: MotionPath) -> MotionResult | None:
         """The certifier's proofs of all pairs; None if the motion is not free or a pair has no proof."""
         try:
-            certifier = self._checker.certifier_of(path)
-            result = certifier.motion_result(start, end, tolerance, not self._is_in_parts, asked_end)
+            result = self._checker.certifier_of(path).result(moved, tolerance, not self._is_in_parts)
         except PlannercheckError:  # rounding is too large a part of the tolerance
             return None
         return result if result.free and (self._is_in_parts or result.proved_until == 1.0) else None
 
-    def _margin(self, start: Floats, end: Floats, asked_end: Floats) -> float:
-        ends = np.stack([start, end, asked_end])
-        error = 2 * self._checker.robot.kinematic_error_within(ends.min(axis=0), ends.max(axis=0))  # of two bodies
-        largest = float(np.abs(ends[:2]).max(initial=0.0))  # of the states in between; the asked end's is in the error
+    def _margin(self, moved: Motions | Curves) -> float:
+        (low,), (high,) = moved.ranges()
+        points = moved.points[0]
+        error = 2 * self._checker.robot.kinematic_error_within(low, high)  # of two bodies
+        largest = float(np.abs(points).max(initial=0.0))  # of the states in between; the asked end's is in the error
         units = self._checker.robot.configuration_map.units
-        off = max((abs(float(np.linalg.norm(q[a:b])) - 1) for q in (start, end) for a, b in units), default=0.0)
+        off = max((abs(float(np.linalg.norm(q[a:b])) - 1) for q in points[[0, -1]] for a, b in units), default=0.0)
         leverage = sum(abs(factor) for joint in self._model.joints for factor in joint.multipliers)
-        part = _ROUNDING + _OFF_UNIT * off + 16 * 2.0**-53 * leverage * (1 + largest)
+        roundings = 16 + 4 * (len(points) - 2)  # of a computed state
+        part = _ROUNDING + _OFF_UNIT * off + roundings * 2.0**-53 * leverage * (1 + largest)
         return error + part * (1 + self._size)
 
 
 class _MotionPoses:
     """Poses on a motion, kept by parameter: pairs ask at the same ones."""
 
-    def __init__(self, checker: CertifiedPairs, start: Floats, end: Floats, path: MotionPath) -> None:
-        self._checker, self._ends, self._states = checker, (start, end), checker.certifier_of(path).states
+    def __init__(self, checker: CertifiedPairs, points: Floats, path: MotionPath) -> None:
+        self._checker, self._points, self._states = checker, points, checker.certifier_of(path).states_on
         self._used = distinct(checker.pairs)
         self._known: dict[float, Poses] = {}
 
     def at(self, t: float) -> Poses:
         """World poses of the model's bodies and of links at a parameter."""
         if t not in self._known:
-            q = self._states(*self._ends, np.array([t]))
+            q = self._states(self._points, np.array([t]))
             self._known[t] = Poses(self._checker.body_poses(q)[0][self._used], self._checker.robot.link_poses(q)[0])
         return self._known[t]
 

@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import accumulate, pairwise
+from itertools import accumulate
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.checking.protocols import AnyChecker
-from plannercheck.common.array_types import Bools, Floats
+from plannercheck.common.array_types import Bools, Floats, Ints64
 from plannercheck.common.arrays import contiguous, shown_array
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath
@@ -66,48 +66,47 @@ class TrajectoryChecks:
         self._units = checker.robot.configuration_map.units
         self.tube = self._checked_tube(contiguous(tube))
 
-    def free_pieces(
-        self, trajectories: Sequence[Trajectory], threads: int = 1, tube: Floats | None = None, room: float = 0.0
-    ) -> list[Bools]:
-        """Which pieces of each trajectory are proved free.
+    def are_free(self, trajectories: Sequence[Trajectory], threads: int = 1) -> Bools:
+        """Which of n trajectories are proved free (n,), on a number of threads."""
+        if not trajectories:
+            return np.empty(0, dtype=bool)
+        free = self._free_pieces(trajectories, self.tube, threads=threads)
+        starts = [0, *accumulate(len(each.curve.pieces) for each in trajectories[:-1])]
+        return np.logical_and.reduceat(free, starts)
 
-        Args:
-            trajectories: Trajectories of the robot.
-            threads: Number of threads to use.
-            tube: (nq,) in place of the tube that was given.
-            room: How far bodies have to stay apart, m.
-
-        Returns:
-            For each trajectory (pieces,).
-        """
+    def _free_pieces(
+        self, trajectories: Sequence[Trajectory], tube: Floats, room: float = 0.0, threads: int = 1
+    ) -> Bools:
+        """Which pieces of all trajectories, one after the other, are proved free; `room`: how far bodies stay apart."""
         for trajectory in trajectories:
             self._check(trajectory)
         curves = [each.curve for each in trajectories]
         counts = [len(curve.pieces) for curve in curves]
-        starts = list(accumulate(counts, initial=0))
-        tubes = self._tubes(curves, self.tube if tube is None else tube, room).repeat(counts, axis=0)
-        free = np.empty(starts[-1], dtype=bool)
-        for count in sorted({count for curve in curves for count in curve.by_count}):
-            some = [
-                (start, *curve.by_count[count])
-                for start, curve in zip(starts, curves, strict=False)
-                if count in curve.by_count
-            ]
-            rows = np.concatenate([start + pieces for start, pieces, _ in some])
-            judged = Curves(np.concatenate([points for _, _, points in some]), tubes[rows])
-            free[rows] = self._certifier.check_curves(judged, self._tolerance, threads)
-        return [free[start:past] for start, past in pairwise(starts)]
+        starts = accumulate(counts[:-1], initial=0)
+        tubes = self._tubes(curves, tube, room).repeat(counts, axis=0)
+        by_count: dict[int, list[tuple[Ints64, Floats]]] = {}
+        for start, curve in zip(starts, curves, strict=True):
+            for count, (pieces, points) in curve.by_count.items():
+                by_count.setdefault(count, []).append((start + pieces, points))
+        free = np.empty(sum(counts), dtype=bool)
+        for some in by_count.values():
+            rows, points = (np.concatenate(arrays) for arrays in zip(*some, strict=True))
+            free[rows] = self._certifier.check_curves(Curves(points, tubes[rows]), self._tolerance, threads)
+        return free
+
+    def tube_of(self, trajectory: Trajectory) -> Floats:
+        """(nq,) the tube with the errors of a trajectory's control points."""
+        return np.asarray(self._tubes([trajectory.curve], self.tube, 0.0)[0, :-1])
 
     def _tubes(self, curves: Sequence[Curve], tube: Floats, room: float) -> Floats:
         """(n, nq + 1) a tube around the polynomials that each curve stands for, and how far bodies stay apart, m."""
         tubes = np.full((len(curves), len(tube) + 1), room)
-        for row, curve in zip(tubes, curves, strict=True):
-            row[:-1] = (tube + curve.error) * (1 + 2.0**-52)
+        tubes[:, :-1] = (tube + np.array([curve.error for curve in curves])) * (1 + 2.0**-52)
         return tubes
 
     def explain(self, trajectory: Trajectory, prover: Callable[[], tuple[Proof, ...] | None]) -> TrajectoryVerdict:
         """How far a trajectory is free and what stops it; `prover` computes its proof."""
-        (free,) = self.free_pieces([trajectory])
+        free = self._free_pieces([trajectory], self.tube)
         robot = self._checker.robot
         made = partial(
             TrajectoryVerdict,
@@ -155,7 +154,10 @@ class TrajectoryChecks:
         return Stop(time(found.free_until), collides_at, near_at, found.pair)
 
     def _is_free(self, trajectory: Trajectory, tube: Floats, room: float) -> bool:
-        return bool(self.free_pieces([trajectory], 1, tube, room)[0].all())
+        try:
+            return bool(self._free_pieces([trajectory], tube, room).all())
+        except PlannercheckError:  # the tube is so large, or a pair that is left out otherwise, that rounding is, too
+            return False
 
     def _largest_tube(self, trajectory: Trajectory) -> float:
         around = np.ones(len(self.tube))

@@ -6,7 +6,7 @@
 
 from plannercheck.proofs.data import Entry, Hashes, Joint, Link, Model, Motion, PosedBody, Verification
 from plannercheck.proofs.files import save_proofs
-from plannercheck.proofs.proof import Proof, load_proofs, verify_path
+from plannercheck.proofs.proof import Proof, load_proofs, verify_path, verify_trajectory
 
 __all__ = [
     "Entry",
@@ -21,4 +21,5 @@ __all__ = [
     "load_proofs",
     "save_proofs",
     "verify_path",
+    "verify_trajectory",
 ]

@@ -32,7 +32,7 @@ class Chains:
         Raises:
             UnprovedError: If the motion has no definite short way.
         """
-        self._motions = [joint_motion(joint, motion.start, motion.end, motion.path) for joint in model.joints]
+        self._motions = [joint_motion(joint, motion.control, motion.path) for joint in model.joints]
         self._parents = [joint.parent for joint in model.joints]
         self._spans: dict[Span, dict[tuple[int, int], Jet]] = {}
         self._points: dict[float, dict[tuple[int, int], Any]] = {}

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from plannercheck.proofs.data import JOINTS, ProofData
+from plannercheck.proofs.data import JOINTS, Motion, ProofData
 from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
 
 # Kinds of joints whose way between two configurations `Motion.path` names.
@@ -22,9 +22,15 @@ def motion_of(proof: ProofData) -> dict[str, Any]:
         how: dict[str, Any] = {"path": motion.curve, "turning_radius": motion.turning_radius if motion.pieces else None}
     else:
         free = any(joint.kind in _FREE for joint in getattr(proof.model, "joints", ()))
-        how = {"path": motion.path if free else "straight", "turning_radius": None}
+        curve = "polynomial" if motion.inner else "straight"
+        how = {"path": motion.path if free else curve, "turning_radius": None}
+        how |= {"degree": _degree(motion), "inner": list(motion.inner), "tube": list(motion.tube)}
     ends = {"start": list(motion.start), "end": list(motion.end), "asked_end": list(motion.asked_end)}
     return {**ends, **how, "margin": proof.margin}
+
+
+def _degree(motion: Motion) -> int:
+    return 1 + len(motion.inner) // max(1, len(motion.start))
 
 
 def sentence_of(motion: dict[str, Any]) -> str:
@@ -32,10 +38,20 @@ def sentence_of(motion: dict[str, Any]) -> str:
     radius, asked = motion["turning_radius"], motion["asked_end"]
     turning = "" if radius is None else f" with a turning radius of {radius:.9g} m"
     other = "" if asked == motion["end"] else f" (asked for: {_listed(asked)})"
+    degree = f" of degree {motion['degree']}" if motion.get("inner") else ""
     return (
-        f"{motion['path']}{turning} from {_listed(motion['start'])} to {_listed(motion['end'])}{other}, margin "
-        f"{motion['margin']:.3g} m"
+        f"{motion['path']}{degree}{turning} from {_listed(motion['start'])} to {_listed(motion['end'])}{other}"
+        f"{_around(motion.get('tube', ()))}, margin {motion['margin']:.3g} m"
     )
+
+
+def _around(tube: Sequence[float]) -> str:
+    """A tube in words."""
+    if not any(tube):
+        return ""
+    widths = {f"{width:.9g}" for width in tube}
+    told = widths.pop() if len(widths) == 1 else _listed(tube)
+    return f", and at every instant every configuration within {told} rad or m of it in each number"
 
 
 def _listed(values: Sequence[float]) -> str:

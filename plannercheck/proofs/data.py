@@ -1,23 +1,26 @@
 """The data of a proof of a motion: plain numbers and names, nothing computed.
 
 In: names and numbers. Out: `ProofData`, frozen, and its parts. The claim of a proof in space, word for word: while the
-parameter t goes from 0 to 1, every joint of `model.joints` moves by itself from `motion.start` to `motion.end`:
+parameter t goes from 0 to 1, every joint of `model.joints` moves by itself from `motion.start` to `motion.end`. Let p
+be the polynomial of degree n whose control points in Bernstein form are start, `motion.inner` and end, for each column;
+without inner ones it is the straight line, of degree 1.
 
-- "turn" and "slide": the value goes linearly from multiplier * start + offset to multiplier * end + offset;
+- "turn" and "slide": the value is multiplier * p(t) + offset;
 - "circle" (cosine and sine): about its axis the short way round, at constant speed;
 - "ball" (a unit quaternion x, y, z, w): by slerp, the short way;
 - "planar" (x, y, cosine, sine) and "free" (x, y, z, quaternion), where `motion.path` is "screw": along the one screw
-  that leads from start to end, the turn being the short way; where it is "slerp": the position goes linearly, and the
-  turn about one axis the short way at constant speed;
+  that leads from start to end, the turn being the short way; where it is "slerp": the position is p(t), and the turn
+  goes about one axis the short way at constant speed;
 
 and at every t the two bodies of every pair of `model.pairs`, each inflated by its `radius`, are more than `margin`
-apart. A body is the convex hull of its `vertices`. One with `triangles` is these triangles and, if their directed edges
-cancel, all points around which they wind. One with `parts` is their union. One with a `half_space` is that, and has no
-vertices. Links are where exact kinematics of the given numbers puts them: placements as the affine maps that they are,
-axes as they are, the true sine and cosine. The paddings are parts of the radii. The margin covers the error of computed
-poses and states, so that the claim holds for `check_states` as well. The maker of a proof chooses the margin. Not
-proved are: that the margin is large enough for this; that the configurations are within limits; and, without `robot=`
-and `scene=`, that joints, bodies and pairs are those of a certain robot and scene.
+apart. With a `motion.tube` they are so at every configuration whose numbers differ from these, at any t, by at most the
+tube's number of their column. A body is the convex hull of its `vertices`. One with `triangles` is these triangles and,
+if their directed edges cancel, all points around which they wind. One with `parts` is their union. One with a
+`half_space` is that, and has no vertices. Links are where exact kinematics of the given numbers puts them: placements
+as the affine maps that they are, axes as they are, the true sine and cosine. The paddings are parts of the radii. The
+margin covers the error of computed poses and states, so that the claim holds for `check_states` as well. The maker of a
+proof chooses the margin. Not proved are: that the margin is large enough for this; that the configurations are within
+limits; and, without `robot=` and `scene=`, that joints, bodies and pairs are those of a certain robot and scene.
 
 The same classes serve the plane, where `kind` is "plane", and model and motion are of `planar_proof`.
 """
@@ -175,7 +178,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Motion:
-    """A straight motion in space.
+    """A motion in space: straight, or along polynomials.
 
     Attributes:
         start: (columns,) rad and m.
@@ -183,12 +186,25 @@ class Motion:
         asked_end: (columns,) the end that was asked for. It differs by whole turns and by rounding. Every gap exceeds
             the margin plus the motion of bodies by this rounding, so the claim holds for either end.
         path: How planar and free joints move.
+        inner: (degree - 1, columns) row after row, the control points between start and end; none of a straight motion.
+            Then the end is the one that was asked for, and planar and free joints move by "slerp". Those of a cosine, a
+            sine or a quaternion mean nothing.
+        tube: (columns,) rad and m, at least 0, and 0 of cosines, sines and quaternions; none for zeros. With a tube,
+            too, the end is the one that was asked for.
     """
 
     start: tuple[float, ...]
     end: tuple[float, ...]
     asked_end: tuple[float, ...]
     path: MotionPath = "screw"
+    inner: tuple[float, ...] = field(default=(), metadata=OPTIONAL)
+    tube: tuple[float, ...] = field(default=(), metadata=OPTIONAL)
+
+    @property
+    def control(self) -> tuple[tuple[float, ...], ...]:
+        """(degree + 1, columns) all control points, of a well-formed motion."""
+        columns = len(self.start)
+        return (self.start, *(self.inner[k : k + columns] for k in range(0, len(self.inner), columns)), self.end)
 
 
 @dataclass(frozen=True)

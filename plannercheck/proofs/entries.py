@@ -24,6 +24,8 @@ radius times the direction's length. A set is bent as the box around it is.
 
 Half-spaces: the same with the direction out of one, along which a point of its plane is its highest.
 
+Tubes: the bodies have to be further apart by how far the tube displaces them, seen from the frame (`tubes.py`).
+
 Vertices are multiplied with w in doubles: a sum of four products errs by at most 4 u of the sum of their sizes.
 """
 
@@ -49,6 +51,7 @@ from plannercheck.proofs.jets import affine, times, total
 from plannercheck.proofs.nesting import check_not_nested
 from plannercheck.proofs.parts import largest_radius, parts_of
 from plannercheck.proofs.rounding import ROUNDING, UNDERFLOW, UP
+from plannercheck.proofs.tubes import Tube
 
 # An interval is halved this often before its entry counts as false.
 DEEPEST = 7
@@ -70,6 +73,7 @@ class EntryChecker:
         self._model = model = proof.model
         assert isinstance(proof.motion, Motion)
         self._chains = Chains(model, proof.motion)
+        self._tube = Tube(model, proof.motion, self._chains)
         self._links = [affine(link.placement) for link in model.links]
         poses = [affine(body.pose) for body in model.bodies]
         off = max((float(off_rigid(pose)) for pose in poses), default=0.0)
@@ -91,8 +95,7 @@ class EntryChecker:
         sizes = np.abs(points).max(axis=0)
         if body.link == WORLD:
             return Seen(points, sizes, WORLD, pose, parts=parts)
-        joint = self._model.links[body.link].joint
-        return Seen(points, sizes, joint, self._links[body.link] * pose, parts=parts)
+        return Seen(points, sizes, self._joint(body.link), self._links[body.link] * pose, parts=parts)
 
     def check(self, index: int, entry: Entry) -> None:
         """Confirms an entry.
@@ -106,7 +109,7 @@ class EntryChecker:
     def holds(self, entry: Entry, deepest: int = DEEPEST) -> bool:
         """Whether an entry holds, with at most `deepest` halvings."""
         a, b = self._model.pairs[entry.pair]
-        radii = self._radii(a, b)
+        radii = self._radii(entry)
         if entry.by == "half-space":
             return self._beyond_plane(a, b, radii, (entry.start, entry.end), deepest)
         if entry.by == "plane":
@@ -119,8 +122,22 @@ class EntryChecker:
         reach = sum(self._model.bodies[k].reach + largest_radius(self._model.bodies[k]) for k in (a, b))
         return self._balls_apart(first, second, radii + reach, (entry.start, entry.end), deepest)
 
-    def _radii(self, a: int, b: int) -> float:
-        return self._model.bodies[a].radius + self._model.bodies[b].radius
+    def _radii(self, entry: Entry) -> float:
+        """Both radii, and how far the tube displaces both bodies, seen from the entry's frame."""
+        a, b = self._model.pairs[entry.pair]
+        frame = self._joint(entry.frame) if entry.by == "plane" else WORLD
+        if entry.by == "balls":
+            frame = self._chains.meeting(self._seen[a].joint, self._seen[b].joint)
+        radii = self._model.bodies[a].radius + self._model.bodies[b].radius
+        return radii + self._tube.widening(frame, a, b)
+
+    def needed(self, pair: int) -> float:
+        """How far apart a pair has to be, at least, in the frame of either body, m."""
+        frames = (self._model.bodies[k].link for k in self._model.pairs[pair])
+        return min(self._radii(Entry(pair, 0.0, 1.0, "plane", frame)) for frame in frames) + self._margin
+
+    def _joint(self, link: int) -> int:
+        return WORLD if link == WORLD else self._model.links[link].joint
 
     def described(self, entry: Entry) -> str:
         """What an entry says, in words."""
@@ -135,7 +152,7 @@ class EntryChecker:
     def parts_apart(self, entry: Entry, rows: Ints64) -> Bools:
         """(n,) which of some parts of a pair's set an entry's one direction keeps apart, all along its interval."""
         a, b = self._model.pairs[entry.pair]
-        radii = self._radii(a, b)
+        radii = self._radii(entry)
         first, second = self._part(a, entry.first), self._part(b, entry.second)
         if first.parts is not None:
             first = first._replace(parts=first.parts.taken(rows))
@@ -149,9 +166,8 @@ class EntryChecker:
         return [self._direction(entry.frame, numbers) for numbers in rows]
 
     def _direction(self, frame: int, numbers: Sequence[float]) -> Direction:
-        joint = WORLD if frame == WORLD else self._model.links[frame].joint
         column = arb_mat(4, 1, [*numbers, 0])
-        return direction_on(joint, column if frame == WORLD else self._links[frame] * column)
+        return direction_on(self._joint(frame), column if frame == WORLD else self._links[frame] * column)
 
     def check_nesting(self, entries: Sequence[Entry]) -> None:
         """Raises an `UnprovedError` where one body of a pair may be inside the other.

@@ -1,12 +1,13 @@
 """Motions of single joints in ball arithmetic: the claim's interpolations, written from their definitions.
 
-In: a joint, both ends of a motion. Out: a function from the parameter (a point, or a ball of an interval) to the jet of
-the map from the joint's frame after its motion to its parent's.
+In: a joint, a motion's control points. Out: a function from the parameter (a point, or a ball of an interval) to the
+jet of the map from the joint's frame after its motion to its parent's.
 
-Turns are Rodrigues' formula, c I + (1 - c) a a^T + s [a], with the axis a as it is. Planar, floating and ball joints
+Turns are Rodrigues' formula, c I + (1 - c) a a^T + s [a], with the axis a as it is. By an angle p(t) the map R(p) has
+the derivatives R' p' and R'' p'^2 + R' p'', with R'' = -c (I - a a^T) - s [a]. Planar, floating and ball joints
 move along M exp(t X) with the constant twist X = log(M^-1 N), so derivatives are products with X. The matrix over an
 interval is the one at its middle times exp of the small rest. Where the path is "slerp", planar and floating joints
-move along T exp(t X): a shift T that is linear in t, and then a ball joint's motion.
+move along T exp(t X): a shift T, linear in t or a polynomial, and then a ball joint's motion.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ from flint import arb, arb_mat
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.proofs.data import JOINTS, Joint
 from plannercheck.proofs.faults import UnprovedError
-from plannercheck.proofs.jets import Jet, affine, linear, product
+from plannercheck.proofs.jets import Jet, affine, linear, product, times, total
+from plannercheck.proofs.polynomials import Values, line, polynomial
 
 Motion = Callable[[Any], Jet]
 
@@ -31,14 +33,13 @@ _SMALL = arb(1) / 4
 _HALF_TURN_ROOM = 1e-12
 
 
-def joint_motion(joint: Joint, start: Sequence[float], end: Sequence[float], path: MotionPath = "screw") -> Motion:
+def joint_motion(joint: Joint, control: Sequence[Sequence[float]], path: MotionPath = "screw") -> Motion:
     """The jet of a joint's map as a function of the parameter.
 
     Args:
         joint: The joint, well-formed.
-        start: (columns,) configuration.
-        end: (columns,).
-        path: How planar and floating joints move.
+        control: (degree + 1, columns) the motion's control points, from its start to its end.
+        path: How planar and floating joints move: of degree 2 or more by "slerp".
 
     Returns:
         The function; for joints that are held, of a constant.
@@ -51,18 +52,25 @@ def joint_motion(joint: Joint, start: Sequence[float], end: Sequence[float], pat
         held = Jet(placement * held_map(joint))
         return lambda t: held
     first = joint.columns[0]
-    here, there = start[first:], end[first:]
+    here, there = control[0][first:], control[-1][first:]
     if joint.kind in ("turn", "slide"):
-        multiplier, offset = arb(joint.multipliers[0]), arb(joint.offsets[0])
-        value, rate = multiplier * arb(here[0]) + offset, multiplier * (arb(there[0]) - arb(here[0]))
-        return (_turning if joint.kind == "turn" else _sliding)(placement, joint.axis, value, rate)
+        values = _values([row[first] for row in control], joint.multipliers[0], joint.offsets[0])
+        return (_turning if joint.kind == "turn" else _sliding)(placement, joint.axis, values)
     if joint.kind == "circle":
         angle, rate = arb.atan2(arb(here[1]), arb(here[0])), _shorter_turn(here, there)
-        return _turning(placement, joint.axis, angle, rate, joint.multipliers)
+        return _turning(placement, joint.axis, lambda t: (angle + t * rate, rate, None), joint.multipliers)
     before, after = _placed(joint.kind, here), _placed(joint.kind, there)
     if path == "slerp" and JOINTS[joint.kind].is_pose:
-        return _straight_and_turning(placement, before, after, _turn_vector(joint.kind, here, there))
+        lengths = JOINTS[joint.kind].lengths
+        shift = [_values([row[first + k] if k < lengths else 0.0 for row in control]) for k in range(3)]
+        return _shifting_and_turning(placement, shift, before, _turn_vector(joint.kind, here, there))
     return _screw(placement * before, _twist(before, after, _turn_vector(joint.kind, here, there)))
+
+
+def _values(control: Sequence[float], multiplier: float = 1.0, offset: float = 0.0) -> Values:
+    """The value of one number of a joint."""
+    of = line if len(control) == 2 else polynomial
+    return of(control, multiplier, offset)
 
 
 def held_map(joint: Joint) -> Any:
@@ -105,26 +113,28 @@ def _turned(axis: Sequence[float], cosine: Any, sine: Any) -> Any:
     return of_cosine * cosine + of_sine * sine + constant
 
 
-def _turning(
-    placement: Any, axis: Sequence[float], angle: Any, rate: Any, signs: Sequence[float] = (1.0, 1.0)
-) -> Motion:
-    """A turn by angle + t rate; the cosine and sine are multiplied by the signs."""
+def _turning(placement: Any, axis: Sequence[float], values: Values, signs: Sequence[float] = (1.0, 1.0)) -> Motion:
+    """A turn by an angle; the cosine and sine are multiplied by the signs."""
     of_cosine, of_sine, constant = (placement * part for part in _parts(axis))
     of_cosine, of_sine = of_cosine * arb(signs[0]), of_sine * arb(signs[-1] if len(signs) > 1 else 1.0)
-    square = rate * rate
 
     def jet(t: Any) -> Jet:
-        sine, cosine = (angle + t * rate).sin_cos()
-        swing = of_cosine * cosine + of_sine * sine
-        return Jet(constant + swing, (of_sine * cosine - of_cosine * sine) * rate, swing * -square)
+        angle, rate, bend = values(t)
+        sine, cosine = angle.sin_cos()
+        swing, turned = of_cosine * cosine + of_sine * sine, of_sine * cosine - of_cosine * sine
+        return Jet(constant + swing, turned * rate, total(swing * -(rate * rate), times(turned, bend)))
 
     return jet
 
 
-def _sliding(placement: Any, axis: Sequence[float], value: Any, rate: Any) -> Motion:
+def _sliding(placement: Any, axis: Sequence[float], values: Values) -> Motion:
     along = placement * arb_mat(4, 4, [x for a in axis for x in (0, 0, 0, a)] + [0, 0, 0, 0])
-    first = along * rate
-    return lambda t: Jet(placement + along * (value + t * rate), first)
+
+    def jet(t: Any) -> Jet:
+        value, rate, bend = values(t)
+        return Jet(placement + along * value, along * rate, times(along, bend))
+
+    return jet
 
 
 def _screw(before: Any, twist: Any) -> Motion:
@@ -137,12 +147,16 @@ def _screw(before: Any, twist: Any) -> Motion:
     return jet
 
 
-def _straight_and_turning(placement: Any, before: Any, after: Any, turn: Sequence[Any]) -> Motion:
-    """A motion between two poses whose shift and turn move by themselves; the turn's vector is known."""
-    here, there = ([pose[k, 3] for k in range(3)] for pose in (before, after))
-    start, rate = placement * shifted(here), placement * _column([b - a for a, b in zip(here, there, strict=True)])
-    turning = _screw(before - _column(here), linear(_cross(turn)))
-    return lambda t: product(Jet(start + rate * t, rate), turning(t))
+def _shifting_and_turning(placement: Any, shift: Sequence[Values], before: Any, turn: Sequence[Any]) -> Motion:
+    """A motion from a pose whose shift and turn move by themselves; the turn's vector is known."""
+    turning = _screw(before - _column([before[k, 3] for k in range(3)]), linear(_cross(turn)))
+
+    def jet(t: Any) -> Jet:
+        value, rate, bend = zip(*(values(t) for values in shift), strict=True)
+        second = None if None in bend else placement * _column(bend)
+        return product(Jet(placement * shifted(value), placement * _column(rate), second), turning(t))
+
+    return jet
 
 
 def _column(shift: Sequence[Any]) -> Any:

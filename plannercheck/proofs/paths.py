@@ -21,7 +21,7 @@ from plannercheck.common.arrays import row_length
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.model_comparisons import path_reader
 from plannercheck.proofs.claims import column_names, held_joints, motion_of
-from plannercheck.proofs.data import ProofData
+from plannercheck.proofs.data import Motion, ProofData
 from plannercheck.proofs.planar_proof import PlanarModel
 
 # An inner end of a long turn may be off the line by this part of both: rounded products and a sum, there and here.
@@ -75,7 +75,7 @@ def path_proved(proofs: Sequence[ProofData], path: Any, straight: bool = False, 
         if file.bent_by and not straight:
             raise PlannercheckError(
                 f"path file {str(path)!r}: its {' and '.join(file.bent_by)} are not zero, so a controller runs splines "
-                "between its points, which the proof does not prove: --straight says that straight motions are meant"
+                "between its points: --controller says which, --straight says that straight motions are meant"
             )
         other = _held_elsewhere(proof, file.others) or _moved_otherwise(proofs, file.motion_path)
         states, as_given = file.states, file.as_given
@@ -133,7 +133,8 @@ def _compared(proofs: Sequence[ProofData], states: Floats, as_given: Any) -> Pat
     motions = list(pairwise(rows)) or [(rows[0], rows[0])]
     starts: dict[tuple[float, ...], list[int]] = {}
     for k, proof in enumerate(proofs):
-        starts.setdefault(proof.motion.start, []).append(k)
+        if not _is_curve(proof):
+            starts.setdefault(proof.motion.start, []).append(k)
     missing, last = list[int](), 0
     for k, (start, end) in enumerate(motions):
         literal = as_given is not None and bool(as_given[k])
@@ -156,7 +157,7 @@ def _chained(proofs: Sequence[ProofData], first: int, start: Any, end: Any, lite
     reached, part = start, 0.0
     for k in range(first, len(proofs)):
         motion = proofs[k].motion
-        if motion.start != reached or motion.end != motion.asked_end:
+        if motion.start != reached or motion.end != motion.asked_end or _is_curve(proofs[k]):
             return 0
         reached = motion.end
         if reached == end:
@@ -165,6 +166,11 @@ def _chained(proofs: Sequence[ProofData], first: int, start: Any, end: Any, lite
         if not before < part < 1:
             return 0
     return 0
+
+
+def _is_curve(proof: ProofData) -> bool:
+    """Whether a proof is of polynomials, which go another way than a path's straight motions."""
+    return isinstance(proof.motion, Motion) and bool(proof.motion.inner)
 
 
 def _is_line(proof: ProofData, start: Any, end: Any, literal: bool) -> bool:

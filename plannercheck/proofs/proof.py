@@ -6,7 +6,7 @@ In: a result of `explain_motion` or `certify_motions`, or a file. Out: the same 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs.data import ProofData, Verification
+from plannercheck.proofs.executed_curves import trajectory_proved
 from plannercheck.proofs.files import read_proofs, save_proofs
 from plannercheck.proofs.paths import path_proved
 from plannercheck.proofs.verify import model_confirmed, verified
@@ -132,6 +133,31 @@ def verify_path(proofs: Sequence[Proof], path: str | Path | ArrayLike, robot: st
     Raises:
         PlannercheckError: If python-flint is not installed, or the file can't be read.
     """
+    return _with_all(proofs, lambda: path_proved(proofs, path, robot=robot).fault)
+
+
+def verify_trajectory(
+    proofs: Sequence[Proof], path: str | Path, controller: str = "jtc", tube: float = 0.0
+) -> Verification:
+    """Confirms proofs, and that they prove a trajectory as a controller runs it, piece by piece.
+
+    Args:
+        proofs: Of one file, at least one.
+        path: A file that `pc.Trajectory.load` reads.
+        controller: "jtc" (joint_trajectory_controller of ros2_control), "motoros2", or "linear".
+        tube: How far each number may be off the curve at any instant, rad and m.
+
+    Returns:
+        The verification, as of `verify_path`.
+
+    Raises:
+        PlannercheckError: If python-flint is not installed, or the file can't be read or is run by no controller.
+    """
+    return _with_all(proofs, lambda: trajectory_proved(proofs, path, controller, tube).fault)
+
+
+def _with_all(proofs: Sequence[Proof], missing: Callable[[], str | None]) -> Verification:
+    """The verification of several proofs, and of what they are asked to prove together."""
     found = [proof.verify() for proof in proofs]
-    fault = next((each.fault for each in found if not each), None) or path_proved(proofs, path, robot=robot).fault
+    fault = next((each.fault for each in found if not each), None) or missing()
     return Verification(fault is None, fault, sum(each.entries for each in found), sum(each.seconds for each in found))

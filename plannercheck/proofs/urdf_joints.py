@@ -15,8 +15,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.proofs.exact_placements import Placement, decimals, origin_of, unit
+
+# Links that an error names.
+_SHOWN = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +78,7 @@ def read_tree(urdf: str | Path, content: str | None = None) -> UrdfTree:
     except (OSError, ElementTree.ParseError, LookupError, ValueError) as error:  # the last two for encodings
         raise PlannercheckError(f"URDF {str(urdf)!r} can't be read: {error}") from None
     if root.tag != "robot":
-        raise PlannercheckError(f"URDF {str(urdf)!r} begins with <{root.tag}>, not with <robot>")
+        raise PlannercheckError(f"URDF {str(urdf)!r} begins with <{shortened(root.tag)}>, not with <robot>")
     if any("xacro" in str(element.tag) for element in root.iter()):
         raise PlannercheckError(f"URDF {str(urdf)!r} holds xacro: expand it first, with `xacro FILE > robot.urdf`")
     links = tuple(link.get("name", "") for link in root.findall("link"))
@@ -84,9 +87,8 @@ def read_tree(urdf: str | Path, content: str | None = None) -> UrdfTree:
     roots = [link for link in links if link not in children]
     above = _parents_first(joints, roots[:1])
     if len(roots) != 1 or len(above) != len(joints):
-        raise PlannercheckError(
-            f"URDF {str(urdf)!r} is no tree: without a joint above are {', '.join(roots) or 'none'}"
-        )
+        named = ", ".join(map(shortened, roots[:_SHOWN]))
+        raise PlannercheckError(f"URDF {str(urdf)!r} is no tree: without a joint above are {named or 'none'}")
     return UrdfTree(roots[0], links, above)
 
 
@@ -107,11 +109,11 @@ def _joint(element: ElementTree.Element, urdf: str | Path) -> UrdfJoint:
     name = element.get("name", "")
     parent, child = (element.find(tag) for tag in ("parent", "child"))
     if parent is None or child is None:
-        raise PlannercheckError(f"URDF {str(urdf)!r}: joint {name!r} has no parent or no child")
+        raise PlannercheckError(f"URDF {str(urdf)!r}: joint {shortened(name)!r} has no parent or no child")
     try:
         axis, placement, mimic = unit(_axis(element)), origin_of(element), _mimic(element.find("mimic"))
     except ValueError as error:
-        raise PlannercheckError(f"URDF {str(urdf)!r}: joint {name!r}: {error}") from None
+        raise PlannercheckError(f"URDF {str(urdf)!r}: joint {shortened(name)!r}: {error}") from None
     links = parent.get("link", ""), child.get("link", "")
     return UrdfJoint(name, element.get("type", ""), *links, placement, axis, mimic)
 

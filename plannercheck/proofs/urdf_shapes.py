@@ -102,7 +102,7 @@ def _sentences(
     if same:
         yield (
             f"shapes of {len(same)} bodies on links, to the last bit, with {urdf!r} and its meshes, read by itself; "
-            f"their poses are at most {most:.2g} away from the exact ones"
+            f"their poses are {f'at most {most:.2g} away from ' if most else ''}the exact ones"
         )
     for why, names in not_read.items():
         yield f"not read by the verifier itself: {_listed(names)}: {why}"

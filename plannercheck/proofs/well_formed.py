@@ -35,6 +35,9 @@ from plannercheck.proofs.parts import VERTICES
 # How far the length of an axis or a unit vector may be from 1.
 LARGEST_STRETCH = 1e-6
 
+# The largest degree of a motion.
+MOST_DEGREE = 20
+
 # What may keep a pair apart in space.
 _KEEPS_APART = ("plane", "balls", "half-space")
 
@@ -220,19 +223,43 @@ def _check_ends(model: Model, motion: Motion) -> None:
     for name, q in (("start", motion.start), ("end", motion.end), ("asked end", motion.asked_end)):
         check_length(q, model.columns, f"the motion's {name}")
         check_numbers(q, f"the motion's {name}")
+    _check_curve(model, motion)
     for column in model.whole_turns:
         if not 0 <= column < model.columns:
             raise UnprovedError(f"column {column} of whole turns is not there")
         users = [joint for joint in model.joints if column in joint.columns]
         if any(joint.kind != "turn" or joint.multipliers[0] % 1 for joint in users):
             raise UnprovedError(f"a whole turn of column {column} is none of every joint that follows it")
-        if not abs(motion.end[column] - motion.start[column]) <= HALF_TURN:
+        if not motion.inner and not abs(motion.end[column] - motion.start[column]) <= HALF_TURN:
             raise UnprovedError(f"the motion turns column {column} by more than half a turn: not the short way")
     for column, (end, asked) in enumerate(zip(motion.end, motion.asked_end, strict=True)):
         if end != asked and column not in model.whole_turns:
             raise UnprovedError(f"the motion ends at {end!r} in column {column}, where {asked!r} was asked for")
     for joint in model.joints:
         _check_unit(joint, motion)
+
+
+def _check_curve(model: Model, motion: Motion) -> None:
+    """Inner control points and the tube."""
+    if len(motion.inner) not in range(0, max(1, MOST_DEGREE * model.columns), model.columns or 1):
+        raise UnprovedError(
+            f"the motion has {len(motion.inner)} inner numbers: not {model.columns} for each of at most "
+            f"{MOST_DEGREE - 1} control points"
+        )
+    check_numbers((*motion.inner, *motion.tube), "the motion's curve")
+    if motion.tube:
+        check_length(motion.tube, model.columns, "the motion's tube")
+    if (motion.inner or motion.tube) and motion.end != motion.asked_end:
+        raise UnprovedError("the motion follows a curve or has a tube, and another end was asked for")
+    for joint in model.joints:
+        form = JOINTS[joint.kind]
+        if motion.inner and motion.path != "slerp" and form.is_pose and max(joint.columns) >= 0:
+            raise UnprovedError(f"joint {joint.name!r} follows a curve, and its path is not slerp")
+        units = [column for column in joint.columns[form.lengths :] if form.has_unit and column >= 0]
+        if motion.tube and any(motion.tube[column] for column in units):
+            raise UnprovedError(f"joint {joint.name!r} has a tube around a cosine, a sine or a quaternion")
+    if not all(width >= 0 for width in motion.tube):
+        raise UnprovedError("the motion's tube is narrower than 0")
 
 
 def _check_unit(joint: Joint, motion: Motion) -> None:

@@ -9,12 +9,12 @@ touch link.
 from __future__ import annotations
 
 import itertools
-import warnings
 from collections.abc import Sequence
 
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.user_warnings import warn
 
 
 def check_objects(objects: Sequence[SceneObject], links: Sequence[str], bodies: Sequence[GeometryObject]) -> None:
@@ -35,11 +35,7 @@ def check_objects(objects: Sequence[SceneObject], links: Sequence[str], bodies: 
                 raise PlannercheckError(f"attached object {item.name!r}: a link or body of the robot is named {name!r}")
         unknown = [link for link in item.touch_links if link not in links and link not in names]
         if unknown:
-            warnings.warn(
-                f"touch links {', '.join(unknown)} of {item.name!r} are no links of the robot, left out",
-                RuntimeWarning,
-                stacklevel=2,
-            )
+            warn(f"touch links {', '.join(unknown)} of {item.name!r} are no links of the robot, left out")
 
 
 def carried_pairs(objects: Sequence[SceneObject], bodies: Sequence[GeometryObject]) -> list[tuple[int, int]]:

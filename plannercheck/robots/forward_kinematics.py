@@ -7,7 +7,6 @@ with Pinocchio once, when it is built.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
@@ -17,6 +16,7 @@ import pinocchio as pin
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
+from plannercheck.common.user_warnings import warn
 from plannercheck.robots.configurations import ConfigurationMap
 from plannercheck.robots.kinematic_error import KinematicRounding
 from plannercheck.robots.kinematics import (
@@ -78,10 +78,8 @@ class ForwardKinematics:
         difference = disagreement(kernel, self._model, self._map, self._frames)
         if difference <= AGREEMENT:
             return kernel
-        warnings.warn(
+        warn(
             f"robot {robot!r}: the compiled kinematics differs from Pinocchio by {difference:.3g}; "
-            "posing with Pinocchio instead, which is slower",
-            RuntimeWarning,
-            stacklevel=8,
+            "posing with Pinocchio instead, which is slower"
         )
         return None

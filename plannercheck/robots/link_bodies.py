@@ -7,7 +7,6 @@ it reads no mesh: those are read here, in doubles, by `read_mesh`.
 
 from __future__ import annotations
 
-import warnings
 from collections import Counter, defaultdict, deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -24,6 +23,7 @@ from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_files import address_hint, folders_above, package_file, where_sought
 from plannercheck.common.silence import urdf_silence
+from plannercheck.common.user_warnings import warn
 from plannercheck.robots.geometry_elements import ElementKind, GeometryElement, MeshReference, geometry_elements
 from plannercheck.robots.urdf_file import UrdfFile
 
@@ -76,7 +76,7 @@ def read_bodies(
     meshes.warn()
     if kind == "collision" and not bodies:
         drawn = " (it has <visual> ones, which are only drawn)" if file.root.find("link/visual") is not None else ""
-        _warn(f"URDF {file.path} has no <collision> elements{drawn}: nothing will ever collide")
+        warn(f"URDF {file.path} has no <collision> elements{drawn}: nothing will ever collide")
     joints = np.array([joint for _, _, _, joint in placed], dtype=np.int64)
     return LinkBodies(tuple(bodies), joints, tuple(found))
 
@@ -147,11 +147,11 @@ class _Meshes:
         for mesh in self._known.values():
             hint = mesh_hint(mesh.points)
             if hint:
-                _warn(f"collision mesh {str(mesh.path)!r} {hint} (scale= in the URDF)")
+                warn(f"collision mesh {str(mesh.path)!r} {hint} (scale= in the URDF)")
         converted = [mesh for mesh in self._known.values() if mesh.conversion]
         if converted and self._units is None:
             first, more = converted[0], f" (and {len(converted) - 1} more)" if len(converted) > 1 else ""
-            _warn(
+            warn(
                 f"URDF {self._file.path}: mesh {str(first.path)!r}{more} is read as MoveIt's planning scene reads it, "
                 f'in metres, its axes as they stand, although {first.conversion}: mesh_units="metre" '
                 '(--mesh-units metre) says that this is meant, mesh_units="file" converts as the file says'
@@ -164,12 +164,9 @@ def warn_of_large_hulls(path: Path, links: LinkBodies) -> None:
     found = [(body.link, words) for body, mesh in distinct.values() if (words := excess_words(mesh))]
     if found:
         link, words = found[0]
-        more = f", and {len(found) - 1} more links" if len(found) > 1 else ""
-        _warn(
+        others = len(found) - 1
+        more = f", and {others} more link{'s' if others > 1 else ''}" if others else ""
+        warn(
             f'URDF {path}: mesh of link {link!r}: {words}{more}: geometry="solid" (--geometry solid) takes meshes as '
             'they are, "pieces" splits them, "hull" says that hulls are meant; plannercheck inspect lists all'
         )
-
-
-def _warn(message: str) -> None:
-    warnings.warn(message, RuntimeWarning, stacklevel=7)

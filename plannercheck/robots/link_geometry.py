@@ -7,7 +7,6 @@ alone, and a body inside them does not collide.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal, TypeAlias, get_args
@@ -18,6 +17,7 @@ from plannercheck.bodies.pieces import Pieces
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.bodies.solids import OPEN_MESHES, Solid, open_meshes
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.user_warnings import warn
 from plannercheck.robots.decomposed_links import Pairs, decomposed
 
 GeometryKind: TypeAlias = Literal["hull", "pieces", "solid", "triangles"]
@@ -105,5 +105,5 @@ def _with_solids(
         link = next(iter(is_open)).link
         words = open_meshes({body.name: solid for body, solid in is_open.items()})
         choices = f"geometry={{{link!r}: 'triangles'}} or 'hull', --geometry {link}=triangles"
-        warnings.warn(f"{words}. To take a link otherwise, name it: {choices}", RuntimeWarning, stacklevel=7)
+        warn(f"{words}. To take a link otherwise, name it: {choices}")
     return tuple(found), tuple(dict.fromkeys(str(body.link) for body in is_open))

@@ -9,7 +9,6 @@ Geoms of the world and of bodies that no joint moves are obstacles (`Scene.from_
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +23,7 @@ from plannercheck.bodies.mjcf_shapes import check_flexes, mesh_of_geom, shape_of
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError, shortened
+from plannercheck.common.user_warnings import warn
 from plannercheck.robots.configurations import followed
 from plannercheck.robots.link_bodies import LinkBodies
 from plannercheck.robots.mjcf_model import initial_values, pinocchio_model
@@ -160,12 +160,12 @@ def _warn(file: MjcfFile, geoms: Ints64) -> None:
     ]
     for found, what in said:
         if found:
-            warnings.warn(f"MJCF {file.path}: {_listed(found)}: {what}", RuntimeWarning, stacklevel=6)
+            warn(f"MJCF {file.path}: {_listed(found)}: {what}")
     if not len(geoms):
-        warnings.warn(f"MJCF {file.path} has no geoms that collide: nothing will ever", RuntimeWarning, stacklevel=6)
+        warn(f"MJCF {file.path} has no geoms that collide: nothing will ever")
     elif file.disabled & {"CONSTRAINT", "CONTACT"}:
         text = "disables contacts, so that no two of its geoms are tested against each other"
-        warnings.warn(f"MJCF {file.path} {text}", RuntimeWarning, stacklevel=6)
+        warn(f"MJCF {file.path} {text}")
 
 
 def _listed(names: list[str]) -> str:

@@ -8,7 +8,6 @@ out as well. Pairs that a robot's YAML disables are always left out.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable
 
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.errors import unknown_name
+from plannercheck.common.user_warnings import warn
 from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.srdf import DisabledPair, Srdf, disabled_collisions, enabled_collisions, untested_pairs
 
@@ -41,11 +41,9 @@ def self_pairs(
         kept &= ~_of_links(first, second, bodies, (frozenset((pair.link_a, pair.link_b)) for pair in untested))
         _warn_of_one_joint(srdf, joints, bodies)
         if kept.all():
-            warnings.warn(
+            warn(
                 f"SRDF {srdf.path} disables no pair of links{_of_another(srdf, tree)}: adjacent ones, which usually "
-                "touch, are tested as well",
-                RuntimeWarning,
-                stacklevel=6,
+                "touch, are tested as well"
             )
     left_out = _disabled_links(disabled, tree)
     if srdf is None:
@@ -79,11 +77,9 @@ def _warn_of_one_joint(srdf: Srdf, joints: NDArray[np.int64], bodies: tuple[Geom
         if pair.link_a != pair.link_b and joint_of.get(pair.link_a, -1) == joint_of.get(pair.link_b, -2)
     ]
     if still:
-        warnings.warn(
+        warn(
             f"SRDF {srdf.path} enables collisions of links on one joint, which never move against each other and are "
-            f"not tested: {', '.join(still[:3])}",
-            RuntimeWarning,
-            stacklevel=7,
+            f"not tested: {', '.join(still[:3])}"
         )
 
 

@@ -8,7 +8,6 @@ in MoveIt.
 from __future__ import annotations
 
 import difflib
-import warnings
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from plannercheck.common.errors import PlannercheckError, shortened, unknown_nam
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.input_limits import INPUT_LIMITS, check_xml
 from plannercheck.common.package_data import is_file
+from plannercheck.common.user_warnings import warn
 
 if TYPE_CHECKING:
     from plannercheck.robots.link_tree import LinkTree
@@ -237,23 +237,19 @@ def warn_about_ignored_elements(srdf: Srdf, tree: LinkTree) -> None:
         if unknown:
             close = [match for name in unknown[:1] for match in difflib.get_close_matches(name, tree.names, 1)]
             hint = f" (did you mean {close[0]!r} by {unknown[0]!r}?)" if close else ""
-            _warn(
+            warn(
                 f"SRDF {srdf.path} has <{tag}> of links that the URDF does not know: "
                 f"{', '.join(map(shortened, unknown))}{hint}; these entries change nothing"
             )
     if nameless:
         needed = "; ".join(f"{tag} needs {'= and '.join(keys)}=" for tag, keys in _OF_LINKS.items())
-        _warn(f"SRDF {srdf.path}: {nameless} elements that name no links change nothing: {needed}")
+        warn(f"SRDF {srdf.path}: {nameless} elements that name no links change nothing: {needed}")
     defaults = [link for link in default_links(srdf.root) if link in known]
     if defaults:
-        _warn(
+        warn(
             f"SRDF {srdf.path}: links of <disable_default_collisions> are tested neither against obstacles nor against "
             f"links that <enable_collisions> does not name, as in MoveIt: {', '.join(defaults)}"
         )
-
-
-def _warn(message: str) -> None:
-    warnings.warn(message, RuntimeWarning, stacklevel=7)
 
 
 def virtual_joints(root: Element) -> set[str]:

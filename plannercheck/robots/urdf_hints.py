@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 import sys
-import warnings
 from collections.abc import Iterator
 from difflib import get_close_matches
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from plannercheck.common.errors import shortened
+from plannercheck.common.user_warnings import warn
 from plannercheck.robots.urdf_file import UrdfFile
 
 # An angle of more than a turn, with room for 6.28319, is no orientation that anyone writes in rad.
@@ -82,7 +82,7 @@ def _some(names: list[str]) -> str:
 
 def _warn(path: Path, found: list[str], meaning: str) -> None:
     if found:
-        warnings.warn(f"URDF {path}: {_some(found)} {meaning}", RuntimeWarning, stacklevel=6)
+        warn(f"URDF {path}: {_some(found)} {meaning}")
 
 
 def _turned(root: Element) -> Iterator[str]:

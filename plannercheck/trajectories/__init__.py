@@ -2,6 +2,7 @@
 
 from plannercheck.trajectories.controllers import CONTROLLERS, Controller
 from plannercheck.trajectories.limits import Excess
+from plannercheck.trajectories.timing import Timing
 from plannercheck.trajectories.trajectory import Trajectory
 
-__all__ = ["CONTROLLERS", "Controller", "Excess", "Trajectory"]
+__all__ = ["CONTROLLERS", "Controller", "Excess", "Timing", "Trajectory"]

@@ -13,7 +13,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.bags import read_bag
 from plannercheck.trajectories.controllers import Points
-from plannercheck.trajectories.joint_columns import check_plain_joints
+from plannercheck.trajectories.joint_columns import Joints, check_plain_joints
 from plannercheck.trajectories.messages import joint_trajectories, points_of, read_document, warn_of_start
 from plannercheck.trajectories.tables import read_csv, read_npz
 
@@ -32,9 +32,16 @@ def read_points(path: Path, robot: Robot, message: int | None = None) -> Points:
         robot: Its joints, which take one number each; the file must have them all and no others.
         message: Which JointTrajectory of several, counted from 0; None: the file must hold one.
     """
-    suffix = path.suffix.lower()
     with error_context(f"trajectory file {str(path)!r}"):
         check_plain_joints(robot)
+    return read_points_of(path, robot, message)
+
+
+def read_points_of(file: str | Path, robot: Joints, message: int | None = None) -> Points:
+    """The same of joints that are known to take one number each."""
+    path = Path(file)
+    suffix = path.suffix.lower()
+    with error_context(f"trajectory file {str(path)!r}"):
         if not path.exists():
             raise PlannercheckError("does not exist")
         if path.is_dir() or suffix in _BAGS:

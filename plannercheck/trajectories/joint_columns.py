@@ -1,14 +1,34 @@
 """Columns of trajectories by the names of joints.
 
-In: a robot whose joints take one number each, names as a file has them. Out: where each of the robot's joints is.
+In: joints that take one number each, names as a file has them. Out: where each of these joints is.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple, Protocol
 
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.robots.robot import Robot
+
+
+class Joints(Protocol):
+    """Whose joints a trajectory has to have: a robot, or what is known of one."""
+
+    @property
+    def name(self) -> str:
+        """For errors."""
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints, in the order of the columns."""
+
+
+class NamedJoints(NamedTuple):
+    """Joints of which names are all that is known."""
+
+    name: str
+    joint_names: tuple[str, ...]
 
 
 def check_plain_joints(robot: Robot) -> None:
@@ -20,9 +40,8 @@ def check_plain_joints(robot: Robot) -> None:
         )
 
 
-def columns_of(names: Sequence[str], robot: Robot) -> list[int]:
+def columns_of(names: Sequence[str], robot: Joints) -> list[int]:
     """The column of each of the robot's joints, in its order; the names must be its joints, each once."""
-    check_plain_joints(robot)
     for name in names:
         if name not in robot.joint_names:
             known = ", ".join(robot.joint_names)

@@ -28,10 +28,9 @@ from plannercheck.common.checked_yaml import (
     text,
 )
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.robots.robot import Robot
 from plannercheck.scenes.moveit_messages import transform
 from plannercheck.trajectories.controllers import Points
-from plannercheck.trajectories.joint_columns import columns_of
+from plannercheck.trajectories.joint_columns import Joints, columns_of
 
 TRAJECTORY_KEYS = ("header", "joint_names", "points")
 POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
@@ -82,7 +81,7 @@ def _check_base(node: Node) -> None:
                 raise PlannercheckError(f"moves {moved}: only joint_trajectory is supported")
 
 
-def points_of(message: Node, robot: Robot) -> Points:
+def points_of(message: Node, robot: Joints) -> Points:
     """The points of a JointTrajectory in the order of a robot's joints, which must be the message's."""
     check_keys(message, TRAJECTORY_KEYS)
     names = [text(name, "joint_names") for name in sequence(required(message, "joint_names"), "'joint_names'")]

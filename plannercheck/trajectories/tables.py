@@ -22,9 +22,8 @@ import numpy as np
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import BROKEN_FILE, error_context, read_bytes
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
-from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.controllers import Points
-from plannercheck.trajectories.joint_columns import columns_of
+from plannercheck.trajectories.joint_columns import Joints, columns_of
 
 _TIMES = ("time", "t", "time_from_start", "__time", "timestamp")
 _QUANTITIES = ("position", "velocity", "acceleration")
@@ -36,7 +35,7 @@ _CLOCK = 1e8
 _ARRAYS = ("times", "positions", "velocities", "accelerations", "joint_names")
 
 
-def read_csv(path: Path, robot: Robot) -> Points:
+def read_csv(path: Path, robot: Joints) -> Points:
     """Reads a csv."""
     try:
         rows = [row for row in csv.reader(read_bytes(path).decode("utf-8-sig").splitlines(), strict=True) if row]
@@ -60,7 +59,7 @@ def read_csv(path: Path, robot: Robot) -> Points:
     return Points(times, positions, v, a, robot.joint_names)
 
 
-def _columns(header: Sequence[str], robot: Robot) -> tuple[int, dict[str, list[int]]]:
+def _columns(header: Sequence[str], robot: Joints) -> tuple[int, dict[str, list[int]]]:
     """The column of the time, and those of each quantity in the robot's order; none where a csv lacks it."""
     times = [k for k, name in enumerate(header) if name.lower() in _TIMES and name not in robot.joint_names]
     if len(times) != 1:
@@ -79,7 +78,7 @@ def _columns(header: Sequence[str], robot: Robot) -> tuple[int, dict[str, list[i
     return times[0], places
 
 
-def _parted(name: str, robot: Robot) -> tuple[str, str]:
+def _parted(name: str, robot: Joints) -> tuple[str, str]:
     """Joint and quantity of a column."""
     if name in robot.joint_names:
         return name, "position"
@@ -116,7 +115,7 @@ def _number(cell: str, point: int, name: str) -> float:
     return value
 
 
-def read_npz(path: Path, robot: Robot) -> Points:
+def read_npz(path: Path, robot: Joints) -> Points:
     """Reads an npz."""
     try:
         with np.load(path, allow_pickle=False) as arrays:

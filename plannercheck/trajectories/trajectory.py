@@ -28,6 +28,7 @@ from plannercheck.trajectories.files import read_points
 from plannercheck.trajectories.forms import of_bezier, of_bspline, of_polynomials
 from plannercheck.trajectories.library_curves import of_library
 from plannercheck.trajectories.limits import Excess, Kind, broken_limits
+from plannercheck.trajectories.timing import Timing
 from plannercheck.trajectories.written_messages import write_message
 
 
@@ -39,6 +40,7 @@ class Trajectory:
         curve: Its polynomials.
         points: The points that a controller interpolates; None if the curve was given as such.
         controller: Who interpolates them; None likewise.
+        timing: What rounding the corners of a plan brought, where `pc.time_path` made it; else None.
     """
 
     def __init__(
@@ -71,6 +73,7 @@ class Trajectory:
         """
         self.points: Points | None = _points(times, positions, velocities, accelerations, tuple(joint_names))
         self.controller: Controller | None = controller
+        self.timing: Timing | None = None
         width = self.points.positions.shape[1]
         self.curve = curve_of(self.points, controller, _start(start, width), continuous)
 
@@ -78,7 +81,7 @@ class Trajectory:
     def of_curve(cls, curve: Curve) -> Trajectory:
         """A trajectory that is a curve."""
         made = cls.__new__(cls)
-        made.points, made.controller, made.curve = None, None, curve
+        made.points, made.controller, made.timing, made.curve = None, None, None, curve
         return made
 
     @classmethod

@@ -28,8 +28,7 @@ _MOST_SECONDS = 2**31
 
 def write_message(points: Points, path: Path) -> None:
     """Writes points as a message; the suffix chooses the format."""
-    if path.suffix.lower() not in SUFFIXES:
-        raise PlannercheckError(f"a trajectory is written as {', '.join(SUFFIXES)}, not {path.name!r}")
+    check_suffix(path)
     if not points.joint_names:
         raise PlannercheckError("a message names its joints: make the trajectory with joint_names=")
     message = message_of(points)
@@ -38,6 +37,12 @@ def write_message(points: Points, path: Path) -> None:
     else:
         text = yaml.safe_dump(message, sort_keys=False, default_flow_style=None, width=120)
     write_atomically(path, lambda aside: aside.write_text(text + "\n" * (text[-1] != "\n"), encoding="utf-8"))
+
+
+def check_suffix(path: Path) -> None:
+    """Raises unless the suffix is that of a format in which trajectories are written."""
+    if path.suffix.lower() not in SUFFIXES:
+        raise PlannercheckError(f"a trajectory is written as {', '.join(SUFFIXES)}, not {path.name!r}")
 
 
 def message_of(points: Points) -> dict[str, Any]:

@@ -109,3 +109,15 @@ def test_planes_all_around_do_not_prove_a_part_within_a_solid_apart() -> None:
 
     assert not separation(triangles).verify()
     assert separation(triangles[1:]).verify()
+
+
+def test_motions_in_a_hollow_end_at_its_walls_and_take_few_grids(tmp_path) -> None:
+    """No plane keeps the set from all of the solid; how far it is from it and how far it goes do."""
+    checker = checker_of(draw(6), "moving", tmp_path)
+    assert checker.check_motion([0.0, 0.0], [1 / 32, 0.0])
+    assert checker.motion_certifier.statistics()["grids"] < 10
+    for way in np.linspace(-1, 1, 41):
+        samples = np.linspace([0.0, 0.0], [way, 0.0], 400)
+        if checker.check_motion(samples[0], samples[-1]):
+            assert checker.check_states(samples).all()
+    assert not checker.check_motion([-1.0, 0.0], [1.0, 0.0])

@@ -81,6 +81,15 @@ def test_the_controller_and_the_tube_decide(capsys, free):
     assert (code, found["tube"]) == (0, [0, 0, 0, 0, 0, 0, 1])
 
 
+def test_a_proof_is_written_and_verified(capsys, tmp_path, free):
+    code, found = judged(capsys, "--path", free, "--tube", "0.02", "--certify")
+    assert (code, found["proof"], found["proof_fault"]) == (0, str(tmp_path / "free.proof.json"), None)
+    same = ["--robot", "panda", "--scene", "bookshelf", "--path", str(free), "--controller", "jtc"]
+    assert main(["verify", found["proof"], *same, "--tube", "0.02"]) == 0
+    assert main(["verify", found["proof"], *same, "--tube", "0.03"]) == 1  # wider than what is proved
+    capsys.readouterr()
+
+
 def test_the_first_collision_is_told(capsys, through):
     code, found = judged(capsys, "--path", through, "--controller", "jtc")
     assert code == 1
@@ -122,14 +131,16 @@ def test_one_of_several_messages_is_chosen(capsys, tmp_path, free):
     assert judged(capsys, "--path", tmp_path / "two.json", "--message", "1")[0] == 0
 
 
-def test_joints_that_the_start_holds_are_held(capsys, tmp_path, free):
-    """The fingers at 0.04 m, as the robot file has them, or wide open beside a shelf: the checker's robot changes."""
-    start = {"joint_state": {"name": ["panda_finger_joint1"], "position": [0.0]}}
+def test_joints_that_the_start_holds_are_held(capsys, tmp_path, checker, free):
+    """A finger far out leaves less room around the trajectory."""
+    out = {"panda_finger_joint1": 0.3}
+    start = {"joint_state": {"name": list(out), "position": list(out.values())}}
     message = {"trajectory_start": start, "trajectory": [{"joint_trajectory": safe_load(free.read_text())}]}
     (tmp_path / "t.json").write_text(json.dumps(message))
     _, found = judged(capsys, "--path", tmp_path / "t.json")
-    closed = pc.Checker(ROBOT.holding({"panda_finger_joint1": 0.0}), pc.Scene.load("bookshelf"))
-    assert found["clearance"] == closed.explain_trajectory(pc.Trajectory.load(free, ROBOT)).clearance
+    trajectory = pc.Trajectory.load(free, ROBOT)
+    held = pc.Checker(ROBOT.holding(out), checker.scene).explain_trajectory(trajectory)
+    assert found["largest_tube"] == held.largest_tube < checker.explain_trajectory(trajectory).largest_tube
 
 
 def test_what_is_no_trajectory_is_named(capsys, tmp_path):

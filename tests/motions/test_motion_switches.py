@@ -67,6 +67,17 @@ def motions(checker, generator, n):
     return starts, ends
 
 
+def curves(robot, starts, ends, generator):
+    """Cubics from starts to ends that swing, and a small tube; unit vectors have none."""
+    length = np.abs(ends - starts).max(axis=1)[:, None, None]
+    points = np.linspace(starts, ends, 4, axis=1)
+    points[:, 1:-1] += 0.3 * length * generator.normal(size=(len(starts), 2, robot.nq))
+    tube = np.full(robot.nq, 1e-3)
+    for first, past in robot.configuration_map.units:
+        tube[first:past] = 0.0
+    return [pc.Trajectory.bezier([0, 1], each[None]).of_robot(robot) for each in points], tube
+
+
 def with_switches(robot, scene, own, switches=SWITCHES):
     """A checker with all switches on, one with each of some off, and one with all of them off."""
     chosen = [(), *((name,) for name in switches), switches]
@@ -97,6 +108,12 @@ def test_switches_change_no_verdict(name, obstacles):
         for other in others:
             assert (other.check_motions(starts, ends, tolerance=tolerance) == free).all()
         kinds.append(free.mean())
+        made, tube = curves(robot, starts, ends, generator)
+        for around in (0.0, tube):
+            free = checker.check_trajectories(made, around, tolerance)
+            for other in others:
+                assert (other.check_trajectories(made, around, tolerance) == free).all()
+            kinds.append(free.mean())
     assert any(0 < kind < 1 for kind in kinds)
 
 
@@ -113,6 +130,13 @@ def test_batches_order_and_threads_do_not_matter():
     parts = np.split(np.arange(len(free)), np.cumsum([1, 2, 3, 5, 8, 13, 21, 34]))
     assert (np.concatenate([checker.check_motions(starts[part], ends[part]) for part in parts]) == free).all()
     assert [checker.check_motion(a, b) for a, b in zip(starts, ends, strict=True)] == free.tolist()
+    made, tube = curves(robot, starts, ends, generator)
+    for around in (0.0, tube):
+        free = plain.check_trajectories(made, around)
+        assert 0 < free.mean() < 1
+        assert (checker.check_trajectories([made[k] for k in order], around) == free[order]).all()
+        assert (checker.check_trajectories(made, around, threads=3) == free).all()
+        assert [checker.check_trajectory(each, around) for each in made] == free.tolist()
 
 
 ARM = """<robot name="arm"><link name="base"/>

@@ -201,6 +201,17 @@ def test_links_that_hang_on_themselves_are_no_tree(tmp_path):
         read_tree(path)
 
 
+def test_errors_cut_names_of_any_length(tmp_path):
+    """A mutated URDF: the error had 5,087 characters."""
+    path = tmp_path / "r.urdf"
+    joint = f"<joint name='{5000 * '9'}'/>"
+    for content in (f"<link name='a'/><link name='{5000 * '9'}'/>", f"<link name='a'/>{joint}"):
+        path.write_text(f"<robot name='r'>{content}</robot>")
+        with pytest.raises(pc.PlannercheckError, match=r"9{20}") as caught:
+            read_tree(path)
+        assert len(str(caught.value)) < 500
+
+
 # ----- meshes
 
 

@@ -83,7 +83,7 @@ constexpr double kCornerRounding = 0x1p-22;
 }  // namespace
 
 Floats MotionFilters::box_around_path(std::int32_t index, std::int32_t chain) const {
-  return box_around_path(grid_.centre(index), sphere_radius(body(index)), bounds_.deviation(chain));
+  return box_around_path(grid_.centre(index), sphere_radius(body(index)), bounds_.from_obstacles(chain));
 }
 
 Floats MotionFilters::box_around_path(const double* centre, double radius, Deviation deviation) const {

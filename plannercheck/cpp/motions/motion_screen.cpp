@@ -171,7 +171,7 @@ void MotionScreen::find_by_speeds(const MotionGrid& grid, const MotionFilters& f
   found.insert(found.end(), unbounded_pairs_.begin(), unbounded_pairs_.end());
   if (eights_.size() * kFloats <= kFewObstaclesOnPaths) return find_near_links(filters, bounds, beyond, w, found);
   for (const LinkMovers& group : movers_by_link_) {
-    find_in_tree(grid, group, speed(bounds, group.chains), room + deviation(bounds, group.chains).shift, w);
+    find_in_tree(grid, group, speed(bounds, group.chains), room + from_obstacles(bounds, group.chains).shift, w);
     if (w.found.empty()) continue;
     for (const Mover& mover : group.movers) {
       const Floats box = filters.box_around_path(mover.body, mover.chain);
@@ -207,6 +207,10 @@ Deviation MotionScreen::deviation(const ChainBounds& bounds, ChainRange range) c
   return most;
 }
 
+Deviation MotionScreen::from_obstacles(const ChainBounds& bounds, ChainRange range) const {
+  return deviation(bounds, range) + bounds.deviation(-1);
+}
+
 // Boxes around one body take no room, as `find_by_paths` has the same ones.
 void MotionScreen::find_near_links(const MotionFilters& filters, const ChainBounds& bounds, double beyond,
                                    const Workspace& w, std::vector<std::int32_t>& found) const {
@@ -214,7 +218,7 @@ void MotionScreen::find_near_links(const MotionFilters& filters, const ChainBoun
     const bool is_one = group.movers.size() == 1;
     const LinkBound& ball = balls_[group.ball];
     const double radius = ball.radius + (is_one ? 0 : beyond);
-    const Floats box = filters.box_around_path(rows(w, group.ball), radius, deviation(bounds, group.chains));
+    const Floats box = filters.box_around_path(rows(w, group.ball), radius, from_obstacles(bounds, group.chains));
     for (std::size_t first = 0; first < eights_.size(); first += kFloats) {
       const std::uint64_t near = near_boxes(first, box, group.paired);
       if (near == 0) continue;

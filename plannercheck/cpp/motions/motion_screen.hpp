@@ -94,6 +94,7 @@ class MotionScreen {
 
   double speed(const ChainBounds& bounds, ChainRange chains) const;
   Deviation deviation(const ChainBounds& bounds, ChainRange chains) const;
+  Deviation from_obstacles(const ChainBounds& bounds, ChainRange chains) const;
   static const double* rows(const Workspace& w, std::size_t ball);
   void pose_balls(const MotionGrid& grid, Workspace& w) const;
   void find_among_links(const MotionGrid& grid, const MotionFilters& filters, const ChainBounds& bounds, double beyond,

@@ -16,6 +16,7 @@ import numpy as np
 
 from plannercheck.evaluation.campaign.tallies import EXCEPTION, Column, Entry, Tally, table, total
 from plannercheck.evaluation.stress_motions.cases import MotionCase, case_of, shrunk
+from plannercheck.evaluation.stress_motions.curves import curved
 from plannercheck.evaluation.stress_motions.draws import (
     FAMILIES,
     MOTIONS,
@@ -88,12 +89,14 @@ class MotionCampaign:
         families: Some of FAMILY_NAMES, or of SOLID_NAMES.
         verified: Accepted motions of each draw to prove and verify.
         pieces: Whether to count what convex pieces refuse of a planner's motions among solids.
+        curves: Whether to draw curves through the same states.
     """
 
     seed: int = 0
     families: tuple[str, ...] = FAMILY_NAMES
     verified: int = 0
     pieces: bool = False
+    curves: bool = False
     name: str = UNIT
     unit: str = UNIT
 
@@ -113,7 +116,7 @@ class MotionCampaign:
             judged = _SPECIAL[family](rng)
             tally.broken.update(f"{label}: {fault.what}" for fault in judged.faults)
         else:
-            drawn = draw(family, rng)
+            drawn = curved(draw(family, rng), rng) if self.curves else draw(family, rng)
             judged = _judged(drawn, rng, self.verified, self.pieces)
             kinds = {fault.kind: fault for fault in reversed(judged.faults)}
             tally.cases += [case_of(f"{label}: {fault.kind}: {fault.what}", drawn, fault) for fault in kinds.values()]
@@ -156,7 +159,11 @@ class MotionCampaign:
 
 
 def campaign(
-    seed: int, families: tuple[str, ...] = FAMILY_NAMES, verified: float = 0.0, pieces: bool = False
+    seed: int,
+    families: tuple[str, ...] = FAMILY_NAMES,
+    verified: float = 0.0,
+    pieces: bool = False,
+    curves: bool = False,
 ) -> MotionCampaign:
     """The campaign of a seed.
 
@@ -165,11 +172,19 @@ def campaign(
         families: Some of FAMILY_NAMES, or of SOLID_NAMES.
         verified: About which part of the motions to prove and verify.
         pieces: Whether to count what convex pieces refuse of a planner's motions among solids.
+        curves: Whether to draw curves through the same states; the families are then some of `families_of`.
 
     Returns:
         The campaign.
     """
-    return MotionCampaign(seed, families, math.ceil(verified * MOTIONS), pieces)
+    return MotionCampaign(seed, families, math.ceil(verified * MOTIONS), pieces, curves)
+
+
+def families_of(solids: bool, curves: bool) -> tuple[str, ...]:
+    """The families that may be drawn: of solids, of curves."""
+    if curves:
+        return tuple(SETTINGS) if solids else (*FAMILIES, "shipped")
+    return SOLID_NAMES if solids else FAMILY_NAMES
 
 
 def _judged(drawn: Draw, rng: np.random.Generator, verified: int, pieces: bool) -> Judged:

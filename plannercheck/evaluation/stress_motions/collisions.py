@@ -17,6 +17,7 @@ from plannercheck.evaluation.stress_motions.subjects import Subject
 # States of an accepted motion: evenly spread with a random start, and at both sides of the contact so far off.
 _SPREAD = 16
 _ASIDE = np.concatenate([-(10.0 ** -np.arange(1.0, 10.0, 2)), [0.0], 10.0 ** -np.arange(1.0, 10.0, 2)])
+_BEYOND = 1e3  # any tube, rad and m
 # Of so many accepted motions of a draw the least clearance is searched for: states at first, then rounds of so many
 # within the two steps around the least.
 _SEARCHED_OF_SOLIDS = 1
@@ -26,7 +27,9 @@ _SEARCHED, _FIRST_STATES, _ROUNDS, _STATES = 8, 17, 4, 9
 def ends_and_contacts(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.random.Generator) -> None:
     """Both ends as they were given, and the state of the contact, alone and in company."""
     motions, free = draw.motions, np.flatnonzero(answers == FREE)
-    for name, q in (("start", motions.q0), ("end", motions.q1)):
+    for row in free[motions.touching[free]].tolist():
+        judged.add(COLLISION, row, f"it touches by construction at {motions.at[row]!r}")
+    for name, q in zip(("start", "end"), used.ends(motions.q0, motions.q1), strict=True):
         for row in free[~valid(used, q[free])].tolist() if len(free) else []:
             judged.add(COLLISION, row, f"its {name} collides")
     first = grouped(motions.through).first
@@ -40,9 +43,12 @@ def ends_and_contacts(draw: Draw, used: Subject, answers: Answers, judged: Judge
 
 
 def sampled(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.random.Generator) -> None:
-    """States all along, and close to the contact."""
-    free = np.flatnonzero(answers == FREE)
-    states = [states_on(draw, used, row, _parameters(draw.motions.at[row], rng)) for row in free.tolist()]
+    """States all along, and close to the contact; of a curve with a tube corners of it."""
+    free, motions = np.flatnonzero(answers == FREE), draw.motions
+    states = [states_on(draw, used, row, _parameters(motions.at[row], rng)) for row in free.tolist()]
+    ways = [rng.choice([-_BEYOND, _BEYOND], q.shape) for q in states]
+    tubes = motions.q1[free]
+    states = [used.nearest(q, q + way, q1) for q, way, q1 in zip(states, ways, tubes, strict=True)]
     if not states:
         return
     judged.counts["sampled states"] += sum(len(part) for part in states)

@@ -8,6 +8,7 @@ In: a draw. Out: `Judged`: counts of verdicts, and faults. The rules:
 - A verdict depends on the motion only: it is the same alone, in batches of any order, explained, and by a new checker.
 - A motion is where it should be at the parameter of the contact.
 - A proof is verified without the core.
+- Curves that are the same as another one, or a part of it, have its verdict, within the tolerance.
 - Of solids: coal finds no surfaces that meet on a free motion, and some within the tolerance on a refused one.
 - Too large numbers, and unit vectors too far from length 1, may be declined by a `PlannercheckError`, in every call
   alike.
@@ -38,7 +39,8 @@ from plannercheck.evaluation.stress_motions.outcomes import (
 )
 from plannercheck.evaluation.stress_motions.planned_draws import PLANNED, refused_by_others
 from plannercheck.evaluation.stress_motions.reasons import reasons, verified, whereabouts
-from plannercheck.evaluation.stress_motions.recipes import is_of_solids
+from plannercheck.evaluation.stress_motions.recipes import is_curved, is_of_solids
+from plannercheck.evaluation.stress_motions.relatives import relatives
 from plannercheck.evaluation.stress_motions.subjects import Subject
 
 # Motions of a draw that are asked one by one, and that are explained in full.
@@ -78,7 +80,9 @@ def judge(
     least_clearances(draw, used, answers, judged, rng)
     reasons(draw, used, answers, judged, rng)
     whereabouts(draw, used, answers, judged)
-    if is_of_solids(draw.recipe):
+    if is_curved(draw.recipe):
+        relatives(draw, used, answers, judged, rng)
+    elif is_of_solids(draw.recipe):
         by_meshes(draw, used, answers, judged, rng)
     if draw.family in PLANNED:
         refused_by_others(draw, answers, judged, pieces)
@@ -107,7 +111,8 @@ def together(subject: Subject, draw: Draw, rows: NDArray[np.int64], judged: Judg
 
 def _count(draw: Draw, answers: Answers, subject: Subject, judged: Judged) -> None:
     motions = draw.motions
-    free_ends = valid(subject, motions.q0) & valid(subject, motions.q1)
+    starts, ends = subject.ends(motions.q0, motions.q1)
+    free_ends = valid(subject, starts) & valid(subject, ends)
     inside = (motions.at > 0) & (motions.at < 1)
     judged.counts["motions"] += len(answers)
     for name, answer in (("free", FREE), ("refused", REFUSED), ("declined", DECLINED)):

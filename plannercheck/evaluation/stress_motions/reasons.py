@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress_motions.draws import Draw
 from plannercheck.evaluation.stress_motions.outcomes import (
@@ -61,15 +62,11 @@ def reasons(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np
         return
     clearances = used.clearances(np.array(named)) - used.padding
     for row, clearance in zip(refused.tolist(), clearances.tolist(), strict=True):
-        slack = (
-            _SLACK
-            + _SLACK_PER_NUMBER * float(np.abs(draw.motions.q0[row]).max())
-            + used.slack(draw.motions.q0[row], draw.motions.q1[row])
-        )
-        if clearance > draw.tolerance + slack:
-            least = _least_clearance(draw, used, row)
+        most = refused_within(draw, used, draw.motions.q0[row], draw.motions.q1[row])
+        if clearance > most:
+            least = least_clearance(used, draw.motions.q0[row], draw.motions.q1[row])
             judged.counts["named off"] += 1
-            if least > draw.tolerance + slack:
+            if least > most:
                 judged.add(UNREASONED, row, f"its clearance is {least} m, {clearance} m at the state that is named")
     for row in rng.permutation(refused)[:_EXPLAINED].tolist():
         verdict = used.explain(draw.motions.q0[row], draw.motions.q1[row], draw.tolerance)
@@ -79,12 +76,17 @@ def reasons(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np
                 judged.add(UNREASONED, row, "the state that is said to collide does not, or lies in the free part")
 
 
-def _least_clearance(draw: Draw, used: Subject, row: int) -> float:
+def refused_within(draw: Draw, used: Subject, q0: Floats, q1: Floats) -> float:
+    """A motion that keeps further away than this may not be refused, m."""
+    return draw.tolerance + _SLACK + _SLACK_PER_NUMBER * float(np.abs(q0).max()) + used.slack(q0, q1)
+
+
+def least_clearance(used: Subject, q0: Floats, q1: Floats) -> float:
     """The least clearance along a motion that a search finds, m."""
     low, high, least = 0.0, 1.0, np.inf
     for _ in range(_ROUNDS):
         parameters = np.linspace(low, high, _STATES)
-        clearances = used.clearances(states_on(draw, used, row, parameters)) - used.padding
+        clearances = used.clearances(used.states(q0, q1, parameters)) - used.padding
         found, least = int(np.argmin(clearances)), min(least, float(clearances.min()))
         low, high = parameters[max(found - 1, 0)], parameters[min(found + 1, _STATES - 1)]
     return least
@@ -100,7 +102,8 @@ def whereabouts(draw: Draw, used: Subject, answers: Answers, judged: Judged) -> 
     if not len(rows):
         return
     states = np.vstack([states_on(draw, used, row, motions.at[row : row + 1]) for row in rows.tolist()])
-    found, wanted = used.placed(states), used.placed(motions.through[rows])
+    found = used.placed(used.nearest(states, motions.through[rows], motions.q1[rows]))
+    wanted = used.placed(motions.through[rows])
     sizes = 1 + np.abs(wanted).max(axis=(1, 2, 3)) * (1 + np.abs(motions.q0[rows]).max(axis=1))
     off = np.abs(found - wanted).max(axis=(1, 2, 3)) / sizes
     for row in rows[off > _SAME_STATE].tolist():

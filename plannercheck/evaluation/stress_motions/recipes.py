@@ -16,7 +16,8 @@ import numpy as np
 import pinocchio as pin
 
 from plannercheck import planar
-from plannercheck.bodies.shapes import Box, Capsule, Cylinder, GeometryObject, Hull, Shape, Sphere
+from plannercheck.bodies.point_clouds import PointCloud
+from plannercheck.bodies.shapes import Box, Capsule, Cylinder, GeometryObject, Hull, Shape, Sphere, inflated_hull
 from plannercheck.common.array_types import Floats
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.common.package_data import shipped_folder
@@ -33,6 +34,9 @@ Matrix: TypeAlias = list[list[float]]
 # Pinocchio's bindings make continuous joints of any axis from a URDF alone.
 _UNBOUNDED = """<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="continuous"><parent link="a"/>
 <child link="b"/><axis xyz="{} {} {}"/></joint></robot>"""
+
+# Radius of the points of a cloud of corners, m.
+_CORNER = 1e-7
 
 # Joints by kind: made of an axis and, for screws, a pitch in m/rad.
 JOINTS: dict[str, Any] = {
@@ -97,6 +101,7 @@ class SpaceRecipe(TypedDict):
     padding: float  # m
     path: MotionPath
     geometry: GeometryKind  # what meshes are, of links and of the scene
+    curved: bool  # whether motions are curves
 
 
 class LinkRecipe(TypedDict):
@@ -150,6 +155,7 @@ def tree_recipe() -> SpaceRecipe:
         "padding": 0.0,
         "path": "screw",
         "geometry": "hull",
+        "curved": False,
     }
 
 
@@ -188,6 +194,11 @@ def is_of_solids(recipe: Recipe) -> bool:
     return recipe["kind"] == "space" and geometry_of(recipe) == "solid"
 
 
+def is_curved(recipe: Recipe) -> bool:
+    """Whether motions are curves; cases from before there were curves do not tell."""
+    return recipe["kind"] == "space" and recipe.get("curved", False)
+
+
 def geometry_of(recipe: SpaceRecipe) -> GeometryKind:
     """What meshes are; cases from before there were solids name nothing."""
     return recipe.get("geometry", "hull")
@@ -222,6 +233,9 @@ def shape_of(shape: list[Any]) -> Shape:
     """A shape from its name and sizes."""
     name, *sizes = shape
     made: dict[str, Any] = {"box": Box, "hull": lambda points: Hull(np.array(points))}
+    if name == "corners":
+        vertices, _, _ = inflated_hull(shape_of(sizes[0]))
+        return PointCloud(vertices, np.array([_CORNER]))
     if name in made:
         found: Shape = made[name](tuple(sizes[0]) if name == "box" else sizes[0])
         return found

@@ -7,25 +7,33 @@ clearances share no code with the proofs of motions.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from plannercheck.checking.verdicts import MotionVerdict
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.motion_paths import MotionPath
+from plannercheck.evaluation.stress_motions.curve_numbers import numbers_of
 from plannercheck.evaluation.stress_motions.recipes import (
     PlaneRecipe,
     Recipe,
     SpaceRecipe,
+    is_curved,
     planar_checker,
     space_checker,
 )
+from plannercheck.evaluation.stress_motions.tube_reach import TubeReach
 from plannercheck.motions.certifier_answers import MotionResult
+from plannercheck.motions.motion_ends import Curves
+from plannercheck.motions.trajectory_verdict import TrajectoryVerdict
 from plannercheck.planar.robot import Robot as PlanarRobot
 from plannercheck.proofs import Proof
 from plannercheck.robots.robot import Robot
+from plannercheck.trajectories.trajectory import Trajectory
 
 # Pairs of edges taken at once, to bound memory.
 _BLOCK = 256
@@ -48,7 +56,7 @@ class Subject(ABC):
         """Whether one motion (nq,) to (nq,) is free."""
         return bool(self.checker.check_motion(q0, q1, None, tolerance, **self._how))
 
-    def explain(self, q0: Floats, q1: Floats, tolerance: float) -> MotionVerdict:
+    def explain(self, q0: Floats, q1: Floats, tolerance: float) -> MotionVerdict | TrajectoryVerdict:
         """The verdict of one motion."""
         found: MotionVerdict = self.checker.explain_motion(q0, q1, tolerance, **self._how)
         return found
@@ -63,6 +71,14 @@ class Subject(ABC):
         start, end, *pieces = self._motion(q0, q1)
         found: MotionResult = self._certifier.motion_result(start, end, tolerance, proofs, *pieces, q1)
         return found
+
+    def ends(self, q0: Floats, q1: Floats) -> tuple[Floats, Floats]:
+        """(n, nq) first and last states of motions."""
+        return q0, q1
+
+    def nearest(self, states: Floats, others: Floats, q1: Floats) -> Floats:
+        """The states (n, nq) nearest to others (n, nq) that motions prove beside their own (n, nq): by their tubes."""
+        return states
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
         """(k, nq) of one motion at parameters (k,)."""
@@ -83,7 +99,7 @@ class Subject(ABC):
         """(n,) least distances at configurations (n, nq), m; at most 0 where they collide."""
 
     def slack(self, q0: Floats, q1: Floats) -> float:
-        """How far beyond the tolerance a motion may be refused, m: of curves, what their pieces may be off."""
+        """How far beyond the tolerance a motion may be refused, m: what pieces of curves may be off, or by its tube."""
         return 0.0
 
     @abstractmethod
@@ -163,6 +179,75 @@ def _to_edges(points: Floats, polygon: Floats) -> Floats:
     return np.asarray(np.linalg.norm(offsets - part[..., None] * edges[:, None], axis=3).min(axis=(1, 2)))
 
 
+class CurveSubject(SpaceSubject):
+    """A checker in space, asked about curves, see `curves`: each is a trajectory of one piece, that takes 1 s."""
+
+    def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int = 1) -> Bools:
+        """See `Subject`; all have the same tube."""
+        made = [self.trajectory(*row) for row in zip(q0, q1, strict=True)]
+        tube = q1[0, self.robot.nq :]
+        return np.asarray(self.checker.check_trajectories(made, tube, tolerance, threads))
+
+    def check_one(self, q0: Floats, q1: Floats, tolerance: float) -> bool:
+        """See `Subject`."""
+        return bool(self.checker.check_trajectory(self.trajectory(q0, q1), q1[self.robot.nq :], tolerance))
+
+    def explain(self, q0: Floats, q1: Floats, tolerance: float) -> TrajectoryVerdict:
+        """See `Subject`."""
+        made = self.trajectory(q0, q1)
+        found: TrajectoryVerdict = self.checker.explain_trajectory(made, q1[self.robot.nq :], tolerance)
+        return found
+
+    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Proof | None, ...]:
+        """See `Subject`."""
+        found = []
+        for numbers, last in zip(q0, q1, strict=True):
+            made = self.trajectory(numbers, last)
+            proofs = self.checker.certify_trajectory(made, last[self.robot.nq :], tolerance)
+            found.append(None if proofs is None else proofs[0])
+        return tuple(found)
+
+    def motion_result(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> MotionResult:
+        """See `Subject`."""
+        points, tube = numbers_of(q0, q1)
+        tubes = np.append(tube, 0.0)[None] if tube.any() else np.empty((0, 0))
+        found: MotionResult = self._certifier.result(Curves(points[None], tubes), tolerance, proofs)
+        return found
+
+    def ends(self, q0: Floats, q1: Floats) -> tuple[Floats, Floats]:
+        """See `Subject`."""
+        nq = self.robot.nq
+        return q0[:, :nq], q1[:, :nq]
+
+    def nearest(self, states: Floats, others: Floats, q1: Floats) -> Floats:
+        """See `Subject`."""
+        tube = q1[..., self.robot.nq :]
+        return np.clip(others, states - tube, states + tube)
+
+    def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
+        """See `Subject`."""
+        return np.asarray(self._certifier.states_on(numbers_of(q0, q1).points, parameters))
+
+    def slack(self, q0: Floats, q1: Floats) -> float:
+        """See `Subject`: of all pairs, the largest sum of lever arms by the tube."""
+        points, tube = numbers_of(q0, q1)
+        return self._tube_reach.largest_shift(np.abs(points).max(axis=0), tube) if tube.any() else 0.0
+
+    def trajectory(self, q0: Floats, q1: Floats) -> Trajectory:
+        """The trajectory of a row."""
+        return self.of_pieces([0.0, 1.0], [numbers_of(q0, q1).points])
+
+    def of_pieces(self, breaks: ArrayLike, pieces: Sequence[Floats]) -> Trajectory:
+        """A trajectory of curves in a row, each by its control points."""
+        return Trajectory.bezier(breaks, pieces).of_robot(self.robot)
+
+    @cached_property
+    def _tube_reach(self) -> TubeReach:
+        return TubeReach(self.checker)
+
+
 def subject_of(recipe: Recipe, robot: Any = None) -> Subject:
     """A subject with a new checker; `robot` if it was built already."""
-    return SpaceSubject(recipe, robot) if recipe["kind"] == "space" else PlaneSubject(recipe, robot)
+    if recipe["kind"] == "plane":
+        return PlaneSubject(recipe, robot)
+    return CurveSubject(recipe, robot) if is_curved(recipe) else SpaceSubject(recipe, robot)

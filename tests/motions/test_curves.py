@@ -1,0 +1,192 @@
+"""Trajectories by construction: curves that touch at one instant, corners of tubes that do, and what room is told."""
+
+from __future__ import annotations
+
+from math import comb
+
+import numpy as np
+import pytest
+
+import plannercheck as pc
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.motions.trajectory_checks import TrajectoryChecks
+
+SLIDER = """<robot name="slider"><link name="base"/><link name="cart"/>
+<link name="ball"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+<joint name="x" type="prismatic"><parent link="base"/><child link="cart"/><axis xyz="1 0 0"/>
+<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
+<joint name="y" type="{}"><parent link="cart"/><child link="ball"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
+
+
+def slider(folder, second="prismatic"):
+    (folder / "slider.urdf").write_text(SLIDER.format(second))
+    return pc.Robot.from_urdf(folder / "slider.urdf")
+
+
+def balls(*centres):
+    scene = pc.Scene("balls")
+    for k, centre in enumerate(centres):
+        pose = np.eye(4)
+        pose[:3, 3] = centre
+        scene.add_sphere(f"ball{k}", 0.1, pose)
+    return scene
+
+
+def through(rng, state, at, degree, bend):
+    """Control points of a random curve that passes a state at an instant."""
+    k = np.arange(degree + 1)
+    choices = np.array([comb(degree, each) for each in k])
+    weights = choices * at**k * (1 - at) ** (degree - k)
+    bends = bend * rng.normal(size=(degree + 1, len(state)))
+    points = state + bends - weights @ bends
+    if at in (0.0, 1.0):
+        points[0 if at == 0 else -1] = state
+    return points
+
+
+@pytest.mark.parametrize("at", [0.0, 1.0, 0.5, 0.25, 1 / 64, 0.328125, 1 / 3, 0.7])
+def test_a_curve_through_a_contact_is_never_free(at, tmp_path):
+    """A needle of 0.1 mm, in the way at one instant; the curve turns there, or swings by."""
+    robot, rng = slider(tmp_path), np.random.default_rng(int(100 * at))
+    scene = pc.Scene("needle")
+    scene.add_box("needle", (1e-4, 1e-4, 1.0))
+    checker = pc.Checker(robot, scene)
+    for _ in range(40):
+        angle = rng.uniform(0, 2 * np.pi)
+        state = (0.1 - 1e-6) * np.array([np.cos(angle), np.sin(angle)])
+        points = through(rng, state, at, int(rng.integers(1, 8)), 10.0 ** rng.uniform(-4, 1))
+        assert not checker.check_trajectory(pc.Trajectory.bezier([0, 1], points[None]), tolerance=1e-3)
+
+
+def test_a_turning_point_is_where_the_curve_is_nearest(tmp_path):
+    """A parabola that turns before a plate, at an instant that no grid has: free to the tolerance, refused beyond."""
+    robot, scene = slider(tmp_path), pc.Scene("plate")
+    scene.add_box("plate", (9.0, 0.1, 1.0), np.eye(4))
+    checker = pc.Checker(robot, scene)
+    for at in (0.3, 0.5, 0.61803):
+        for gap, free in ((1e-3, True), (2.5e-4, True), (-1e-7, False), (-1e-3, False)):
+            powers = np.array([[[-1.0, 2.0, 0.0], [0.15 + gap + at**2, -2 * at, 1.0]]])
+            assert checker.check_trajectory(pc.Trajectory.polynomials([0, 1], powers)) == free, (at, gap)
+
+
+@pytest.mark.parametrize("others", [0, 1100])  # obstacles in lanes, and in the tree
+def test_a_corner_of_a_tube_touches(others, tmp_path):
+    """The ball keeps 0.3 m away from two others, and far away from more."""
+    robot = slider(tmp_path)
+    far = ([5.0 + k, 5.0, 0.0] for k in range(others))
+    checker = pc.Checker(robot, balls([0.0, 0.5, 0.0], [0.6, -0.5, 0.0], *far))
+    straight = pc.Trajectory.bezier([0, 1], [[[-1.0, 0.0], [0.5, 0.0], [1.0, 0.0]]])
+    assert checker.check_trajectory(straight, tube=[0.0, 0.29])
+    assert not checker.check_trajectory(straight, tube=[0.0, 0.301])
+    still = pc.Trajectory.bezier([0, 1], [[[0.3, 0.5], [0.3, 0.5], [0.3, 0.5]]])
+    assert checker.check_trajectory(still, tube=[0.09, 0.0])
+    assert not checker.check_trajectory(still, tube=[0.101, 0.0])
+    verdict = checker.explain_trajectory(straight)
+    assert 0.14 < verdict.largest_tube < 0.3
+    # A tube as thin as rounding, wider than the gap.
+    beside = pc.Trajectory.bezier([0, 1], np.full((1, 3, 2), [0.0, 0.3 - 5e-11]))
+    assert checker.is_valid([0.0, 0.3 - 5e-11])
+    assert not checker.check_trajectory(beside, tube=1e-10)
+
+
+def test_two_tubes_meet(tmp_path):
+    """Both balls move on one line, 0.3 m apart; each has half of it."""
+    side = (
+        SLIDER.format("prismatic")
+        .replace('axis xyz="0 1 0"', 'axis xyz="1 0 0"')
+        .replace('parent link="cart"', 'parent link="base"')
+    )
+    side = side.replace(
+        '<link name="cart"/>',
+        '<link name="cart"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>',
+    )
+    (tmp_path / "two.urdf").write_text(side)
+    checker = pc.Checker(pc.Robot.from_urdf(tmp_path / "two.urdf"))
+    for swing in (0.0, 0.5):
+        both = np.array([[0.0, 0.5], [swing, 0.5 + swing], [0.0, 0.5]])
+        curve = pc.Trajectory.bezier([0, 1], both[None])
+        assert checker.check_trajectory(curve, tube=0.149)
+        assert not checker.check_trajectory(curve, tube=0.1501)
+
+
+def test_an_arm_turns_back_where_it_touches(tmp_path):
+    """A ball on a slide on a turning joint comes near another one, and turns back: at instants that no grid has."""
+    checker = swinging(tmp_path, [1.0, 0.0, 0.0])
+    touching = 2 * np.arcsin(0.1)
+    for at in (0.3, 0.5, 0.61803):
+        for gap, free in ((1e-3, True), (-1e-6, False), (-1e-3, False)):
+            powers = np.array([[[touching + gap + 2 * at**2, -4 * at, 2.0], [0.0, 0.0, 0.0]]])
+            assert checker.check_trajectory(pc.Trajectory.polynomials([0, 1], powers)) == free, (at, gap)
+
+
+def swinging(folder, centre):
+    """The checker of a ball 1 m away from a turning joint, on a slide across."""
+    arm = (
+        SLIDER.replace('origin xyz="0 0 0"', "")
+        .replace("prismatic", "revolute", 1)
+        .replace('xyz="1 0 0"', 'xyz="0 0 1"')
+    )
+    arm = arm.replace("<collision>", '<collision><origin xyz="1 0 0"/>').format("prismatic")
+    (folder / "arm.urdf").write_text(arm)
+    return pc.Checker(pc.Robot.from_urdf(folder / "arm.urdf"), balls(centre))
+
+
+def test_a_tube_swings_by_the_lever(tmp_path):
+    checker = swinging(tmp_path, [0.0, 1.4, 0.0])
+    turned = np.pi / 2
+    curve = pc.Trajectory.bezier([0, 1], [[[turned - 0.5, 0.0], [turned, 0.0], [turned + 0.5, 0.0]]])
+    assert checker.check_trajectory(curve)
+    # Along the arm the ball goes 0.2 m; turned by more, it is further away, of which the lever arms know nothing.
+    assert checker.check_trajectory(curve, tube=[0.0, 0.19])
+    assert not checker.check_trajectory(curve, tube=[0.0, 0.201])
+    assert checker.check_trajectory(curve, tube=[0.1, 0.05])
+
+
+@pytest.mark.parametrize("count", [1, 1100])  # in lanes, and by the tree
+def test_the_room_that_is_told_is_there(count, tmp_path):
+    robot = slider(tmp_path)
+    checker = pc.Checker(robot, balls(*([0.0, 0.4 + 3 * k, 0.0] for k in range(count))))
+    curve = pc.Trajectory.bezier([0, 1], [[[-1.0, 0.0], [0.3, 0.0], [1.0, 0.0]]])
+    assert checker.clearances([0.0, 0.0])[0] == pytest.approx(0.2)
+    assert 0.19 < checker.explain_trajectory(curve).clearance < 0.2
+    rooms, none = TrajectoryChecks(checker, 0.0, 1e-4), np.zeros(2)
+    for room, free in ((0.05, True), (0.199, True), (0.201, False), (0.39, False)):
+        assert rooms._is_free(curve, none, room) == free
+
+
+def test_pairs_that_cannot_meet_take_room_as_well(tmp_path):
+    """Nothing within the limits reaches the other ball, so a verdict leaves it out."""
+    robot = slider(tmp_path, "fixed")
+    checker = pc.Checker(robot, balls([0.0, 0.4, 0.0]))
+    assert checker.unreachable.all()
+    curve = pc.Trajectory.bezier([0, 1], [[[-1.0], [0.3], [1.0]]])
+    assert 0.19 < checker.explain_trajectory(curve).clearance <= 0.2001
+
+
+def test_unit_vectors_turn_from_end_to_end(tmp_path):
+    """They follow no polynomial: a base that floats turns by half a turn, over control points of any length."""
+    (tmp_path / "slider.urdf").write_text(SLIDER.format("prismatic"))
+    robot = pc.Robot.from_urdf(tmp_path / "slider.urdf", floating=True)
+    points = np.zeros((3, robot.nq))
+    points[0, 6] = points[2, 5] = 1.0
+    # The ball, 0.5 m out, swings over the y axis half-way.
+    points[:, 7] = 0.5
+    curve = pc.Trajectory.bezier([0, 2], points[None]).of_robot(robot)
+    verdict = pc.Checker(robot, balls([0.0, 0.5, 0.0])).explain_trajectory(curve)
+    assert verdict.collides_at == pytest.approx(1.0, abs=0.5)
+    assert not verdict
+    free = pc.Checker(robot, balls([0.0, -0.5, 0.0])).explain_trajectory(curve)
+    assert free
+    assert 0.5 < free.clearance < 0.51
+    points[2, 5] = 0.0
+    with pytest.raises(PlannercheckError, match="quaternion"):
+        pc.Trajectory.bezier([0, 2], points[None]).of_robot(robot)
+
+
+def test_a_search_for_the_largest_tube_ends_where_rounding_is_too_large(tmp_path):
+    checker = pc.Checker(slider(tmp_path), balls([0.0, 0.0, 2.0]))
+    still = pc.Trajectory.bezier([0, 1], np.zeros((1, 3, 2)))
+    with pytest.raises(PlannercheckError, match="rounding"):
+        checker.check_trajectory(still, tube=1.5, tolerance=1.5e-11)
+    assert 1 < checker.explain_trajectory(still, tolerance=1.5e-11).largest_tube < 1.5
