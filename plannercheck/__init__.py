@@ -1,7 +1,7 @@
 """Exact collision verdicts for motion planning, for any robot with a URDF.
 
 Convex hulls of links and obstacles are preprocessed once into the hierarchies of Barba and Langerman ("Optimal
-detection of intersections between convex polyhedra"); every verdict is that of the given numbers.
+detection of intersections between convex polyhedra"); every verdict is exact for the given numbers.
 """
 
 from __future__ import annotations

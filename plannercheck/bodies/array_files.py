@@ -1,4 +1,4 @@
-"""Arrays in npy files, as bodies are made of.
+"""Arrays in npy files, from which bodies are made.
 
 In: a path and what it is, for errors. Out: the array, or an error.
 """

@@ -2,18 +2,17 @@
 
 In: points and triangles of a mesh. Out: triangles to add, and `Caps`, which says what was closed.
 
-The idea is that of chains. A directed edge counts +1 and its reverse −1; an edge is *open* if its sum is not 0. Each
+The idea: chains of edges. A directed edge counts +1 and its reverse −1; an edge is *open* if its sum is not 0. Each
 triangle leaves a vertex as often as it enters it, and so do all triangles together, so the open edges ∂ of a mesh form
-closed walks. Two kinds of triangles take them away, both with corners among the mesh's points alone:
+closed walks. Two kinds of triangles cancel these edges, both with corners among the mesh's points alone:
 
-- Seams. Vertices of open edges within `SEAM` of the mesh's size of a vertex w(a) are represented by it. For each open
-  edge ab the triangles (b, a, w(b)) and (w(b), a, w(a)) have the boundary −ab + w(a)w(b) + [a w(a)] − [b w(b)]. Summed
-  over ∂, the terms in brackets cancel, since ∂ enters each vertex as often as it leaves it. So ∂ becomes w(∂), in which
-  the two sides of a seam cancel. No vertex moves, and no choice of w is wrong.
-- Caps. What is left is taken apart into loops that visit each vertex once; where vertices of several loops coincide,
-  shortest loops come first, so that slits along a rim are closed one by one, and the rim's mouth is not. The cone of
-  triangles (v, b, a) from a vertex v of a loop over its edges ab has the boundary −ab, summed, since the edges at v
-  cancel in the same way.
+- Seams. A vertex w(a) represents each vertex a of an open edge that is within `SEAM`, as a part of the mesh's size, of
+  w(a). For each open edge ab the triangles (b, a, w(b)) and (w(b), a, w(a)) have the boundary −ab + w(a)w(b) + [a w(a)]
+  − [b w(b)]. Summed over ∂, the terms in brackets cancel, since ∂ enters each vertex as often as it leaves it. So ∂
+  becomes w(∂), in which the two sides of a seam cancel. No vertex moves, and no choice of w is wrong.
+- Caps. The remaining open edges are split into loops that visit each vertex once; if loops share vertices, the shortest
+  loop comes first, so that slits along a rim are closed one by one. The cone of triangles (v, b, a) from a vertex v of
+  a loop over its edges ab has the boundary −ab, summed, since the edges at v cancel in the same way.
 
 Then all edges cancel, so the mesh is closed: the set is its triangles and the points about which they wind. This set
 holds all given triangles, since none is changed or left out. The hull of the given triangles holds this set: the hull

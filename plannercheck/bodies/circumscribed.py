@@ -1,8 +1,8 @@
 """Polytopes around circles and balls, which stand for curved shapes.
 
 In: a radius and an excess, the part of the radius by which points may stick out. Out: points and faces of a polygon or
-polytope that contains the circle or ball; faces of prisms and capsules made from these; and what is left of them where
-they have no radius or no length.
+polytope that contains the circle or ball; faces of prisms and capsules made from these; and their flat forms if the
+radius or the length is 0.
 
 A circle gets a regular polygon whose edges touch it. A ball gets an octahedron whose edges are divided in equal steps
 of angle. Its points are projected to a sphere, which is then enlarged until no face cuts the ball. Such triangles are

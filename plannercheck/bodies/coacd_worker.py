@@ -2,8 +2,8 @@
 
 In, on standard input: an npz with `points` (n, 3), `triangles` (m, 3), `threshold`, `most_pieces`, `seed`,
 `preprocess`, `preprocess_resolution`. Out, on standard output: an npz with the points of each piece. It has to be
-another process: the library brings a C++ runtime with which urdfdom can't read numbers any more, and it stops the
-process if it fails.
+another process: after the library's C++ runtime is loaded, urdfdom can't read numbers, and a failure of the library
+stops the process.
 """
 
 from __future__ import annotations

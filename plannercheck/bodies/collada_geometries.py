@@ -1,6 +1,6 @@
 """The meshes of Collada geometries: their points and polygons.
 
-In: a <geometry> element. Out: points and triangles. Lines are no surface and are passed over.
+In: a <geometry> element. Out: points and triangles. Lines are no surface and are left out.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Convex decomposition of concave links, opt-in: pieces that come with plannercheck, or that CoACD makes.
+"""Convex decomposition of concave links, on request: pieces that come with plannercheck, or that CoACD makes.
 
 In: a triangle mesh and options. Out: convex pieces whose union holds every triangle of the mesh, and figures. CoACD
 works in single precision, and remeshes bodies that are not closed. So a mesh sticks out of its pieces by some

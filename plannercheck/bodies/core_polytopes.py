@@ -1,4 +1,4 @@
-"""The core's convex bodies: made of points that are checked first, or of the disk cache.
+"""The core's convex bodies: made from checked points, or read from the disk cache.
 
 In: vertices in m, with or without faces. Out: bodies of the core (cpp/bodies/hull, hierarchy and body).
 """

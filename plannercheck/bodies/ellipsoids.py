@@ -1,9 +1,9 @@
 """Ellipsoids, between an outer and an inner polytope.
 
 In: three radii in m and an excess. Out: `Ellipsoid`, one of the shapes, which is tested as the outer polytope; and the
-inner one. Both are images of polytopes around and in the unit ball under the map that stretches the axes by the radii:
-it keeps faces flat, surfaces convex, and what contains what, so that the excess of the ball is that of the ellipsoid
-along every direction, however uneven the radii are.
+inner one. Both are images of polytopes around and in the unit ball under the map that stretches the axes by the radii.
+The map preserves flat faces, convexity and containment, so the ellipsoid has the ball's excess along every direction,
+however uneven the radii are.
 """
 
 from __future__ import annotations

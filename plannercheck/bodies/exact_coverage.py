@@ -3,9 +3,9 @@
 In: triangles and the vertices of pieces, in doubles. Out: which triangles lie in the union of the pieces.
 
 The idea: a triangle is in a piece if its corners are. A triangle that is in no single piece is cut into four at the
-middles of its edges, again and again. The corners of the parts are no doubles: they are kept as whole numbers, the
-weights of the triangle's own corners, which sum to a power of two. Signs against the planes of a piece's facets are
-computed in doubles with a proved bound; those that it leaves open are computed in integers.
+middles of its edges, again and again. The corners of the parts are no doubles, but whole numbers: weights of the
+triangle's corners, which sum to a power of two. Signs against the planes of a piece's facets are computed in doubles
+with a proved bound; signs that the bound leaves open are computed in integers.
 """
 
 from __future__ import annotations

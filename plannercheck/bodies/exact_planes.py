@@ -1,4 +1,4 @@
-"""Exact separating planes: how far two posed bodies reach along a direction, in exact arithmetic.
+"""Exact separating planes: the extents of two posed bodies along a direction, in exact arithmetic.
 
 In: posed bodies (vertices, poses and inflation radii as the exact numbers that their doubles are) and a direction. Out:
 the plane halfway between them, or whether a given plane keeps them apart.

@@ -1,4 +1,4 @@
-"""Bodies of pair queries as users give them: prepared ones, at poses or not, and what `given_shapes` knows.
+"""Bodies of pair queries as users give them: prepared bodies, at poses or not, and the shapes of `given_shapes`.
 
 In: any of these, with a pose or many. Out: a prepared `Polytope` and its poses in the world.
 """

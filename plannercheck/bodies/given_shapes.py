@@ -1,8 +1,8 @@
 """Shapes as users give them: our own, arrays of points, and objects of trimesh, coal and python-fcl.
 
-In: any of these. Out: one of our shapes with its pose. Boxes, spheres, capsules, cylinders
-and cones stay what they are, trimesh's primitives included. Meshes, convex polytopes and points become their convex
-hulls, as mesh files do. No library is imported for this: whoever has such an object has imported its library.
+In: any of these. Out: one of our shapes with its pose. Boxes, spheres, capsules, cylinders and cones stay what they
+are, trimesh's primitives included. Meshes, convex polytopes and points become their convex hulls, as mesh files do. No
+library is imported for this: the user of such an object has imported its library.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Half-spaces: all that is on one side of a plane, such as a floor or a wall.
 
-In: a normal and an offset. Out: `HalfSpace`, one of the shapes. No hull is an unbounded body: for whatever asks for
-one, a half-space is a cube that holds every other body, so that nothing is ever found apart from it by its hull. What
-decides about pairs is in cpp/narrow_phase/half_space_pair.hpp, what proves it in half_space_certificates.py.
+In: a normal and an offset. Out: `HalfSpace`, one of the shapes. An unbounded body has no hull: as its hull, a
+half-space has a cube that holds every other body, so no test of hulls ever finds a body apart from it.
+cpp/narrow_phase/half_space_pair.hpp decides pairs, half_space_certificates.py proves the verdicts.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Height fields: terrain as heights over a grid of places, closed below.
+"""Height fields: terrain as heights over a grid of places, filled down to a base.
 
 In: heights in m, the grid's steps, and a base. Out: `HeightField`, immutable, one of the shapes of links and obstacles.
 """

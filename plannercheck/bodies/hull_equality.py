@@ -4,7 +4,7 @@ In: points and triangles of a mesh. Out: one truth value. A closed mesh whose tr
 hull winds equally often about all inner points of the hull; if that is not 0 times, it covers the boundary, and the
 solid is the hull. A triangle with a vertex of the hull lies in the boundary if and only if it lies in the plane of a
 facet at that vertex; for any other triangle, all facets are tried. Signs of determinants in doubles have a proved
-bound; those that it leaves open are computed in integers.
+bound; signs that the bound leaves open are computed in integers.
 """
 
 from __future__ import annotations

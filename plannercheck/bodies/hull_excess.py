@@ -1,4 +1,4 @@
-"""How much larger than its mesh a hull is, cheaply: for warnings where a hull was taken by default.
+"""How much larger than its mesh a hull is, for fast warnings about hulls that were taken by default.
 
 In: a mesh. Out: a sentence if the hull is more than twice as large as the closed mesh, or fills the room between
 objects that are apart; else nothing. The hull of the farthest points along some directions is inside the hull,

@@ -4,8 +4,8 @@ In: vertices (n, 3), a pose (4, 4) and an inflation radius, doubles in metres, e
 Out: the posed vertices and the inflation radius as integers times one power of two, and the vertex with the least
 product with an integer direction.
 
-The idea: doubles only choose which vertices can be extreme, within a bound of their rounding; integers decide
-among those. So a query costs one rounded product a vertex and a handful of exact ones.
+The idea: doubles only choose the vertices that can be extreme, within a bound of their rounding; integers decide among
+these. So a query needs one rounded product a vertex and a handful of exact products.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""What bodies are, as tables that differ by it are keyed; the core's `Kind` in cpp/bodies/polytope.hpp.
+"""The kinds of bodies, as keys of tables; the core's `Kind` is in cpp/bodies/polytope.hpp.
 
-In: a prepared body, two of them, or a shape. Out: its kind. A pair has the later one of its bodies' kinds.
+In: a prepared body, two of them, or a shape. Out: its kind. A pair has the later of its bodies' kinds.
 """
 
 from __future__ import annotations

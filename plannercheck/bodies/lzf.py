@@ -1,9 +1,8 @@
-"""LZF, the compression of PCD files: literal runs, and copies of what has been unpacked already.
+"""LZF, the compression of PCD files: literal runs, and copies of earlier output.
 
-In: packed bytes and the size that they must unpack to. Out: the bytes. A control byte below 32 is followed by that many
-literal bytes and one more. Another one holds a length in its upper three bits (7: a byte of more length follows) and
-the upper five bits of a distance, of which the lower eight follow.
-(liblzf by Marc Lehmann, lzf_d.c; PCL's io/src/lzf.cpp.)
+In: packed bytes and the size that they must unpack to. Out: the bytes. After a control byte c below 32, c + 1 literal
+bytes follow. A larger control byte has a length in its upper three bits (7: a byte of more length follows) and the
+upper five bits of a distance; the lower eight bits follow. (liblzf by Marc Lehmann, lzf_d.c; PCL's io/src/lzf.cpp.)
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Mesh files: STL, OBJ, PLY, OFF, Collada and glTF, in doubles, with all objects where the file's scene puts them.
 
 In: a path, a scale, and whether the file's own unit and axes count. Out: `MeshFile`. A file is read as its format
-defines it, or refused with the place that is wrong: a face that is passed over would be a hole in a body. The
-objects of large files are cached by their content (`mesh_cache.py`).
+defines it, or refused with the faulty place: a skipped face would be a hole in a body. The objects of large files are
+cached by their content (`mesh_cache.py`).
 """
 
 from __future__ import annotations

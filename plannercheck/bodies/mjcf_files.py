@@ -1,9 +1,9 @@
 """MJCF files as MuJoCo's own compiler reads them.
 
 In: a path. Out: `MjcfFile`, the numbers of the compiled model that decide about kinematics and collisions, under the
-names that mjModel gives them. Whatever the format resolves is resolved: includes, frames, replicas, attached models,
-classes of defaults, orientations, primitives fitted to meshes. MuJoCo runs in a process of its own (`mjcf_worker.py`).
-What it has compiled is cached by the content of all files that go in (`mjcf_inputs.py`).
+names that mjModel gives them. MuJoCo resolves includes, frames, replicas, attached models, classes of defaults,
+orientations, and primitives fitted to meshes. It runs in a separate process (`mjcf_worker.py`). Compiled models are
+cached by the content of all their files (`mjcf_inputs.py`).
 """
 
 from __future__ import annotations

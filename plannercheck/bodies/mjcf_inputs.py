@@ -1,9 +1,9 @@
 """The files that go into a compiled MJCF model, and where the compiled model is cached: by the content of all of them.
 
-In: the path of an MJCF file. Out: a file of the cache, or None where it is not sure which files go in. MuJoCo takes a
-name in an attribute `file` from the model's folder or the including file's, from `meshdir`, `texturedir` or `assetdir`,
-with the name's own folder or without it (`strippath`). Which of these counts where is not decided here: every place
-where a file may be goes in, with its content or as empty, so that a model is compiled anew if any of them changes.
+In: the path of an MJCF file. Out: a file of the cache, or None if the files are not known for sure. MuJoCo takes a name
+in an attribute `file` from the model's folder or the including file's, from `meshdir`, `texturedir` or `assetdir`, with
+the name's own folder or without it (`strippath`). This module does not decide between them: every place where a file
+may be is part of the key, with its content or as empty, so that a model is compiled again if any of them changes.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
 """Which geoms of an MJCF file MuJoCo tests against each other, and which are obstacles.
 
-In: a compiled file. Out: pairs of geoms, exactly those that `mj_collision` tests (engine_collision_driver.c): a pair
-needs bits that meet, contype of one and conaffinity of the other; bodies that are welded together or excluded, and a
-body and the next one above it that moves against it, are left out, unless that one is welded to the world or the file
+In: a compiled file. Out: pairs of geoms, exactly those that `mj_collision` tests (engine_collision_driver.c): contype
+of one geom and conaffinity of the other have to share a bit. Left out are bodies that are welded together or excluded,
+and a body and the next body above it that moves against it, unless that body is welded to the world or the file
 disables this filter. A <pair> passes all of these filters. Margins and gaps widen contacts, not bodies: they decide
 nothing here.
 
-A child of the world on which no joint moves anything is no part of a robot: its geoms are obstacles, as those of the
-world are; so are planes and height fields, which only bodies that stand still have.
+A child of the world without joints on it or below it is no part of a robot: its geoms are obstacles, as are the world's
+geoms, planes and height fields, which only static bodies have.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """The geoms of a compiled MJCF file as our shapes.
 
 In: a compiled file and a geom's number. Out: the shape with its pose on the geom's body. MuJoCo's sizes are half
-lengths. The vertices of meshes are those that MuJoCo keeps, in single precision; a mesh is the hull of them, as for
-MuJoCo, or a solid.
+lengths. Meshes have MuJoCo's vertices, in single precision; a mesh is their hull, as for MuJoCo, or a solid.
 """
 
 from __future__ import annotations

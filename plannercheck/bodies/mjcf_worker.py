@@ -1,4 +1,4 @@
-"""Compiles an MJCF file in a process of its own: `python -m plannercheck.bodies.mjcf_worker`.
+"""Compiles an MJCF file in a separate process: `python -m plannercheck.bodies.mjcf_worker`.
 
 In: the path of the file as the argument. Out, on standard output: an npz with the arrays of MuJoCo's model that
 `mjcf_files.py` names, the names of its elements, what MuJoCo warns of, and, if it refuses the file, its error. It has

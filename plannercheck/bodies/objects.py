@@ -2,7 +2,7 @@
 
 In: shapes and poses. Out: `SceneObject`, immutable, with its `bodies` posed. A moved or attached copy shares the
 shapes, and thus the bodies that a checker has prepared from them. An object whose pose a file gives in a link's frame
-has an `pose_frame`, until a checker knows where the link is (robots/objects_in_frames.py).
+has a `pose_frame`, until a checker knows where the link is (robots/objects_in_frames.py).
 """
 
 from __future__ import annotations

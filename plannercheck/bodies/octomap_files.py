@@ -1,16 +1,16 @@
 """OctoMap's trees: .bt and .ot files, and the data of its messages.
 
 In: bytes. Out: the leaves of the tree, as cells of a lattice: low corner and size in steps of the resolution, and the
-log-odds of each, which for binary trees are those to which OctoMap clamps. And the bytes of a .bt file of leaves.
+log-odds of each (for binary trees, OctoMap's clamping values). Also the bytes of a .bt file of leaves.
 
 A tree has 16 levels; its root reaches from step -32768 to 32768 along each axis, and the bits 1, 2 and 4 of a child's
 number say in which halves of x, y and z it is. A binary tree lists its inner nodes in preorder, 16 bits each, two for
 each child: 0 unknown, 1 a free leaf, 2 an occupied one, 3 an inner node. A full tree lists all nodes in preorder: a
-float with the log-odds, three bytes of colour in a ColorOcTree, and a byte whose bits say which children there are.
-(OctoMap 1.10: OccupancyOcTreeBase.hxx, OcTreeBaseImpl.hxx, AbstractOccupancyOcTree.cpp.)
+float with the log-odds, three bytes of colour in a ColorOcTree, and a byte with a bit for each existing child. (OctoMap
+1.10: OccupancyOcTreeBase.hxx, OcTreeBaseImpl.hxx, AbstractOccupancyOcTree.cpp.)
 
-The tree is not walked node by node. The number of children less one, summed up along a preorder, first falls below its
-value before a node where that node's subtree ends; so all ends are found by sorting, and then all levels at once.
+The tree is not walked node by node. Sum up the number of children less one along the preorder: where this sum first
+falls below its value before a node, the node's subtree ends. So sorting finds all ends, and then all levels at once.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Octrees, as OctoMap makes them: cells of many sizes that are occupied, free, or not known.
+"""Octrees, as OctoMap makes them: cells of many sizes that are occupied, free, or unknown.
 
 In: cells, or a .bt or .ot file. Out: `Octree`, immutable, one of the shapes of links and obstacles: the union of its
 occupied cells and, if the user says so, of the unknown space within the box around all known cells.

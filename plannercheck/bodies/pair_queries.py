@@ -1,7 +1,7 @@
-"""Queries on a pair of bodies in one call of the core, which looks at bodies and poses itself.
+"""Queries on a pair of bodies in one call of the core, which checks bodies and poses itself.
 
-In: what users pass to `intersects` and `distance`. Out: the answer, or None for all but a `Polytope` or `Placed` with
-poses in NumPy arrays of doubles that are surely rigid. For those `given_bodies` converts, or says what is wrong.
+In: the arguments of `intersects` and `distance`. Out: the answer for `Polytope` and `Placed` with poses in NumPy arrays
+of doubles that are surely rigid, else None: then `given_bodies` converts the arguments, or reports their fault.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Part sets: bodies that are the union of many small convex parts of one kind.
 
-In: arrays of what a sensor or a map gives. Out: `PartSet`, the base of clouds of points (balls), octrees and voxel
-grids (boxes) and height fields (prisms). Such a body is never expanded into shapes: the core holds its parts in one
-tree.
+In: arrays from a sensor or a map. Out: `PartSet`, the base of clouds of points (balls), octrees and voxel grids (boxes)
+and height fields (prisms). Such a body is never expanded into shapes: the core holds its parts in one tree.
 """
 
 from __future__ import annotations

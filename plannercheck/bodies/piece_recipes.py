@@ -1,13 +1,12 @@
 """Recipes of convex pieces: which triangles of a mesh make a piece together, without any of the mesh's geometry.
 
 In: a mesh, and a piece's number for each of its triangles. Out: the pieces, each the hull of the corners of its
-triangles. So a robot whose meshes must not be changed or passed on can come with pieces, which are made of the meshes
-that the user has.
+triangles. So plannercheck can ship pieces for a robot whose meshes must not be changed or passed on: they are made of
+the user's meshes.
 
 Every triangle has a piece, and a hull holds a triangle if it holds its corners, which are doubles of the mesh as they
-are. So the union of the pieces holds every triangle exactly: nothing is rounded, and nothing is left to be tested. How
-far the pieces stick out is proved when a recipe is made, and stays true: the mesh's hash says that it is the same mesh,
-and hulls are exact.
+are. So the union of the pieces holds every triangle exactly, without rounding or a test. How far the pieces stick out
+is proved when a recipe is made, and stays true: the mesh's hash says that it is the same mesh, and hulls are exact.
 """
 
 from __future__ import annotations

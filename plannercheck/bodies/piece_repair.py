@@ -3,10 +3,10 @@
 In: a mesh and pieces that about hold it, as CoACD gives them. Out: grown pieces whose union holds the mesh.
 
 A triangle whose corners are within `slack` of one piece is added to that piece; any other triangle is cut into four,
-down to the depth `DEEPEST`. A piece with the corners of a triangle holds the triangle. Distances from pieces are of
-doubles, so afterwards each part of a triangle is tested for being in its piece exactly (`exact_coverage`). Corners of
-parts are rounded, so a part may still stick out; then its corners are added again, moved away from the piece's middle
-by a millionth of a millimetre or so.
+down to the depth `DEEPEST`. A piece with the corners of a triangle holds the triangle. Distances from pieces are in
+doubles, so an exact test follows whether each part of a triangle is in its piece (`exact_coverage`). Corners of parts
+are rounded, so a part may still stick out; then its corners are added again, moved away from the piece's middle by a
+millionth of a millimetre or so.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Convex pieces of a mesh: their vertices, what they hold and what they add, and their bytes in files.
+"""Convex pieces of a mesh: their vertices, figures of what they cover and add, and their bytes in files.
 
 In: vertices of pieces and figures. Out: `Pieces`, and the same as bytes. A piece is the hull of its vertices.
 """

@@ -1,6 +1,6 @@
 """A body at a pose that has been checked, for many queries.
 
-In: a prepared body and a pose. Out: `Placed`, which goes wherever a pair query takes a body, without a pose of its own.
+In: a prepared body and a pose. Out: `Placed`, which pair queries take in place of a body and its pose.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Points of PLY files: clouds, or the vertices of meshes.
 
-In: a path. Out: the points, or an error that says what is wrong: header, lengths and indices are checked, since a file
-that is cut short would be a smaller cloud without a word.
+In: a path. Out: the points, or an error that names the fault: header, lengths and indices are checked, since a
+truncated file would silently be a smaller cloud.
 """
 
 from __future__ import annotations

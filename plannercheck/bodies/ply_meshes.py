@@ -1,8 +1,8 @@
 """PLY files as meshes: text and bytes of either order.
 
 In: the content. Out: one object. Faces are lists `vertex_indices` or `vertex_index` of the element `face`; the element
-`tristrips`, whose strips end at -1, is read as well. Other elements are passed over. In texts, a row is a line with
-something on it, and places are doubles as written, whatever the type of the property.
+`tristrips`, whose strips end at -1, is read as well. Other elements are left out. In texts, a row is a line that is not
+blank, and places are read as doubles, whatever the type of the property.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Files of points: ply, pcd, npy, npz, and text.
 
-In: a path; its suffix says what it is. Out: points (n, 3), with NaN where the file has it. A file that is cut short, or
-has too little or too much, gives an error, never a part of its points. Text without a count can be cut within its last
-number, which nothing can tell.
+In: a path, whose suffix names the format. Out: points (n, 3), with the file's NaN. A file with missing or surplus data
+gives an error, never a part of its points. Only a text without a count that is cut within its last number can't be
+recognised.
 """
 
 from __future__ import annotations

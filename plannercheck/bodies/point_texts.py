@@ -1,4 +1,4 @@
-"""Points in texts: a point a line, as scanners, spreadsheets and point cloud programs write them.
+"""Points in texts, a line each, as scanners, spreadsheets and point cloud programs write them.
 
 In: the content. Out: points (n, 3). A line has the same number of columns as all others, x, y and z first, unless a
 heading names them elsewhere. A heading is the first line, or a comment before the points; comments begin with # or //.

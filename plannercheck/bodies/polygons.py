@@ -1,7 +1,7 @@
 """Triangles of polygons with any number of corners.
 
 In: points, and the polygons' corners. Out: triangles in the polygons' order. A convex polygon becomes a fan about its
-first corner. A concave one is cut ear by ear, because a fan would cover points outside of it.
+first corner. A concave polygon is cut ear by ear, because a fan would cover points outside of it.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
 """How far convex pieces stick out of the mesh that they stand for: a proved upper bound.
 
-In: the pieces and the mesh. Out: a length that no point of a piece is further away from the solid that the mesh
+In: the pieces and the mesh. Out: an upper bound of the distance of any point of a piece from the solid that the mesh
 bounds. The holes of an open mesh are filled first, by triangles from their edges to their middle.
 
 The idea: branch and bound over boxes that cover a piece. The points of a box are no further from the solid than its
 middle is, plus its radius r. A box whose middle is in the solid, at least r away from all triangles, lies within the
-solid. Boxes off the piece are left out, all others are cut into eight until they cannot be further out than the
-furthest point that is known, and a little. Distances are the core's, and whether a point is in the solid is exact.
+solid. Boxes off the piece are left out. All others are cut into eight until they can't be further out than the furthest
+known point plus a small tolerance. Distances are the core's, and whether a point is in the solid is exact.
 """
 
 from __future__ import annotations

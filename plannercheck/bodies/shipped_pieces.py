@@ -1,8 +1,8 @@
 """Convex pieces that come with plannercheck, so that robots need no CoACD for them.
 
-In: a mesh. Out: its pieces, if the folder `robots/pieces` has them, or a recipe that makes them of the mesh. Files are
-found by the mesh's content: their names end in the start of its hash, and they hold all of it. The folder's README.md
-says where the meshes are from, under which licences, and which scripts make the files.
+In: a mesh. Out: its pieces, if the folder `robots/pieces` has them or a recipe for them. Files are found by the mesh's
+content: their names end in the start of its hash, and they hold all of it. The folder's README.md says where the meshes
+are from, under which licences, and which scripts make the files.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
-"""Proofs that two bodies share a point of which at least one is a solid.
+"""Proofs that two bodies share a point; at least one body is a solid.
 
-In: two posed bodies, and what the core says that they share. Out: the common point of two of their triangles, as for
-convex bodies, or an `Enclosure`: a vertex of one around which the other one winds. Both are verified exactly, without
-the core: the first from the corners of the triangles, the second by counting signed crossings of a ray.
+In: two posed bodies, and the point or triangles that they share by the core. Out: the common point of two of their
+triangles, as for convex bodies, or an `Enclosure`: a vertex of one around which the other one winds. Both are verified
+exactly, without the core: the first from the corners of the triangles, the second by counting signed crossings of a
+ray.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Proofs that two bodies are apart of which one is a solid at least, and whose hulls are not.
+"""Proofs that two bodies are apart although their hulls overlap; at least one body is a solid.
 
 In: two posed bodies that share no point. Out: a `SolidSeparation`: planes that keep patches of one surface away from
 patches of the other, so that every triangle is kept away from every other; and that neither body is in the other one.

@@ -1,8 +1,8 @@
 """Balls that other balls contain: what a cloud of points may leave out.
 
-In: points (n, 3) and radii (n,) in m. Out: the rows to keep, and radii for them. A ball (p, r) lies in a ball (q, R)
-if |p - q| + r <= R. Every such statement here is proved with room for rounding, and for poses: those that a checker
-accepts may stretch a distance by a few parts in a million, while radii stay what they are.
+In: points (n, 3) and radii (n,) in m. Out: the rows to keep, and radii for them. A ball (p, r) lies in a ball (q, R) if
+|p - q| + r <= R. Every such statement here is proved with room for rounding and for poses: an accepted pose may stretch
+a distance by a few parts in a million, while radii stay the same.
 """
 
 from __future__ import annotations

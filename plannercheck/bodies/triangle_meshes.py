@@ -1,7 +1,7 @@
-"""Triangle meshes as in their files: whether they are closed, and their volume.
+"""Triangle meshes as their files have them: whether they are closed, and their volume.
 
 In: coal's meshes, or mesh files. Out: `TriangleMesh`, with equal points merged. Verdicts use the hulls of meshes. These
-classes tell how much a hull adds, and what a convex decomposition has to cover.
+classes measure how much a hull adds, and have the triangles that a convex decomposition has to cover.
 """
 
 from __future__ import annotations

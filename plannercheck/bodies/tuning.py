@@ -1,7 +1,7 @@
-"""What saves work in a check, in one record. Verdicts, pairs and proofs depend on none of it.
+"""The filters and stages that may be turned off, in one record. Verdicts, pairs and proofs depend on none of them.
 
 In: fields by name. Out: `Tuning`, whose table (name, type, default, purpose) is all that the core, `bench switches`,
-`inspect`, the documentation and the test of independence know of the fields: a new one is a line here, a member of
+`inspect`, the documentation and the test of independence know of the fields: a new field is a line here, a member of
 `Tuning` in cpp/checking/checker.hpp and a line in cpp/bindings/bind_tuning.cpp.
 """
 

@@ -1,7 +1,7 @@
-"""The unknown space of an octree, as cells: what the box around its known cells holds besides them.
+"""The unknown space of an octree, as cells: the box around its known cells without these.
 
-In: known cells in the order of their Morton codes. Out: cells that fill the rest of the box. The tree is gone down from
-its root, a level at a time: a node that holds no known cell is unknown, and is divided only where the box cuts it.
+In: known cells in the order of their Morton codes. Out: cells that fill the rest of the box. A descent from the root
+takes a level at a time: a node without a known cell is unknown, and is divided only where the box cuts it.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Proves for which values of one or two joints a pair of the robot's bodies is apart, whatever the others are.
+"""Proves for which values of one or two joints a pair of the robot's bodies is apart, for any values of the others.
 
 In: chains of joints, pairs of bodies on links, prepared bodies, their poses in sampled states. Out: `PairsInCells`, for
 pairs that such proofs settle often: cells of two columns of the configuration, and a bit for each pair that may meet
-there. A state then needs a look-up, where bounds and boxes of all these pairs would be tested.
+there. A state then needs one look-up instead of tests of the bounds and boxes of all these pairs.
 
 The idea. If all joints between two bodies are driven by at most two columns, these alone set the relative pose. In the
 middle of a cell the core computes a lower bound of the distance. Within the cell, each joint that a column drives, on
@@ -12,9 +12,9 @@ that are not proved are cut into four, down to the finest. Both bodies have to m
 core.
 
 The core finds a cell by (value - low) * cells / span in doubles, and middles are computed by low + width * number. Both
-err by less than 1e-9 of the span, since spans are more than 1e-6 of their limits (`Chains`). So does what a point moves
-for it, as a part of the motion within a cell: by less than 1e-6, and the margin has 1e-5 of that. Like all proofs of
-reach, these hold within the joint limits only.
+err by less than 1e-9 of the span, since spans are more than 1e-6 of their limits (`Chains`). So a point's motion within
+a cell errs by less than 1e-6 of itself, and the margin allows 1e-5. Like all proofs of reach, these hold within the
+joint limits only.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Names and certificates for a checker's verdicts, in space and in the plane.
 
-In: a checker that poses bodies and says which pairs collide. Out: `ExplainingChecker`, whose `explain` returns the
-verdict of one configuration with all colliding pairs, each with its proof.
+In: a checker that poses bodies and finds colliding pairs. Out: `ExplainingChecker`, whose `explain` returns the verdict
+of one configuration with all colliding pairs, each with its proof.
 """
 
 from __future__ import annotations

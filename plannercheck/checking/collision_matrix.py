@@ -1,11 +1,10 @@
 """Pairs of a robot's links that may be left untested: proposes or audits an allowed collision matrix.
 
 In: a robot. Out: for each pair of links with collision bodies, how many random configurations it collides in, and the
-reason, if any, to leave it out. The reasons are those of MoveIt's setup assistant: the links are adjacent; the pair
-collides at the reference, or in (almost) all configurations; it was never seen to collide. Pairs that
-unreachable_pairs.py proves apart within the limits are not sampled. All others are judged exactly, for the geometry
-that the robot has: hulls, convex pieces or solids. All joints that do not follow another one are moved, whatever the
-robot's group.
+reason, if any, to leave it out. The reasons are as in MoveIt's setup assistant: the links are adjacent; the pair
+collides at the reference, or in (almost) all configurations; it never collided. Pairs that unreachable_pairs.py proves
+apart within the limits are not sampled. All others are judged exactly, for the robot's geometry: hulls, convex pieces
+or solids. All joints but mimic joints are moved, whatever the robot's group.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""How far a hull is from the mesh it stands for.
+"""How far a hull is from its mesh.
 
-In: a hull and its mesh. Out: the largest distance of the hull's surface from the mesh and what it encloses, as far as
-points spread evenly over the surface show.
+In: a hull and its mesh. Out: the largest distance of the hull's surface from the mesh and its inside, at points spread
+evenly over the surface.
 """
 
 from __future__ import annotations

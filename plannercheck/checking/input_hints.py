@@ -1,7 +1,7 @@
 """Hints for configurations that are probably mistakes: degrees, or columns in another order.
 
-In: configurations as given. Out: a sentence that says what they look like and what to do, or an empty string. Hints
-never change a verdict.
+In: configurations as given. Out: a sentence with the likely mistake and its remedy, or an empty string. Hints never
+change a verdict.
 """
 
 from __future__ import annotations

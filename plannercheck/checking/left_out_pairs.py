@@ -1,4 +1,4 @@
-"""All places where a pair of bodies may be left out, in the order in which they act, each with its number of pairs.
+"""All places where a pair of bodies may be left out, in the order in which they apply, each with its number of pairs.
 
 Candidates are all pairs of the robot's bodies and carried objects, and each of these with each obstacle. These places
 leave out pairs:

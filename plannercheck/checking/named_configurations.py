@@ -1,6 +1,6 @@
-"""Configurations given by fewer numbers than a robot's own have, or by names of joints, in space or in the plane.
+"""Configurations with one number a joint, or by names of joints, in space or in the plane.
 
-In: a robot, rows or a mapping of joint names to values. Out: configurations in the robot's own order.
+In: a robot, rows or a mapping of joint names to values. Out: configurations in the robot's order.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Relative poses of some frames of a long chain, without the joints that all of them hang on.
+"""Relative poses of some frames of a long chain, without the joints that move all of them.
 
 In: a joint table with frames, some of the frames. Out: `Neighbourhood`, compiled kinematics of the joints beyond the
-last one that the frames have in common. Its cost depends on how many joints lie between the frames, not on the chain's
+last one that the frames have in common. Its time depends on the number of joints between the frames, not on the chain's
 length.
 """
 

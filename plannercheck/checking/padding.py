@@ -1,14 +1,14 @@
 """Padding: distances that pairs of bodies have to keep.
 
 In: one distance in m for all pairs, or lengths by name: shares of links, obstacles or bodies, and distances of pairs of
-these. Out: `PaddedPairs`: each body's own share, by which it is inflated. The distance of a pair must exceed the sum of
-both bodies' parts. Points and faces stay as they are, and the test adds inflation radii without rounding, so padded
-verdicts are as exact as others. One rounding to a double remains: where a part is added to the inflation radius of a
-ball or capsule.
+these. Out: `PaddedPairs`: each body's share, by which it is inflated. The distance of a pair must exceed the sum of
+both bodies' shares. Points and faces stay as they are, and the test adds inflation radii without rounding, so padded
+verdicts are as exact as others. One rounding to a double remains: the sum of a share and the inflation radius of a ball
+or capsule.
 
-A pair with a distance of its own gets copies of its bodies, each with half the distance. A checker for a later scene
-sets aside the entries that do not fit that scene: a name that it lacks, or a pair that it does not test, such as a hand
-and the object that it now carries.
+A pair with its own distance gets copies of its bodies, each with half the distance. A checker for a later scene sets
+aside the entries that do not fit that scene: a missing name, or a pair that the scene does not test, such as a hand and
+the object that it now carries.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
-"""Proofs about a checker's pairs: which never meet within the limits, and which are at rest.
+"""Proofs about a checker's pairs: which pairs never meet within the limits, and which are static.
 
-In: a robot, bodies, their preparation, and the proofs of an earlier checker. Out: `MeetingProofs`. What concerns the
-robot alone is proved once a robot (robot_reach.py). What concerns an obstacle holds as long as neither the obstacle nor
-the robot changes; a moved obstacle is a new `GeometryObject`, so a changed scene costs the obstacles that were moved or
-added. Where pairs have a padding of their own, copies of bodies follow the obstacles; then all is proved the plain way
-(unreachable_pairs.py).
+In: a robot, bodies, their preparation, and the proofs of an earlier checker. Out: `MeetingProofs`. Proofs about the
+robot alone are made once a robot (robot_reach.py). A proof about an obstacle holds as long as neither the obstacle nor
+the robot changes; a moved obstacle is a new `GeometryObject`, so a changed scene needs proofs only for obstacles that
+were moved or added. If pairs have their own paddings, copies of bodies follow the obstacles; then unreachable_pairs.py
+proves all pairs.
 """
 
 from __future__ import annotations

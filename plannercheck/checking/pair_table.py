@@ -2,9 +2,9 @@
 
 In: a robot and a scene. Out: indices into the robot's bodies followed by the scene's. Left out are pairs that the SRDF
 or the robot's YAML disables (they are no self pairs of the robot), pairs that an allowed collision matrix allows, pairs
-of links that the SRDF tests against nothing by default with obstacles and carried objects, and pairs of a body that is
-fixed to the world with an obstacle: these never change, so they are judged once (`static`).
-`left_out_pairs` lists all places where a pair may be left out.
+of an obstacle or a carried object with a link that the SRDF leaves out by default, and pairs of an obstacle with a body
+that is fixed to the world: such pairs never change, so they are judged once (`static`). `left_out_pairs` lists all
+places where a pair may be left out.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Points of a sensor against the robot: which of them collide, and how far they are.
+"""Points of a sensor against the robot: which points collide, and their distances.
 
 In: a checker's robot, a configuration, points in the world. Out: `PointChecker` with `points_in_collision` and
 `point_distances`, batches of points at one configuration. The scene plays no part, nor does the padding.

@@ -1,10 +1,9 @@
 """The bodies of a checker, prepared when a pair first needs them.
 
-In: bodies and their paddings. Out: `Preparation`, which makes the hull and the `Polytope` of a body when they are first
-asked for, so that bodies which no configuration within the limits can touch cost nothing. What has been made of a shape
-stays as long as the shape: checkers of the same robot, and of scenes that share objects, prepare nothing twice. Curved
-shapes that were used last stay a while longer, since the next scene from a file may have the same ones. Equal hulls
-share one polytope.
+In: bodies and their paddings. Out: `Preparation`, which makes the hull and the `Polytope` of a body at their first use,
+so that bodies which no configuration within the limits can touch are never prepared. A shape keeps its prepared body:
+checkers of the same robot, and of scenes that share objects, prepare nothing twice. The curved shapes of the last
+scenes stay for a while, since the next scene from a file may have them again. Equal hulls share one polytope.
 """
 
 from __future__ import annotations

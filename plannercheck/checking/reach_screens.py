@@ -1,14 +1,14 @@
-"""A quick test for pairs of a robot's bodies that lever arms can't prove apart, for all pairs at once.
+"""A fast test for all pairs of a robot's bodies: which pairs lever arms can't prove apart.
 
 In: the tree of moving joints with lengths along it, pairs of bodies. Out: the pairs for which a search by the cells of
 unreachable_pairs.py can succeed. For all others it would certainly fail.
 
 The idea. Each body of a pair is bounded by a ball, and a proof needs the distance of the balls' centres to exceed the
 sum of their radii. A ball stands at the first joint of its branch whose value is unknown. So the distance of the
-centres is at most the length of the way along the known joints, and each radius is the length of the way beyond. A cut
-knows at most the joints of a branch before its third column. If even then the way between the centres is shorter than
-the radii, no cut proves anything. In a chain of a thousand links, this leaves a few neighbours of each link out of half
-a million pairs.
+centres is at most the length of the chain along the known joints, and each radius is the length of the chain beyond. A
+cut knows at most the joints of a branch before its third column. If even then the chain between the centres is shorter
+than both radii together, no cut proves anything. In a chain of a thousand links, a few neighbours of each link remain
+of half a million pairs.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""What lever arms prove about a robot's bodies before there is a scene: computed once a robot, for all its checkers.
+"""Proofs by lever arms about a robot's bodies without a scene: computed once a robot, for all its checkers.
 
 In: a robot, its bodies' hulls. Out: `RobotReach`. It knows which of the robot's own pairs never meet within the limits,
-and has the cells of joint space with the places of each body in them, compiled, so that an obstacle costs microseconds.
-The proofs are those of unreachable_pairs.py, whose functions are the plain way that tests hold this against.
+and has the cells of joint space with the places of each body in them, compiled, so that an obstacle takes microseconds.
+The proofs are the proofs of unreachable_pairs.py, with whose functions tests compare this module.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 In: a `Robot`, a `Scene`. Out: an immutable `StateChecker` whose verdicts are exact for the hulls at the poses that
 forward kinematics computes in doubles. Building one places the scene's objects, lists and pads bodies and pairs, proves
 pairs apart that never meet, and compiles the others. Base classes add certificates (checker_base.py), distances
-(clearance.py), points (point_queries.py), and what links carry (carrying_checker.py).
+(clearance.py), points (point_queries.py), and carried objects (carrying_checker.py).
 """
 
 from __future__ import annotations

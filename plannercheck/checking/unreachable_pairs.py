@@ -12,14 +12,13 @@ the middle of every cell the balls (or a ball and the other body's box) are furt
 never meets.
 
 Proof of the margins. `kinematic_error_within` bounds how far computed poses are from exact kinematics, also those that
-are computed here: pairs are dropped only if it is below LARGEST_ERROR, so that four of them are less than MARGIN.
-Exact kinematics is rigid up to the rounding of placements and axes: they must be so up to RIGID each, all of a chain
-with what is held on it up to 2.5e-6 (robots/unit_lengths.py), the poses of bodies and obstacles up to 1e-6. That
-stretches lengths by less than 2e-6. Using the transpose of a box's pose as its inverse errs by 3.6e-6 of the distance
-from the origin of the body's frame, which may be far from the body. RELATIVE, a part of all these lengths, covers both
-and the rounding of the sums. None of this holds beyond the limits, where the checker uses the full table, nor for poses
-by Pinocchio itself. Nothing is proved about bodies on a joint that takes several numbers (floating, planar, cosine and
-sine).
+are computed here: pairs are dropped only if it is below LARGEST_ERROR, so that four of them are less than MARGIN. Exact
+kinematics is rigid up to the rounding of placements and axes: they must be so up to RIGID each, all of a chain with
+what is held on it up to 2.5e-6 (robots/unit_lengths.py), the poses of bodies and obstacles up to 1e-6. That stretches
+lengths by less than 2e-6. Using the transpose of a box's pose as its inverse errs by 3.6e-6 of the distance from the
+origin of the body's frame, which may be far from the body. RELATIVE, a part of all these lengths, covers both and the
+rounding of the sums. The proofs do not hold beyond the limits, where the checker uses the full table, nor for poses by
+Pinocchio. Nothing is proved about bodies on a joint that takes several numbers (floating, planar, cosine and sine).
 """
 
 from __future__ import annotations

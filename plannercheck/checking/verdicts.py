@@ -1,4 +1,4 @@
-"""What a checker returns: the verdict of one configuration, and the summary of a set of them."""
+"""The results of a checker: the verdict of one configuration, and the summary of a set."""
 
 from __future__ import annotations
 

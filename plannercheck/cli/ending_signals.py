@@ -1,10 +1,10 @@
-"""Ctrl-C and SIGTERM end a command wherever it is: with an exception that comes until it is heeded.
+"""Ctrl-C and SIGTERM end a command wherever it is: with an exception that is raised until it is handled.
 
-In: a scope. Out: `KeyboardInterrupt`, or `Terminated`, out of it. Idea: other people's compiled modules do not expect
-that a signal's handler raises. While they load, they make an ImportError of it or end the process; elsewhere they may
-drop it, and the command would go on. So nothing is raised in the midst of an import: a program that has only begun to
-load ends there and then, with nothing to lose; others wait. And after a signal the handler is called again and again:
-it raises unless the exception is being handled, until the scope has ended.
+In: a scope. Out: `KeyboardInterrupt`, or `Terminated`, out of it. Idea: compiled modules of other libraries do not
+expect that a signal's handler raises. While they load, they turn the exception into an ImportError or end the process;
+elsewhere they may drop it, and the command would go on. So the handler does not raise during an import: a program that
+has only begun to load ends at once, with nothing to lose; others wait. After a signal the handler is called again and
+again until the scope has ended: it raises unless the exception is being handled.
 """
 
 from __future__ import annotations

@@ -1,10 +1,9 @@
 """How many random configurations are valid by a robot's hulls, convex pieces and meshes: `inspect --fidelity`.
 
-In: what the command is asked for. Out: a table. A state that is valid by the meshes and not by other bodies is refused
-because these fill hollows. One that is valid by pieces may collide by the meshes, if a body is within another mesh but
-between its pieces, which hold only its triangles. Verdicts by meshes are exact. Caps close open meshes; one more row
-takes these as their triangles alone. Of pieces, those are taken that come with plannercheck or are cached: CoACD is not
-run for this.
+In: what the command is asked for. Out: a table. If a state is valid by the meshes and not by other bodies, these bodies
+fill hollows. A state that is valid by pieces may collide by the meshes, if a body is within another mesh but between
+its pieces, which hold only its triangles. Verdicts by meshes are exact. Caps close open meshes; one more row takes open
+meshes as their triangles alone. Pieces are taken only if they come with plannercheck or are cached: CoACD is not run.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The robot of a command: --robot, and options for what a URDF without a YAML leaves open.
+"""The robot of a command: --robot, and the options for a URDF without a YAML.
 
 In: parsed options. Out: a robot's description, or the robot. Options take precedence over a YAML.
 """

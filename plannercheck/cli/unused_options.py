@@ -1,6 +1,7 @@
-"""Options that would change nothing in a use of a command: an error says so, rather than that they are ignored.
+"""Options that would change nothing in a use of a command are an error, instead of being silently ignored.
 
-In: parsed options, names of those that do not count, and when they do. Out: an error that names those that were given.
+In: parsed options, the names of options without effect, and the condition of their effect. Out: an error that names the
+given ones.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """`plannercheck verify`: confirms proofs of motions in ball arithmetic, without the checker that made them.
 
-In: proof files, and on request the robot, the scene and the path that they should be of. Out: what each file proves, in
-lines or as JSON. Names come from the files: they are printed quoted.
+In: proof files, and on request the robot, the scene and the path that they should belong to. Out: what each file
+proves, in lines or as JSON. Names come from the files: they are printed quoted.
 """
 
 from __future__ import annotations

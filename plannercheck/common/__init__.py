@@ -6,6 +6,6 @@ compiled core for the best instruction set), then
 counters). Files: `package_data`, `package_files`, `checked_yaml` and `input_limits` find and read them, `atomic_files`
 writes them, `escaping` and `html_tables` put names into them. `optional_imports`, `isolated_process`, `silence` and
 `threads` deal with other libraries and processes. `motion_paths` names how free bodies move. `version` and
-`public_names` hold the package's version and its public names, and `model_comparisons` what the package's face hands
-down to `proofs`.
+`public_names` hold the package's version and its public names, and `model_comparisons` the functions that the package
+registers for `proofs`.
 """

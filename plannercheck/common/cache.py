@@ -1,13 +1,13 @@
-"""The disk cache: what was once computed, by names that say of what, as this user alone has left it.
+"""The disk cache: results of earlier runs by content hashes, trusted only if this user wrote them.
 
-In: names made of hashes of all that a content depends on, so that nothing is ever outdated; contents. Out: the same
-contents, or nothing. It is in the platform's cache folder, or where `PLANNERCHECK_CACHE` says.
+In: names made of hashes of everything that a content depends on, so that no content is ever outdated; contents. Out:
+the same contents, or nothing. It is in the platform's cache folder, or where `PLANNERCHECK_CACHE` says.
 
-The idea. Contents are believed, so nobody else may have written them. Folder and files have to be the user's or root's,
-and of a kind that others can't write to or rename. What is looked at is what was opened, without following links and
-without waiting for pipes: a name may lead elsewhere a moment later. Besides, each file begins with a digest of its name
-and content under a secret key, which is a file of the same folder: others can't make one that fits, wherever they get
-to put a file.
+The idea. Contents are trusted, so nobody else may have written them. Folder and files have to be the user's or root's,
+and others must not be able to write or rename them. The opened file is examined, not its name, which may lead elsewhere
+a moment later; links are not followed, and no pipe is waited for. Each file begins with a digest of its name and
+content under a secret key, a file of the same folder, so that others can't make a valid file, wherever they may put
+one.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Methods whose compiled twin is asked first.
 
-In: a method; the slot in which each object keeps a compiled function of the same arguments. Out: the method, of
-which a call with positional arguments makes no frame of Python's where that function answers anything but None.
+In: a method; the slot in which each object keeps a compiled function of the same arguments. Out: the method. A call
+with positional arguments makes no Python frame if the compiled function returns anything but None.
 """
 
 from __future__ import annotations

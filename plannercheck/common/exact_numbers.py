@@ -1,4 +1,4 @@
-"""Fractions as doubles: what certificates say of the exact numbers that prove them.
+"""Fractions as doubles, for certificates that show their exact numbers.
 
 In: fractions. Out: the nearest doubles, doubles below, upper bounds of roots, and whether doubles are a unit normal.
 """

@@ -1,4 +1,4 @@
-"""Says what a file is that was taken for something else: strangers hand over files of all kinds.
+"""Names the kind of a file that was taken for another kind.
 
 In: a file's content, or its path. Out: a clause for an error message, "it is a URDF", empty where nothing is known.
 """

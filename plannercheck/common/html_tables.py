@@ -1,6 +1,6 @@
 """Tables as notebooks show them.
 
-In: a line of words, a header, rows of texts. Out: HTML, in which every text is a text whatever it holds.
+In: a line of words, a header, rows of texts. Out: HTML, in which every text is escaped.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Runs one of our modules, or some lines, in a process of its own that imports nothing from the user's current folder.
+"""Runs one of our modules, or some lines, in a separate process that imports nothing from the user's current folder.
 
 In: the module's name or the lines, its standard input and arguments. Out: its output. Python's isolated mode removes
 the current folder and the user's environment from the path; the parent's path follows after the installed packages.

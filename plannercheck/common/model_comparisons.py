@@ -1,4 +1,4 @@
-"""What compares the model in a proof with a robot's and a scene's files, by the kind of proof, and what reads paths.
+"""Functions that compare the model in a proof with the files of robot and scene, by kind of proof, and read paths.
 
 In: a comparison for each kind and two readers, from the package's face, above all folders. Out: these, for
 `plannercheck.proofs`. Loading the files takes all of the package, while proofs stand on `common` alone.

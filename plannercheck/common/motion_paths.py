@@ -1,8 +1,8 @@
 """The paths of joints that turn as well as slide: planar and floating ones.
 
 In: nothing. Out: the names of the paths. On "screw" such a joint follows the one screw that leads from start to end
-(Pinocchio's interpolation). On "slerp" its position goes on a straight line and its turn the short way at constant
-speed, each by itself (OMPL's interpolation in SE(2) and SE(3)). All other joints move alike on both.
+(Pinocchio's interpolation). On "slerp" its position moves on a straight line, and it turns in the shorter direction at
+constant speed (OMPL's interpolation in SE(2) and SE(3)). All other joints move alike on both.
 """
 
 from __future__ import annotations

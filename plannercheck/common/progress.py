@@ -1,9 +1,9 @@
-"""How far long work of the library is, told to whoever listens.
+"""Progress of long work of the library, reported to a listener.
 
-In: from the work, what is done of how much. Out: nothing, unless the caller has named a listener; the command line
-names a `TerminalLine`. A listener hears its own context only, so other threads stay silent. Where one piece of work is
-part of another one, the listener hears that the part is done only by the other one going on: a hundred parts of a tenth
-of a second are ten seconds of work.
+In: from the work, the part that is done. Out: nothing, unless the caller has named a listener; the command line names a
+`TerminalLine`. A listener hears its own context only, so other threads stay silent. The listener does not hear of the
+end of work that is part of other work, only of the progress of the whole: a hundred parts of a tenth of a second are
+ten seconds of work.
 """
 
 from __future__ import annotations

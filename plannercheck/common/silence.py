@@ -1,6 +1,6 @@
 """Keeps libraries from printing while they work for us, in any number of threads.
 
-In: functions that read and set a library's log level. Out: a context. The level is that of the whole process, so
+In: functions that read and set a library's log level. Out: a context. The level belongs to the whole process, so
 contexts are counted: the first one saves the level, the last one restores it. Descriptors stay as they are.
 """
 

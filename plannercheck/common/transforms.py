@@ -1,4 +1,4 @@
-"""Rigid transforms from the ways in which files write them.
+"""Rigid transforms from the forms in which files write them.
 
 In: positions in m; quaternions x, y, z, w of any length but zero; roll, pitch, yaw in rad about fixed axes x,
 then y, then z (as in URDF). Out: 4 x 4 float64 matrices.

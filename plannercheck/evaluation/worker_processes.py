@@ -1,7 +1,7 @@
 """Processes that share out the tasks of a run, and end with it.
 
 In: a function, tasks, a number of processes. Out: the results, in the order of the tasks. The processes are started
-anew, not forked, and hear of no Ctrl-C, which reaches all processes of a terminal: who runs them ends them.
+anew, not forked, and ignore Ctrl-C, which a terminal sends to all its processes: the parent ends them.
 """
 
 from __future__ import annotations

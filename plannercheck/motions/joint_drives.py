@@ -1,7 +1,7 @@
 """Which columns drive the joints of a motion, and how far joints differ from rigid ones.
 
-In: the kernel's joint table. Out: for each joint the column that moves it and in what way; the groups of columns that
-form a circle, a quaternion or a pose; the defect of everything that no motion changes; and how far joints and links are
+In: the kernel's joint table. Out: for each joint its column and its kind of move; the groups of columns that form a
+circle, a quaternion or a pose; the defect of all placements that no motion changes; and how far joints and links are
 from the world's origin.
 """
 

@@ -1,4 +1,4 @@
-"""Motions as they are judged: their ends, as given and less whole turns, so that angles take the short way; or curves.
+"""Motions as they are judged: both ends, also less whole turns, so that angles take the shorter turn; or curves.
 
 In: configurations, in space or in the plane. Out: `Motions` or `Curves`, and whether the given ends are free as well.
 An angle less whole turns is another double, so the given end is posed with other roundings.

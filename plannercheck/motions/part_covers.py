@@ -1,10 +1,10 @@
 """Entries of proofs where a body is a set of parts: a few directions for each interval, along which parts are apart.
 
 In: a verifier of entries, a pair, poses on the motion. Out: entries that together cover the motion, all parts, and all
-triangles of the other body. Directions are fixed in the frame of the set. First come those of a fixed few that keep
-most parts away at once, then that of the distance of the nearest part that is left, which keeps its neighbours away as
-well. The verifier decides which parts they keep away. If the nearest part is not among them, the interval is halved, or
-if that part comes too near to the hull of a solid or of another set, that body's range is.
+triangles of the other body. Directions are fixed in the frame of the set. A few fixed directions that keep most parts
+away come first. Then the distance to the nearest remaining part gives a direction, which keeps its neighbours away as
+well. The verifier decides which parts a direction keeps away. If the nearest part is not among them, the interval is
+halved; if that part comes too near to the hull of a solid or of another set, that body's range is halved instead.
 """
 
 from __future__ import annotations

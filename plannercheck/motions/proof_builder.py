@@ -2,8 +2,8 @@
 
 In: a checker, a motion or a curve that its certifier proves free. Out: a `Proof`. For bodies that are far apart, one
 entry by balls is enough. For the others, the certifier's planes are used, each for as long as it holds: an interval is
-halved until one plane holds on it. The verifier's own check decides whether an entry holds, so that few proofs are
-refused later. Where no entry holds, one is written with the certifier's plane, for the verifier to refuse.
+halved until one plane holds on it. The verifier's check decides whether an entry holds, so that few proofs are refused
+later. If no entry holds, an entry with the certifier's plane is written, which the verifier refuses.
 """
 
 from __future__ import annotations

@@ -5,9 +5,9 @@ In: a proof, a robot, a scene. Out: nothing, or an `UnprovedError` that names th
 The joints, their placements, axes and who follows whom are compared by `urdf_trees.py` with the exact numbers of the
 URDF, or of what a xacro expands to, and the links' bodies by `urdf_shapes.py` with its elements and meshes. Bodies, the
 pair table, and the joint of each column are compared bit for bit with what plannercheck itself loads, since SRDFs,
-groups and scenes have many rules; so are the joints of an MJCF file, of which there is no second reader. So its loader
-is trusted for these; its kinematics and its verdicts are not. The values of joints outside the group are part of the
-claim: they are in the proof, not in the URDF.
+groups and scenes have many rules; so are the joints of an MJCF file, of which there is no second reader. So
+plannercheck's loader is trusted for these; its kinematics and its verdicts are not. The values of joints outside the
+group are part of the claim: they are in the proof, not in the URDF.
 """
 
 from __future__ import annotations

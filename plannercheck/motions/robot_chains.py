@@ -1,4 +1,4 @@
-"""Chains of joints of a robot's bodies, made once a robot: obstacles change none of them.
+"""Chains of joints of a robot's bodies, made once a robot, because they do not depend on obstacles.
 
 In: a robot, its bodies, the links that move. Out: `RobotChains`, which gives the arrays that the core's certifier takes
 for any pairs of these bodies with each other and with bodies at rest.

@@ -1,8 +1,8 @@
 """Sampled motions: states along a segment, so dense that no link point moves further than a given distance.
 
 In: a robot, segments of configurations. Out: whether all sampled states are valid. The bound is a sum over the joints
-of how far one unit of the joint can move a point: the length of the longest way from the joint to a body that it
-carries.
+of the distance that one unit of the joint can move a point: the length of the longest chain from the joint to a body
+that it carries.
 """
 
 from __future__ import annotations

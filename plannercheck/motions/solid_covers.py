@@ -3,7 +3,7 @@
 In: a verifier of entries, a pair, poses on the motion. Out: entries that together cover the motion and all pairs of
 triangles. Parts are ranges of triangles, which lie close together (`proof_model.spatial_order`). Where the hulls of two
 parts are apart in the middle of an interval, the direction of their distance is tried; the verifier decides whether it
-holds. Else the interval is halved, or if the parts come too near to each other on it, the larger part is.
+holds. Else the interval is halved, or, if the parts come too near to each other on it, the larger part.
 """
 
 from __future__ import annotations

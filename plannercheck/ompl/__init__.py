@@ -2,10 +2,10 @@
 
 Read `planning` first (`setup` and `plan`), then `joint_space`, `pose_space` with `pose_parts` and `pose_bounds`,
 `planar_space`, `state_numbers` and `projections` (configurations as OMPL has them), `state_validators` and
-`motion_validators` (the checker as OMPL asks it), `prepared_spaces` (all of these together, kept from plan to plan),
-`simple_setup` (what OMPL leaves undone), `searches` with `near_first` (planners at work), `goals`, `start_and_goal`,
-`angle_checkers`, `constrained` (equations that hold all along), `clearance` (an objective) and `plans`. OMPL itself is
-loaded on first use, so that `plans` and `joint_space` can be had without it.
+`motion_validators` (the checker as OMPL's validators), `prepared_spaces` (all of these together, reused by later
+plans), `simple_setup` (checks that OMPL lacks), `searches` with `near_first` (planners at work), `goals`,
+`start_and_goal`, `angle_checkers`, `constrained` (equations that hold along the whole path), `clearance` (an objective)
+and `plans`. OMPL itself is loaded on first use, so that `plans` and `joint_space` can be had without it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The checker by which a robot without a group is planned for, if it has continuous joints: these are angles.
+"""The checker for planning with a robot without a group that has continuous joints: these are angles.
 
 In: a checker. Out: `angle_checker`: the same checker for a group of all joints that follow no other joint, as the
 command line has it; in a group, a continuous joint is one angle. `angle_end` brings a start or a goal to that group.

@@ -1,12 +1,13 @@
-"""Planning where an equation holds all along: a cup stays upright, a tool on its plane.
+"""Planning where an equation holds along the whole path: a cup stays upright, a tool on its plane.
 
 In: a checker with bounded joints, a function of configurations that is to be 0. Out: a `Plan` whose configurations
 satisfy it, a step apart, with all motions between them proved free.
 
 OMPL plans (ProjectedStateSpace: Newton's method brings states back to where the function is 0). Its Python bindings
 (2.0.1) neither read nor write states of such spaces (ompl issue 1454), but they do pass a state's numbers to a
-`Constraint` as an array: `_Numbers` is one that reads and writes them. The way between two states is walked here, since
-the bindings do not give OMPL's (`discreteGeodesic`), so that what is proved is what is returned.
+`Constraint` as an array: `_Numbers` is one that reads and writes them. The bindings do not give OMPL's path between two
+states (`discreteGeodesic`), so this module computes the states between them; the path that is proved is the path that
+is returned.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Goals of a plan: one configuration, several, or a function that yields them, such as inverse kinematics.
 
-In: what `plan` takes as `goal=`. Out: `Goals`: the goals that can be planned to, with their numbers, or why there is
-none.
+In: the argument `goal=` of `plan`. Out: `Goals`: the valid goals, with their numbers, or why there is none.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
 """A search that samples near start and goal first, and further from them the longer it takes.
 
-In: a set-up whose planner keeps what it has found from one `solve` to the next, its joint space, start and goals. Out:
-OMPL's status.
+In: a set-up whose planner keeps its trees from one `solve` to the next, its joint space, start and goals. Out: OMPL's
+status.
 
-Few paths leave the box around start and goal by much, and a sample far from it draws the trees away. So samples are
-first taken from that box with some room on each side, for a number of iterations; then from a wider one; then from all
-of the space, without end. Each stage goes on with the trees of the stage before: whatever the planner would find by
-itself is found here, too, later by the iterations of the first stages.
+Few paths leave the box around start and goal by much, and a sample far from it draws the trees away. So samples first
+come from that box with some room on each side, for a number of iterations; then from a wider box; then from the whole
+space, without end. Each stage continues with the trees of the stage before: this search finds every path that the
+planner alone would find, later by the iterations of the first stages.
 """
 
 from __future__ import annotations

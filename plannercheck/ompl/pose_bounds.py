@@ -1,4 +1,4 @@
-"""Where free bodies are planned for, if nobody says: a box around all that they may have to go around.
+"""The default bounds for planning with free bodies: a box around all obstacles that they may have to go around.
 
 In: a checker, configurations that the box has to include. Out: `default_bounds`, (2, 3) m.
 """

@@ -1,4 +1,4 @@
-"""The joints of a robot with free bodies: what each of them is for OMPL, and the limits of its numbers.
+"""The joints of a robot with free bodies: each joint's OMPL space, and the limits of its numbers.
 
 In: a robot, a box for positions. Out: `parts_of`, the joints in the order of their columns, and `limits_of`.
 """

@@ -5,10 +5,9 @@ conversions between its states and configurations. A floating joint is an SE3Sta
 a ball joint an SO3StateSpace; all other joints are as in `JointSpace`. Several of them are a compound, a part each,
 weighted equally.
 
-Motions are OMPL's: positions go straight, and turns by slerp, each by itself (the path "slerp" of `Checker`). OMPL's
-slerp has two peculiarities. Between quaternions that are alike up to `_ALIKE` it keeps the first one, and jumps at the
-end. At half a turn, rounding chooses the way round. `pieces` takes a motion apart so that what is proved is what OMPL
-does.
+Motions are OMPL's: positions move straight, and turns by slerp (the path "slerp" of `Checker`). OMPL's slerp has two
+peculiarities. Between quaternions that are equal up to `_ALIKE` it stays at the first, and jumps at the end. At half a
+turn, rounding chooses the direction. `pieces` takes a motion apart so that what is proved is what OMPL does.
 """
 
 from __future__ import annotations

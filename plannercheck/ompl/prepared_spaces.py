@@ -3,10 +3,9 @@
 In: a checker, how its motions are judged, how its root moves. Out: `borrowed_space`, a `PreparedSpace`: an OMPL space,
 and a SpaceInformation with validators. `returned_space` keeps it for the next plan.
 
-While it is borrowed, a plan has it for itself, so that plans of several threads share nothing. All that a plan changes
-is made anew for each: the planner, the problem and its solution, the simplifier. What is kept refers to its checker
-weakly: validators are kept by C++, which Python's garbage collector does not see, so that a checker whose spaces are
-kept for it would never be freed.
+While it is borrowed, a plan has it for itself, so that plans of several threads share nothing. Each plan gets a new
+planner, problem, solution and simplifier. A prepared space refers to its checker weakly: C++ owns the validators, which
+Python's garbage collector does not see, so that a strong reference would keep the checker alive forever.
 """
 
 from __future__ import annotations

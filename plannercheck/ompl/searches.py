@@ -2,11 +2,11 @@
 
 In: a space that is ready, start and goals. Out: `Search`, which goes on where it has stopped, and `in_turns`.
 
-RRTConnect finds most paths within some hundred iterations, but may miss a narrow way for long where one tree has to
-leave a pocket; LBKPIECE1, which looks along coarse cells and checks motions late, is often out of there at once. So
-each has its turn, ever longer ones. The lengths of turns are iterations, not seconds, so that a seed gives one path.
-What RRTConnect finds in its first turn is found as fast as without turns, and what only one of them finds takes a few
-times its own time at most.
+RRTConnect finds most paths within some hundred iterations, but may miss a narrow passage for long if one tree has to
+leave a pocket; LBKPIECE1, which searches along coarse cells and checks motions late, often leaves the pocket at once.
+So they take turns, which grow longer. Turns are counted in iterations, not seconds, so that a seed gives one path. A
+path that RRTConnect finds in its first turn is found as fast as without turns; a path that only one planner finds takes
+at most a few times that planner's time.
 """
 
 from __future__ import annotations

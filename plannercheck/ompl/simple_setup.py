@@ -2,9 +2,9 @@
 
 In: an OMPL space. Out: `SimpleSetup`, used as OMPL's own.
 
-An instance of a program's own class, such as a goal, may refer to the program's variables, the set-up among them. The
-set-up refers to the goal through C++, which Python's garbage collector does not see, so that none of them would ever be
-freed. So at the end of the program, set-ups drop all objects that may be of the program's own classes.
+An instance of a user's class, such as a goal, may refer to the program's variables, the set-up among them. The set-up
+refers to the goal through C++, which Python's garbage collector does not see, so none of them would ever be freed. So
+at the end of the program, set-ups drop all objects that may be of a user's class.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """OMPL's state validity checker for robots in space: exact verdicts, and clearances.
 
-In: a checker, its OMPL space. Out: `ExactStates`. Verdicts come from one compiled call where the robot's numbers need
-no care of their own (`Checker.state_validity`).
+In: a checker, its OMPL space. Out: `ExactStates`. Verdicts come from one compiled call if the robot's numbers need no
+conversion (`Checker.state_validity`).
 """
 
 from __future__ import annotations

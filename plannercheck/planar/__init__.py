@@ -1,4 +1,4 @@
-"""Convex polygons in the plane, and planar robots among them: `plannercheck` once more, with one dimension less.
+"""Convex polygons in the plane, and planar robots among them: the interface of `plannercheck` with one dimension less.
 
 Read `polygons` first (whether two polygons share a point) with `certificates`, then `robot` and `scene` with `links`
 and `robot_files`, and `checker` (verdicts on configurations and motions) with `body_tables`, `motion_certifier` and

@@ -1,7 +1,7 @@
 """Proofs of a verdict about two polygons: a line between them, or a common point.
 
 In: two posed polygons. Out: frozen values in the plane, and `verify`, which proves them in exact arithmetic from the
-vertices alone, without the core. A certificate is that of the same polygons as flat bodies in space
+vertices alone, without the core. A certificate is the certificate of the same polygons as flat bodies in space
 (plannercheck/bodies/certificates.py), without the third coordinate.
 
 The certificate is also found here, in integers, by the algorithm of Gilbert, Johnson and Keerthi for the point of A - B

@@ -1,8 +1,8 @@
 """Sampled motions of planar robots: how many states a straight motion needs.
 
-In: a robot, motions. Out: how many steps they need so that no point moves further than a given distance in one. The
-bound is a sum over the numbers of a configuration of how far one unit moves a point at most: 1 for x and y together as
-a length; for an angle, the longest way from its joint to a point that it carries.
+In: a robot, motions. Out: how many steps they need so that no point moves further than a given distance in a step. The
+bound is a sum over the numbers of a configuration of the largest distance that one unit moves a point: 1 for x and y
+together as a length; for an angle, the longest chain from its joint to a point that it carries.
 """
 
 from __future__ import annotations

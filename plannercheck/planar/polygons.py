@@ -5,9 +5,8 @@ In: polygons as arrays of vertices (n, 2) in the order of the boundary, either w
 cpp/planar/polygon_test; every call is a batch call of the core.
 
 Points (n = 1), segments (n = 2) and runs of vertices on a line are allowed. The caller has to ensure convexity. The
-test reads only a logarithmic part of the vertices. So all vertices are scanned before: a vertex equal to the one before
-is dropped, and numbers that are not finite are refused. `scan=False` skips the scan where the caller knows the
-vertices; `Polygons` are scanned once for many calls.
+test reads only a logarithmic part of the vertices. So a scan of all vertices comes first: it drops repeated vertices,
+and refuses numbers that are not finite. `scan=False` skips the scan; `Polygons` are scanned once for many calls.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """OMPL states to work with, for one call at a time.
 
-In: an OMPL space. Out: `SpareStates.taken`, which lends as many states as a call needs. Another thread, or a finaliser
-that runs within the call, gets other states, so no call overwrites the states of another.
+In: an OMPL space. Out: `SpareStates.taken`, which hands out as many states as a call needs. Another thread, or a
+finaliser that runs within the call, gets other states, so no call overwrites the states of another.
 """
 
 from __future__ import annotations

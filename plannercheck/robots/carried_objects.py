@@ -1,9 +1,9 @@
 """Objects that a robot's links carry: the links that they are tested against.
 
 In: a robot's links and bodies, attached objects of a scene. Out: the pairs that carried bodies add to the robot's self
-pairs. As in MoveIt, a carried object is tested against all links except the one that carries it and its touch links. It
-is tested against all other carried objects, except those on the same link and pairs of which one object names the other
-as a touch link.
+pairs. As in MoveIt, a carried object is tested against all links except its own link and its touch links. It is tested
+against all other carried objects, except objects on the same link, and pairs in which one object names the other as a
+touch link.
 """
 
 from __future__ import annotations

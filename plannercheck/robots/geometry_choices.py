@@ -1,7 +1,7 @@
 """One robot by its hulls, by its convex pieces and by its meshes, for comparing them.
 
-In: a robot's description, whatever geometry it asks for. Out: the robot with all links alike. Of pieces, those are
-taken that come with plannercheck or are cached: CoACD is not run.
+In: a robot's description, whatever geometry it asks for. Out: the robot with all links alike. Pieces are taken only if
+they come with plannercheck or are cached: CoACD is not run.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Reads the <geometry> of a URDF's links: what shape each collision (or visual) element is.
 
-In: a link's element. Out: one of our shapes, or a `MeshReference`. Numbers are read as urdfdom reads them, and whatever
-urdfdom drops or defaults is an error: a shape beside another one, a number that is none, a factor 0 in a mesh's scale.
-<capsule> is read whatever the URDF's version (urdfdom reads it from 5.1 on): its length is that of the cylinder
+In: a link's element. Out: one of our shapes, or a `MeshReference`. Numbers are read as urdfdom reads them. An element
+that urdfdom drops or defaults is an error: a second shape, a text that is no number, a factor 0 in a mesh's scale.
+<capsule> is read in any version of URDF (urdfdom reads it from 5.1 on): its length is the length of the cylinder
 between the caps, as in SDF and in Bullet.
 """
 

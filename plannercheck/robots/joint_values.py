@@ -1,8 +1,8 @@
 """Configurations of a robot without a group, given by one number for each joint.
 
 In: a Pinocchio model, the mimic joints. Out: maps that turn such rows into Pinocchio's q. In a row, a continuous joint
-is one angle, not its cosine and sine. One map takes all joints; another one takes those that follow no other joint, as
-MoveIt does.
+is one angle, not its cosine and sine. One map takes all joints; another map takes the joints that are no mimic joints,
+as in MoveIt.
 """
 
 from __future__ import annotations

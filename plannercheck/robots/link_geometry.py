@@ -1,4 +1,4 @@
-"""Which geometry the meshes of links have: their hulls, convex pieces, or the solids that they are.
+"""Which geometry the meshes of links have: hulls, convex pieces, or solids.
 
 In: a robot's bodies with the hulls of their meshes, their pairs, the meshes, and what is asked for. Out: bodies and
 pairs with that geometry. "solid" and "triangles" differ for open meshes: caps close these, or they are their triangles

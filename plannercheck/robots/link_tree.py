@@ -1,4 +1,4 @@
-"""How the links of a robot hang together, as data."""
+"""The tree of a robot's links and joints, as data."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""How a robot is posed, how exactly, and what is remembered of it.
+"""The poses of a robot, their error bounds, and results that are stored with it.
 
-In: the parts of a robot. Out: `PosedRobot`, the half of `Robot` that has to do with poses: its links by name, random
-configurations, poses of links, the proved bounds of their rounding, and results that are computed once a robot.
+In: the parts of a robot. Out: `PosedRobot`, the half of `Robot` for poses: its links by name, random configurations,
+poses of links, the proved bounds of their rounding, and results that are computed once a robot.
 """
 
 from __future__ import annotations

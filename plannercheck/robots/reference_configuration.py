@@ -1,8 +1,8 @@
 """The state at which joints are held, and the group's reference configuration.
 
 In: values of some joints as a user gives them (by name, or an array in Pinocchio's order). Out: a checked value for
-every joint: the given one; else, for a mimic joint, the one that follows from its leader; else the value within the
-limits that is nearest to Pinocchio's neutral one. A continuous joint's value is one angle.
+every joint: the given value; else, for a mimic joint, the value that follows from its leader; else the value within the
+limits that is nearest to Pinocchio's neutral value. A continuous joint's value is one angle.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What has been computed of a robot alone: kept for every checker of it, whatever its scene.
+"""Results that depend on a robot alone, shared by all its checkers in any scene.
 
 In: a key that holds all that a result depends on, and a function that computes it. Out: the result, computed once.
 Robots that differ only in what they carry, or in the values of joints that they hold, share one memory, since planning

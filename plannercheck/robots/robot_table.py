@@ -1,4 +1,4 @@
-"""A robot as notebooks show it: a table of its configurations' numbers and their limits.
+"""A robot in notebooks: a table of its configurations' numbers and their limits.
 
 In: a robot's line of words, names, limits. Out: HTML.
 """

@@ -1,8 +1,8 @@
 """Reads an SRDF: planning groups, named states, and pairs of links that are not tested.
 
 In: an SRDF and the tree of links. Out: for each group the joints that move it, in document order, group states, and
-disabled pairs. A file is parsed once (`Srdf`). Elements that name what the URDF does not have are passed over with a
-warning, as in MoveIt.
+disabled pairs. A file is parsed once (`Srdf`). Elements whose names are not in the URDF are ignored with a warning, as
+in MoveIt.
 """
 
 from __future__ import annotations

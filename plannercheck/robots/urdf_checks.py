@@ -1,8 +1,8 @@
-"""Checks what a URDF says about links and joints, before any reader takes it: nothing is dropped or read loosely.
+"""Checks the links and joints of a URDF before any reader takes it, so that nothing is dropped or read loosely.
 
 In: the root of a URDF's XML. Out: nothing, or an error that names file and element. urdfdom reads the first of two
-elements, passes over elements in the wrong place, and takes an <axis> without numbers for 0 0 0; Pinocchio turns about
-an axis of length 0, and follows links around a circle. Shapes are checked where they are read.
+elements, skips elements in the wrong place, and takes an <axis> without numbers for 0 0 0; Pinocchio turns about an
+axis of length 0, and follows links around a circle. `geometry_elements.py` checks shapes.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """A URDF as text and as XML; some common faults of the XML are mended.
 
 In: a path. Out: `UrdfFile`. Python's XML reader fails on an XML declaration that is not at the beginning, on undeclared
-prefixes, and on "--" within a comment. None of these concerns collisions, so it gets a text without them. What the XML
-says about links and joints is checked (`urdf_checks.py`). Pinocchio, and urdfdom under it, then get the links' masses
-and bodies and the joints alone: a faulty <visual> or mass, for which urdfdom drops the whole link, is not among them.
+prefixes, and on "--" within a comment. None of these concerns collisions, so it gets a text without them.
+`urdf_checks.py` checks links and joints. Pinocchio, and urdfdom under it, then get the links' masses and bodies and the
+joints alone: a faulty <visual> or mass, for which urdfdom drops the whole link, is not among them.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Hints for what is probably a mistake in a URDF: degrees, missing limits, misspelt elements, shapes of other formats.
+"""Hints for probable mistakes in a URDF: degrees, missing limits, misspelt elements, shapes of other formats.
 
-In: a URDF. Out: warnings that name the file, the element and the number, and say what the number looks like; for a file
-that does not parse, the elements that no URDF has. Verdicts do not depend on them.
+In: a URDF. Out: warnings that name the file, the element, the number and the likely mistake; for a file that does not
+parse, the elements that no URDF has. Verdicts do not depend on them.
 """
 
 from __future__ import annotations

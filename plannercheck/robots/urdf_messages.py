@@ -1,8 +1,8 @@
 """Says why a URDF does not load: `python -m plannercheck.robots.urdf_messages FILE FLOATING`.
 
-In: the file, whether its root floats. Out: what urdfdom and Pinocchio write on the terminal. They write to the
-process's own descriptors, which can't be redirected safely in a process with threads. So a file that failed is read
-again in a process of its own.
+In: the file, whether its root floats. Out: the messages of urdfdom and Pinocchio. They write to the process's
+descriptors, which can't be redirected safely in a process with threads. So a file that failed is read again in a
+separate process.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """xacro files: whether a file is one, and what it expands to.
 
 In: a path, arguments, folders of packages. Out: the text of a URDF, or a sentence on what to do. PyPI's xacro runs in a
-process of its own, since its state is global and it prints; `$(find PACKAGE)` finds packages as package:// does.
+separate process, since its state is global and it prints; `$(find PACKAGE)` finds packages as package:// does.
 """
 
 from __future__ import annotations

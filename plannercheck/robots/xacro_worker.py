@@ -1,7 +1,7 @@
 """Expands a xacro file: `python -m plannercheck.robots.xacro_worker FILE`, arguments and folders as JSON on stdin.
 
-Out: the URDF on standard output, or xacro's message on the error stream and exit code 1. An argument that the file did
-not ask for is an error: xacro itself passes over it.
+Out: the URDF on standard output, or xacro's message on the error stream and exit code 1. An argument that the file does
+not declare is an error: xacro itself ignores it.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Files that a scene's file names, written beside it before the scene itself.
 
 In: contents that are too large for YAML, each with a hash. Out: `FilesBeside`, which names their files and writes them.
-A name has a part of the content's hash, so that a scene that is saved again never changes a file that the scene before
-names: what can be read is the old scene or the new one.
+A name has a part of the content's hash, so that saving a scene again never changes a file that the old scene names: a
+reader gets the old scene or the new scene.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Obstacles of an MJCF file, for `Scene.from_mjcf`.
 
-In: a file and an empty scene. Out: the scene with the geoms that can collide and are no part of a robot, each an object
-of the geom's name: those of the world and of bodies that no joint moves, with floors as half-spaces and height fields.
+In: a file and an empty scene. Out: the scene with the geoms that can collide and are no part of a robot (the world's,
+and those of bodies that no joint moves), each an object of the geom's name; floors are half-spaces and height fields.
 Geoms of the file's robot that MuJoCo does not test against an obstacle may touch it.
 """
 

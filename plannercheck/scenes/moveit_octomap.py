@@ -1,4 +1,4 @@
-"""MoveIt's octomap in YAML: what its sensors have seen, as an obstacle.
+"""MoveIt's octomap in YAML, as an obstacle.
 
 In: a parsed `octomap_msgs/OctomapWithPose`. Out: `ObjectMessage` of one octree, or None without data.
 

@@ -1,7 +1,6 @@
 """Hints for scenes that are probably mistakes: sizes in millimetres.
 
-In: a scene. Out: a sentence that says what it looks like and what to do, or an empty string. Verdicts do not depend on
-it.
+In: a scene. Out: a sentence with the likely mistake and its remedy, or an empty string. Verdicts do not depend on it.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Shapes of a scene's meshes: their hulls, or the solids that they are.
+"""Shapes of a scene's meshes: hulls or solids.
 
 In: a file's keys `mesh`, `hull` and `solid`, or triangles in MoveIt's messages. Out: `Hull` or `Solid`; of a mesh file
-a part for each of its objects, named as in the file. Caps close open meshes of a scene that is read with its meshes as
-solids, or these are their triangles alone; a `solid:` of a scene file says which by its key `open`. `Scene.load` warns
-of open meshes.
+a part for each of its objects, named as in the file. If the meshes of a scene are read as solids, caps close open
+meshes, or open meshes are their triangles alone; the key `open` decides for a `solid:` of a scene file. `Scene.load`
+warns of open meshes.
 """
 
 from __future__ import annotations

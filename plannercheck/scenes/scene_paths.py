@@ -1,7 +1,7 @@
 """Finds the files that scenes name.
 
-In: a scene's name for a mesh or another file: a path, or a file: or package:// address. Out: the path of the file,
-and what its meshes are taken as. Packages are found as for URDFs (common/package_files.py).
+In: a scene's name for a mesh or another file: a path, or a file: or package:// address. Out: the path of the file, and
+the geometry of its meshes. Packages are found as for URDFs (common/package_files.py).
 """
 
 from __future__ import annotations

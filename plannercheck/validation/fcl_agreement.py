@@ -3,9 +3,9 @@
 In: a checker and configurations (n, nq). Out: an AgreementReport that counts pairs and lists every
 disagreement with the verdict of exact arithmetic on the same hulls and poses.
 
-FCL is an independent library, not the truth: it works to a tolerance, and errs near contact and on small or flat
-bodies. So FCL alone decides nothing. Pairs whose world boxes are apart count as free without a query to FCL. Bodies for
-which FCL has no reliable form (flat ones, inflated polygons and polytopes) are compared with exact arithmetic.
+FCL is an independent library, not the truth: it has a tolerance, and errs near contact and on small or flat bodies.
+Pairs whose world boxes are apart count as free without a query to FCL. Bodies for which FCL has no reliable form (flat
+ones, inflated polygons and polytopes) are compared with exact arithmetic.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Whether a certificate about sets of parts holds for the shapes that a checker was given.
 
 In: a certificate of a pair, and both shapes at their poses. Out: whether it proves its verdict about these. The parts
-are made again here from the shapes' own numbers (points and radii, cells, heights), so that what the core made of them
-is not trusted: a certificate's parts have to be the very same ones, and a plane has to keep all of them away.
+are made again here from the shapes' own numbers (points and radii, cells, heights), so that the core's parts are not
+trusted: a certificate's parts have to be the very same, and a plane has to keep all of them away.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Whether a certificate about solids holds for the meshes that a checker was given, not only for what the core made.
+"""Whether a certificate about solids holds for the meshes that a checker was given, not only for the core's bodies.
 
 In: a certificate of a pair, and the points and triangles of both shapes at their poses. Out: whether it proves its
 verdict about these. A convex body is the hull of its points: a point is in it if a closed surface with vertices among

@@ -1,8 +1,8 @@
-"""The outside of many cubes as few rectangles, so that a map of a million cells is drawn fluently.
+"""The outside of many cubes as few rectangles, for fast drawing of a map of a million cells.
 
 In: cubes on a lattice. Out: for each of the six directions, the rectangles that show. Faces that two cubes share are
-inside and are left out. Those left are cut into squares of one step, which are joined along one axis and then along the
-other where they are equally long.
+inside and are left out. The other faces are cut into squares of one step, which are joined along one axis and, if
+equally long, along the other.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Bodies of very many parts, as they are drawn: the balls of a cloud, the cells of a map.
+"""Bodies of very many parts in pictures: the balls of a cloud, the cells of a map.
 
 In: balls or cells. Out: `DrawnParts`: places as whole numbers of 16 bits, in steps from a corner, so that a million
-balls take 8 MB. Of larger sets, balls are left out evenly and cells are drawn coarser; verdicts are about all of them.
+balls take 8 MB. In larger sets, balls are left out evenly and cells are drawn coarser; verdicts are about all of them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Finds the obstacles that are the floor, so that the floor can be hidden.
 
-In: the meshes of a picture. Out: the same meshes, those of the floor on a layer of their own. An obstacle is the floor
+In: the meshes of a picture. Out: the same meshes, with the floor's meshes on a separate layer. An obstacle is the floor
 if its name says so; without such a name, if it is wide and flat and neither the robot nor another obstacle is below its
 top.
 """

@@ -5,8 +5,8 @@ In: the host it serves. Out: within `own_pages_only`, a viser server that refuse
 A browser lets any page open a WebSocket to this machine, and says in the header Origin which page it was. It must be
 the one that the address in the header Host served. That alone is not enough: an attacker's name may point to this
 machine (DNS rebinding), and then both agree. So the name must be an IP address, "localhost", the host that was asked
-for or the machine's own name. Pages themselves are asked for without Origin, WebSockets never are by a browser: one
-that has none is refused. Programs other than browsers may say what they like; they are not what this is about.
+for or the machine's own name. Browsers request pages without Origin, but WebSockets always with it: a WebSocket without
+Origin is refused. Programs other than browsers may send any Origin; this module does not concern them.
 """
 
 from __future__ import annotations

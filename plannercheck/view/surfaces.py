@@ -1,4 +1,4 @@
-"""Triangles to draw: of the bodies that verdicts are about, of the meshes as delivered, and of what links look like.
+"""Triangles to draw: of the checked bodies, of the collision meshes, and of the visual meshes.
 
 In: shapes, or a robot's name or file. Out: vertices (n, 3) in m and triangles (m, 3), in the body's frame. Curved
 shapes are drawn coarser than they are checked.

@@ -2,9 +2,9 @@
 //
 // In: a scope. Out: no lock inside of it, or the lock once more. Idea: at its end, Python (before 3.14) ends each
 // daemon thread that asks for the lock by `pthread_exit`, which unwinds the thread's stack. A destructor that must not
-// throw, as those of nanobind's guards, or a `catch (...)` on the way turns that into std::terminate: the whole process
-// aborts, whatever its exit code was to be. Such a thread stops here instead, for good, as Python 3.14 itself has it;
-// the process ends without it.
+// throw, as in nanobind's guards, or a `catch (...)` turns the unwinding into std::terminate: the whole process aborts,
+// whatever its exit code was to be. Here such a thread sleeps forever instead, as in Python 3.14, and the process ends
+// without it.
 #pragma once
 
 #include <Python.h>

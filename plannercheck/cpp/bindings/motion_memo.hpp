@@ -1,9 +1,9 @@
-// The motions that were asked for lately, and whether they are free: what shortens a path asks for a sixth of its
-// motions again. What searches for one does not, so that nothing is remembered then (Remembering).
+// Recent motions, and whether they are free: a shortening of a path asks for a sixth of its motions again. A search for
+// a path does not repeat motions, so nothing is remembered then (Remembering).
 //
-// In: the ends of a motion, and who finds the answer. Out: the answer, found once for the very same numbers as long as
-// it is known. A motion's place in the table depends on its numbers only, and a later one with the same place takes it
-// over. Callers hold the GIL.
+// In: the ends of a motion, and who finds the answer. Out: the answer, from the table if the very same numbers are in
+// it. A motion's place in the table depends on its numbers only, and a later motion with the same place replaces it.
+// Callers hold the GIL.
 #pragma once
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 // In: the calling thread's settings. Out: the same, restored. Idea: another library may have left a thread with another
 // rounding direction, or with denormals flushed to zero (loading code built with -ffast-math does so). Every function
 // bound to Python is guarded (`plain_floats` in its definition); threads that the core starts inherit the settings of
-// the one that starts them. If the settings are right, which is nearly always, this costs one read and one comparison.
+// the starting thread. If the settings are right, which is nearly always, this costs one read and one comparison.
 #pragma once
 
 #include <nanobind/nanobind.h>

@@ -1,8 +1,9 @@
 // Which numbers of a configuration form unit vectors (quaternions, cosine and sine), and whether their lengths are as
 // good as 1.
 //
-// In: columns, first and past the last; by how much lengths may be off. Out: of a configuration, whether they surely
-// are off by no more. Others are left to whoever counts what lengths along a chain add up to (robots/unit_lengths.py).
+// In: columns, first and past the last; by how much lengths may be off. Out: whether a configuration's lengths are
+// surely off by no more. robots/unit_lengths.py decides about the other configurations: it adds up the lengths along
+// each chain.
 #pragma once
 
 #include <cmath>

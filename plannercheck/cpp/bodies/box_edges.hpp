@@ -1,10 +1,10 @@
-// Planes along an edge of each of two boxes: what they have to be apart by, in doubles or in lanes.
+// Planes along an edge of each of two boxes: by how much they separate the boxes, in doubles or in lanes.
 //
 // In: for boxes with axes a_i and b_j and the difference d of their centres, the products a_i b_j and a_i d, and half
-// the edges. Out: for each direction a_i x b_j, how far apart both centres are along it, and how far the boxes reach
-// from there. On it, half edge k of the first box projects to |a_k (a_i x b_j)| of itself, which is 0 for k = i, else
-// |a_m b_j| for the third axis m; so it does for the second. The callers allow for axes that are off orthonormal, and
-// for rounding: three products and sums in each number.
+// the edges. Out: for each direction a_i x b_j, the distance of the centres along it, and the sum of the boxes' half
+// extents. Half edge k of the first box projects to |a_k (a_i x b_j)| of its length: 0 for k = i, else |a_m b_j| for
+// the third axis m; likewise for the second box. The callers allow for axes that are off orthonormal, and for rounding:
+// three products and sums in each number.
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
-// A few balls that together hold a hull, along its longest side: far less room than in one ball around all of it.
+// A few balls that together hold a hull, along its longest side: their volume is far smaller than that of one ball
+// around the hull.
 //
 // In: a hull. Out: balls, in its frame. Idea: the hull is cut into slices across the longest side of its box, and each
 // slice is held by a nearly smallest ball.

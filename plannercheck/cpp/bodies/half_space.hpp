@@ -1,7 +1,7 @@
 // The points on one side of a plane, as a body: {x : normal · x <= offset}.
 //
-// It is unbounded, so that no hull is it. Its Polytope is a cube that is larger than anything: whatever asks nothing
-// but the hull finds every body to be in it, which is safe. half_space_pair.hpp has the exact answers.
+// It is unbounded, so it has no hull. Its Polytope is a cube that is larger than anything: code that tests only hulls
+// finds every body inside the cube, which is safe. half_space_pair.hpp has the exact answers.
 #pragma once
 
 #include <array>

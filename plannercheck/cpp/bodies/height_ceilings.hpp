@@ -1,9 +1,9 @@
-// How high a field of heights reaches at most near a place: one look into a table, in place of a walk down a tree.
+// An upper bound of a height field near a place: one look-up in a table, instead of a descent in a tree.
 //
-// In: heights over a lattice, and their base. Out: levels of cells, each twice as wide as those of the level before, up
-// to one cell around all; and for each cell its ceiling, which no prism is above whose square is in the cell or in one
-// of its eight neighbours. So what is over a cell, sticks out of it by less than a cell's width, and is above its
-// ceiling meets no prism. Ceilings are counted in units above the base, rounded upwards; cells lie in tiles of a cache
+// In: heights over a lattice, and their base. Out: levels of cells, each cell twice as wide as the cells of the level
+// before, up to one cell around all; and for each cell its ceiling: no prism whose square is in the cell or in one of
+// its eight neighbours is higher. So a body that sticks out of a cell by less than a cell's width, and is above its
+// ceiling, meets no prism. Ceilings are counted in units above the base, rounded upwards; cells lie in tiles of a cache
 // line each.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Convex hulls as triangle meshes, exact: every sign is that of the given doubles.
+// Convex hulls as triangle meshes, exact for the given doubles.
 //
 // In: points, or points with faces that claim to be their hull. Out: a mesh whose vertices are exactly the extreme
 // points and whose triangles are outward; triangles of one facet are exactly coplanar. Idea: quickhull.hpp builds

@@ -4,9 +4,9 @@
 // that the solid holds P' = {c + y : q·y <= 1 − s for all q}. Meshes of convex links are such solids: they are their
 // hulls up to rounding, or up to some shallow dents.
 //
-// Proof: of each triangle, one facet is known with q·y > 1 − s at all corners; then so has each of its points, and none
-// is in P'. As P' is convex, holds c and meets no triangle, the solid winds around all of it as often as around one
-// point of it, which is told exactly.
+// Proof: for each triangle, one facet is known with q·y > 1 − s at all corners. Then all points of the triangle have
+// q·y > 1 − s, so the triangle does not meet P'. P' is convex and meets no triangle, so the solid winds equally often
+// around all points of P'. For the centre c, this winding number is decided exactly.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,8 @@
-// How balls and a box inside a body are chosen, whatever tells what is inside of it.
+// Chooses balls and a box inside a body, for any test of the body's inside.
 //
 // In: a body, and its inside: `radius_around(point)`, the radius of a ball around a point that is inside, not positive
-// if none is; and `holds(box)`, for boxes that hold a point inside. Out: balls that were tried, those of them that
-// cover most, and a large box. What is inside is proved by these two alone.
+// if none is; and `holds(box)`, for boxes that hold a point inside. Out: balls that were tried, the balls that together
+// cover most, and a large box. `radius_around` and `holds` alone prove that they are inside.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Balls and a rounded box inside a body. If a ball in one body overlaps the box in another, the bodies share a point;
-// so do they if a vertex is in there.
+// Balls and a rounded box inside a body. If a ball in one body overlaps the box in another, or a vertex of one body is
+// in that box, the bodies share a point.
 //
 // In: a body with a polar, or a point or a segment. Out: some balls that together cover much of it, and one rounded
 // box, in the body's frame and without the inflation radius; none if the body is as thin as rounding. All lie within

@@ -1,7 +1,7 @@
 // Boxes of a node's children in lanes.
 //
 // In: a node of a tree of triangles. Out: middles, half extents and axes, a lane for each child; and half extents of
-// boxes around those along the tree's axes.
+// the boxes around them along the tree's axes.
 #pragma once
 
 #include <array>

@@ -1,12 +1,12 @@
 // Boxes along axes of their own, in floats: as thin as the patch of a surface that they hold.
 //
-// In: corners of triangles, in units in which they reach from −1 to 1. Out: a box around them. Of two sets of axes, the
-// frame's own and the principal ones of the triangles, those with the smaller box are taken. Idea: a small patch of a
-// smooth surface is nearly flat; along its normal it reaches by the square of its size only, so that few pairs of
-// patches of two surfaces near contact have boxes that meet (Gottschalk, Lin and Manocha, OBBTree, 1996). Two axes are
-// kept in 16 bits an entry; the third is their cross product. Axes are what these numbers say, and half extents count
-// along them: x = centre + Σ t_j axis_j with |t_j| ≤ half_j, for each x that is held. So nothing is lost by rounding
-// them, and that they are not quite orthonormal is for those who project the box to know.
+// In: corners of triangles, in units in which they reach from −1 to 1. Out: a box around them. Its axes are the frame's
+// axes or the principal axes of the triangles, whichever give the smaller box. Idea: a small patch of a smooth surface
+// is nearly flat; its extent along the normal is about the square of its size, so few pairs of patches of two surfaces
+// near contact have boxes that meet (Gottschalk, Lin and Manocha, OBBTree, 1996). Two axes are kept in 16 bits an
+// entry; the third is their cross product. Axes are what these numbers say, and half extents count along them: x =
+// centre + Σ t_j axis_j with |t_j| ≤ half_j, for each x that is held. So rounding the axes loses no point; code that
+// projects the box has to allow for axes that are not quite orthonormal.
 #pragma once
 
 #include <array>

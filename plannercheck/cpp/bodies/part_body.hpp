@@ -1,5 +1,5 @@
-// A part of a set, or a triangle of a solid, as a body of its own for the tests of pairs: one object is filled again
-// for each.
+// A part of a set, or a triangle of a solid, as a body for the tests of pairs: one object is filled again for each
+// part.
 //
 // In: corners and a radius. Out: a Polytope that holds all that a test asks of A: vertices, their scan, and
 // bounds. It has no polar and no faces, so that filling it takes no longer than a test.

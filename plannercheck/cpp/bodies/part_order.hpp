@@ -1,7 +1,7 @@
 // The order in which parts stand in the tree of a set, so that neighbours in it are near each other.
 //
-// In: places of parts, or how many tiles there are. Out: indices in the order. Halves of a node's children are parted
-// along the longest side of the box around their places; tiles stand along Morton's curve (Morton 1966).
+// In: places of parts, or how many tiles there are. Out: indices in the order. A node's children are split in halves
+// along the longest side of the box around their places; tiles are ordered along Morton's curve (Morton 1966).
 #pragma once
 
 #include <array>

@@ -2,7 +2,7 @@
 //
 // In: points with radii (balls), cells of a lattice (boxes), or heights over a lattice (prisms). Out: the parts in the
 // order of a tree, and nodes of eight boxes each. Eight parts in a row are a leaf, eight leaves in a row a node, and so
-// on, so that no child has to be named. No part is an object: what is kept of one is what it was given by. Boxes are in
+// on, so that nodes store no indices of children. A part is no object: only its given numbers are stored. Boxes are in
 // floats, about the set's middle, in units in which the set reaches from −1 to 1, rounded outwards.
 #pragma once
 

@@ -1,10 +1,10 @@
 // A solid: the closed set of a mesh's triangles and of all points around which it winds.
 //
 // In: points, and triangles that name three of them each. Out: the triangles in the order of a tree, whether they bound
-// a volume, and a vertex of each connected part. A mesh bounds a volume if its directed edges cancel: each is run along
-// as often in one direction as in the other, where vertices with equal coordinates are one. Then every point off the
-// triangles has a winding number, and those with another one than 0 belong to the solid. Otherwise the solid is its
-// triangles alone. Crossing, nested, inverted and degenerate triangles are allowed.
+// a volume, and a vertex of each connected part. A mesh bounds a volume if each directed edge occurs as often as its
+// reverse, where vertices with equal coordinates are one vertex. Then every point off the triangles has a winding
+// number, and the points whose number is not 0 belong to the solid. Otherwise the solid is its triangles alone.
+// Crossing, nested, inverted and degenerate triangles are allowed.
 #pragma once
 
 #include <array>

@@ -2,9 +2,9 @@
 //
 // In: a solid. Out: shapes as of inner_shapes.hpp, in the solid's frame; none if it encloses nothing, or is as thin as
 // rounding. Idea: a ball or a box that no triangle meets has one winding number throughout, and lies in the solid if
-// its middle has another one than 0. A triangle is further from a ball's centre or a box than r if a direction keeps
-// its corners further away. Winding numbers are counted along a ray by exact signs; where the ray meets an edge, the
-// point is given up.
+// the winding number of its middle is not 0. A triangle is further than r from a ball's centre or a box if its corners
+// are further than r along some direction. Winding numbers are counted along a ray by exact signs; if the ray meets an
+// edge, the point is dropped.
 #pragma once
 
 #include "bodies/inner_shapes.hpp"

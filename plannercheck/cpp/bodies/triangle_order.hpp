@@ -1,10 +1,10 @@
 // Triangles in the order of a tree's leaves, cut so that few boxes of two trees meet.
 //
-// In: boxes around triangles. Out: an order, and how its nodes are cut. Idea: of all cuts across an axis the one whose
-// two sides have the least surface, each times its number of leaves, is taken (the surface area heuristic of Goldsmith
-// and Salmon, 1987); the part with the largest surface is cut again, until there are as many as a node has children
-// (Wald, Benthin and Boulos, 2008). Cuts are at whole leaves, so that all leaves but the last one are full. Where such
-// cuts would make the tree too deep, a node is cut evenly.
+// In: boxes around triangles. Out: an order, and how its nodes are cut. Idea: a cut across an axis minimises the sum
+// over both sides of surface times number of leaves (the surface area heuristic of Goldsmith and Salmon, 1987); the
+// part with the largest surface is cut again, until there are as many as a node has children (Wald, Benthin and Boulos,
+// 2008). Cuts are at whole leaves, so that all leaves but the last one are full. If such cuts would make the tree too
+// deep, a node is cut evenly.
 #pragma once
 
 #include <cstddef>

@@ -1,10 +1,9 @@
 // Boxes around the triangles of a mesh: a tree with eight children a node, in floats that fit one register.
 //
 // In: points and triangles. Out: triangles in the order of the leaves, and nodes whose boxes hold what is below them.
-// Boxes have axes of their own (oriented_box.hpp), in units in which the mesh reaches from −1 to 1 about its middle;
-// they are rounded outwards, so that a point that is outside of a box, beyond the rounding of its own coordinates, is
-// on no triangle below it. The children of a node are all nodes, or all triangles, whose corners then lie side by side
-// in lanes.
+// Boxes are oriented (oriented_box.hpp), in units in which the mesh extends from −1 to 1 about its middle. They are
+// rounded outwards: a point outside of a box, by more than the rounding of its coordinates, is on no triangle below it.
+// The children of a node are all nodes, or all triangles, whose corners then lie side by side in lanes.
 #pragma once
 
 #include <array>

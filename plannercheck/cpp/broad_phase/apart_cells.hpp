@@ -1,8 +1,8 @@
 // Pairs of bodies whose relative pose depends on one or two numbers of a configuration only, and the cells of these
 // numbers in which they are apart, proved before (plannercheck/checking/apart_cells.py).
 //
-// In: the cells' flags, configurations. Out: the pairs that may meet, a bit each. Numbers beyond the cells, or that are
-// none, say nothing. Immutable, and the robot's alone, so that all its checkers share them.
+// In: the cells' flags, configurations. Out: the pairs that may meet, a bit each. Numbers beyond the cells, and NaN,
+// leave all pairs. Immutable, and independent of scenes, so all checkers of a robot share them.
 #pragma once
 
 #include <array>

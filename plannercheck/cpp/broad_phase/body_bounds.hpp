@@ -2,9 +2,9 @@
 // in lanes.
 //
 // In: posed links, the bodies' bounds in their own frames. Out: for a pair, the states in which a plane along a face of
-// either box, or along two edges, separates both (box_filter.cpp), and those in which a ball inside one body meets a
-// box inside the other (overlap_filter.cpp): most of the states in which the bodies share a point. Whatever the
-// rounding.
+// either box, or along two edges, separates both (box_filter.cpp), and the states in which a ball inside one body meets
+// a box inside the other (overlap_filter.cpp): most of the states in which the bodies share a point. Both hold whatever
+// the rounding.
 #pragma once
 
 #include <array>

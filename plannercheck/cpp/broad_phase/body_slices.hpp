@@ -1,8 +1,9 @@
-// Which long bodies are tested against other moving bodies as two or three slices, each in a ball of its own, since one
-// ball around all of such a body meets most of what is near the robot.
+// Which long bodies are tested against other moving bodies as two or three slices, each in its own ball, because one
+// ball around a long body meets most balls near the robot.
 //
-// In: bodies on links, the balls around them, their pairs, links' poses in sampled states. Out: the slices of those for
-// which they leave enough pairs fewer in these states. Any choice gives the same verdicts; only its cost differs.
+// In: bodies on links, the balls around them, their pairs, links' poses in sampled states. Out: the slices of the
+// bodies for which slices leave clearly fewer pairs in these states. Any choice gives the same verdicts; only the time
+// differs.
 #pragma once
 
 #include <cstdint>

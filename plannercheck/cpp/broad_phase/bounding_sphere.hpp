@@ -1,4 +1,4 @@
-// A ball around a body that hangs on a link, in floats, and the radius that it needs once posed.
+// A ball around a body on a link, in floats, and the radius that the posed ball needs.
 #pragma once
 
 #include <array>

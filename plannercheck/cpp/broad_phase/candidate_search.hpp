@@ -1,10 +1,10 @@
-// Which pairs of bodies are asked about at all in a block of states, or in one: bounding balls are held against each
-// other and against obstacles' boxes, and pairs in cells are looked up.
+// Which pairs of bodies are candidates in a block of states, or in one state: bounding balls are compared with each
+// other and with obstacles' boxes, and pairs in cells are looked up.
 //
 // In: posed links, the states that are open. Out: pairs, each with the states in which its bounds meet. For a block, in
-// lanes over states, this is done in steps: movers in groups before obstacles, or before a tree of these where they are
-// many, then movers before each other, before half-spaces and before fields of heights. So filters may decide states
-// between two steps. For one state, in lanes over pairs, there is one step.
+// lanes over states, the search has steps: groups of movers against obstacles, or against a tree of many obstacles,
+// then movers against each other, against half-spaces and against height fields. So filters may decide states between
+// two steps. For one state, in lanes over pairs, there is one step.
 #pragma once
 
 #include <array>

@@ -1,14 +1,14 @@
-// How far points are at least from all parts of a set that stands still: a byte for each cell of a grid.
+// Lower bounds of the distance of points from all parts of a static set: a byte for each cell of a grid.
 //
 // In: a posed set, the region of the world where points are asked for. Out: for points in lanes, lower bounds of their
-// distances to the parts. Idea: cells that hold parts (of balls: their centres) are marked, and each cell keeps by how
-// many cells it is away from the nearest marked one, in Euclid's length, which is found axis by axis (Felzenszwalb and
-// Huttenlocher 2012). All that is beyond a side where parts lie outside of the grid counts as marked.
+// distances to the parts. Idea: cells that hold parts (of balls: their centres) are marked, and each cell stores its
+// Euclidean distance, in cells, from the nearest marked cell, computed axis by axis (Felzenszwalb and Huttenlocher
+// 2012). If parts lie outside of the grid beyond a side, all cells beyond that side count as marked.
 //
-// Proof. Let x be a point in a closed cell, p one in another, whose indices differ by k on an axis: then the points
-// differ there by at least (|k| − 1) steps. A point outside of the grid is taken to the nearest cell. On a side beyond
-// which no part is that brings it no further from any of them on any axis; beyond any other side the cells' own
-// distance is 0. Rounding moves points by less than `room_`, which is taken off.
+// Proof. Let x and p be points in closed cells whose indices differ by k on an axis: then x and p differ on it by at
+// least (|k| − 1) steps. A point outside of the grid gets the bound of the nearest cell. If no part is beyond that
+// side, the nearest cell is no further from any part on any axis; beyond any other side, the bound is 0. Rounding moves
+// points by less than `room_`, which is subtracted.
 #pragma once
 
 #include <array>

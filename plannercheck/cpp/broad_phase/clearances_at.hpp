@@ -1,4 +1,4 @@
-// Clearances of single points before a set of parts, as its grid has them: to hold the grid against the parts.
+// Clearances of single points from a set of parts by its grid, for tests that compare the grid with the parts.
 #pragma once
 
 #include <vector>

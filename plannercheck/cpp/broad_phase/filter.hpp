@@ -1,7 +1,8 @@
-// What a filter says of a pair of bodies in the states of a block, a bit each; in other states it says nothing.
+// A filter's result for a pair of bodies: the states of a block in which they are apart or overlap; the others stay
+// open.
 //
-// Every filter has a function that takes a pair and what is posed of it, and returns such masks. Each is proved with
-// its rounding, so that no filter changes a verdict.
+// Every filter has a function that takes a pair and its posed bounds, and returns such masks. Each filter is proved
+// with its rounding, so that none changes a verdict.
 #pragma once
 
 namespace plannercheck {

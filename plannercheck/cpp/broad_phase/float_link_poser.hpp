@@ -1,9 +1,9 @@
-// Forward kinematics in floats for a block of states at once, with a bound of their error: poses for filters, which
-// take a quarter of the time of those in doubles.
+// Forward kinematics in floats for a block of states at once, with a bound of their error: poses for filters, four
+// times as fast as poses in doubles.
 //
-// In: the table of joints (robots/kinematics.hpp), configurations in lanes. Out: links' poses, and how far those in
-// doubles may be from them. Only joints that turn about or slide along an axis are posed. The steps are those of
-// robots/kinematics_lanes.hpp but for turns about axes that are none of the frame's: these are turns about z between
+// In: the table of joints (robots/kinematics.hpp), configurations in lanes. Out: links' poses, and how far poses in
+// doubles may be from them. Only joints that turn about or slide along an axis are posed. The steps are the steps of
+// robots/kinematics_lanes.hpp, except that a turn about an axis that is no axis of the frame is a turn about z between
 // two placements. A workspace: it keeps its memory.
 #pragma once
 

@@ -1,8 +1,8 @@
-// How far poses may be off that were computed in floats, besides what rounding a pose in doubles to floats would add.
+// The error of poses that were computed in floats, without the error of rounding a pose in doubles to floats.
 //
-// In: the steps of a chain, as float_link_poser.hpp takes them. Out: bounds of what they change in the pose of points
-// and directions. Idea: a row of the rotation errs by a vector, whose length no rotation changes; so errors of the
-// steps add up, and do not multiply.
+// In: the steps of a chain, as float_link_poser.hpp takes them. Out: bounds of the errors of points and directions.
+// Idea: a row of the rotation errs by a vector, whose length no rotation changes; so errors of the steps add up, and do
+// not multiply.
 #pragma once
 
 #include <array>

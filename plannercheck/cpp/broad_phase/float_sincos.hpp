@@ -1,4 +1,4 @@
-// Sine and cosine of the angles of a block, in floats: within 2^-23 of those of the given doubles.
+// Sine and cosine of the angles of a block, in floats: within 2^-23 of the values for the given doubles.
 //
 // Idea: as in math/sincos.hpp, with less precision. The nearest multiple of pi/2 is subtracted in doubles, where one
 // product is exact enough below kLargestAngle; the rest is rounded to floats, of which polynomials are evaluated, in

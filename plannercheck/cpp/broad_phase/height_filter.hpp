@@ -1,9 +1,9 @@
-// Which bounding balls may reach down to fields of heights that stand still: by one look at the ceiling of the cell
-// below each centre (height_ceilings.hpp), in floats.
+// Which bounding balls may touch static height fields: by one look at the ceiling of the cell below each centre
+// (height_ceilings.hpp), in floats.
 //
 // In: fields in the world, posed balls of a block of states, or of one. Out: the states in which a pair is apart. A
-// ball is clear if it is above the ceiling, or beyond a side of the box around the field. In doubt, and
-// for centres that are no numbers, a pair may touch.
+// ball is clear if it is above the ceiling, or beyond a side of the box around the field. In doubt, and for NaN, a pair
+// may touch.
 //
 // Proof. A pair that touches shares a point w of the ball around c, with the field's inflation radius added, R, and the
 // place s of the field: w = M s + t. Then M⁻¹ (c − t) is at most (1 + 2e-6) R from s along each axis, and the computed

@@ -1,8 +1,8 @@
-// The pairs that overlapped most often in the latest states: along motions, and as planners ask for states, most of
-// those that collide do so in one of the same few pairs.
+// The pairs that overlapped most often in the latest states: along motions, and in planners' states, the same few pairs
+// decide most states that collide.
 //
-// In: what each state, or block of states, showed. Out: the pairs that are worth a try in the next ones, before
-// anything else. Nothing is tried where no pair stands out, as in random states.
+// In: the overlaps of each state, or block of states. Out: the pairs to test first in the next states; none if no pair
+// stands out, as in random states.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// What the filters leave of a block of states: those that surely collide, and the pairs that are near in the others.
+// The filters' result for a block: the states that surely collide, and the pairs that stay open in the other states.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
-// What look-ups in clearance grids say of bodies on links before sets of parts that stand still.
+// Look-ups in clearance grids, for bodies on links against static sets of parts.
 //
-// In: bodies on links and in the world. Out: a set's grid, made when it is first asked for; and balls that together
-// hold a body, in its link's frame.
+// In: bodies on links and in the world. Out: a set's grid, made at its first use; and balls that together hold a body,
+// in its link's frame.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Bodies of one link that are tested against the same set of parts: where no part comes near a box around all of them,
-// none of them has to be looked at.
+// Bodies of one link that are tested against the same set of parts: if no part is near a box around all of them, all
+// are apart from the set.
 //
 // In: bodies and pairs. Out: groups of at least two pairs, each with a box in the frame of its first pair's body.
 #pragma once

@@ -1,8 +1,6 @@
-// Which bounding balls may reach into half-spaces, which no box or tree holds: by the heights of their centres, in
-// floats.
+// Which bounding balls may touch half-spaces, which no box or tree holds: by the heights of their centres, in floats.
 //
-// In: half-spaces that stand still, posed balls of a block of states. Out: the states in which a pair is apart; none
-// where centres are no numbers.
+// In: static half-spaces, posed balls of a block of states. Out: the states in which a pair is apart; none for NaN.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
-// The two sources of poses that filters look at: a block of states, in lanes, and one state.
+// The two sources of poses for filters: a block of states, in lanes, and one state.
 //
-// Both say how a link is posed in floats, in lanes over whatever the source is asked about, and how far the pose may be
-// off besides rounding. Poses in doubles are rounded before they are a block.
+// Both have a link's pose in floats, in lanes over states or over pairs, and the pose's error besides rounding. Poses
+// in doubles are rounded before they become a block.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Sample poses used to choose the groups of movers (mover_groups.hpp). This header is free of lanes, as the bindings
+// Sample poses used to choose the groups of movers (mover_groups.hpp). This header has no lanes, because the bindings
 // make the poses; mover_groups.hpp has lanes of floats.
 #pragma once
 

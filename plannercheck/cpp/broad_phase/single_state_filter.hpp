@@ -1,12 +1,11 @@
-// Which bounding balls of one state meet each other and the boxes around obstacles. Its lanes run over pairs, for
-// single states, which would leave lanes over states empty.
+// Which bounding balls of one state meet each other and the boxes around obstacles, in lanes over pairs: a single state
+// would leave lanes over states empty.
 //
 // In: posed links of one state; balls around bodies on links; boxes. Out: the pairs that may touch, by the same
-// comparisons as in lanes over states. Idea: eight balls are posed side by side. A test of balls takes eight pairs
-// whose balls are of the same eights, whichever they are, since lanes over the few partners of one ball would be half
-// empty; so does a test of boxes. Lanes are eight on AVX-512, too, and no step on the way to a single verdict takes
-// wider ones: all that follows within some hundred cycles would run slower, by more than they save (measured).
-// Immutable; the workspace of posed balls is the caller's.
+// comparisons as in lanes over states. Idea: eight balls are posed side by side. A test of balls, or of boxes, takes
+// any eight pairs whose balls are from the same two groups of eight; lanes over the few partners of one ball would be
+// half empty. There are eight lanes on AVX-512, too: wider vectors slow down the next hundred cycles by more than they
+// save. Immutable; the workspace of posed balls is the caller's.
 #pragma once
 
 #include <array>

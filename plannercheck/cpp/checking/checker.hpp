@@ -1,8 +1,8 @@
 // Verdicts for sets of configurations: blocks of states are posed and bounded in lanes, then the pairs left are tested.
 //
 // In: posed links (from the kinematics kernel or given), bodies on links, pairs of bodies. Out: for each configuration
-// whether some pair shares a point, and which. Immutable: each thread brings a workspace, which holds what is learnt.
-// This header is free of lanes, whose number differs between instruction sets.
+// whether some pair shares a point, and which. Immutable: each thread brings a workspace, which holds all statistics of
+// earlier states. This header has no lanes, whose number differs between instruction sets.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// States that filters left open after poses in floats, with the pairs that are near, kept until there are enough for a
-// block; and how many are left open lately.
+// States that filters left open at poses in floats, with their open pairs, collected until they fill a block; and the
+// recent share of open states.
 #pragma once
 
 #include <array>

@@ -1,8 +1,8 @@
 // Many points in the world against a few posed bodies.
 //
 // In: posed bodies, solids among them, and points with radii, in m. Out: which points are within their radii of some
-// body, exactly; or how far each point is from each body. Idea: points that follow each other in a cloud are near each
-// other, so eight at a time are left out by the ball around them; points_near_hull.hpp judges the others.
+// body, exactly; or how far each point is from each body. Idea: successive points of a cloud are near each other, so a
+// ball around eight points rules them out together; points_near_hull.hpp judges the other points.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// The poses in floats that filters of sets look at (broad_phase/float_link_poser.hpp), row by row: to test their
-// bounds. This header is free of lanes.
+// The poses in floats of broad_phase/float_link_poser.hpp, row by row, for tests of their error bounds. This header is
+// free of lanes.
 #pragma once
 
 #include <cstddef>

@@ -1,9 +1,9 @@
 // Obstacles that a robot's bodies never meet within the joint limits, by the cells of
 // plannercheck/checking/unreachable_pairs.py, which proves the idea and its margins.
 //
-// In: for each body some cuts, each of which says where the centre of a ball around the body is in the middle of every
-// cell, and how large the ball is with all that it moves within a cell; then obstacles' boxes. Out: which bodies stay
-// clear of which obstacles, that is, in every cell of one of their cuts. This header is free of lanes.
+// In: for each body some cuts, each with the place of the centre of a ball around the body in the middle of every cell,
+// and the radius that covers the body's motion within a cell; then obstacles' boxes. Out: which bodies are clear of
+// which obstacles in every cell of one of their cuts. This header is free of lanes.
 #pragma once
 
 #include <array>

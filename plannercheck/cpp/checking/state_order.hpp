@@ -1,9 +1,9 @@
-// An order of configurations in which like ones follow each other, so that the states of a block ask for the same pairs
-// and a block asks for those that the last one has asked for.
+// An order of configurations in which similar ones follow each other, so that the states of a block, and successive
+// blocks, need the same pairs.
 //
 // In: rows of a set. Out: the order in which they are judged; no verdict depends on it. Idea: the first joints move
 // most bodies. So rows go into cells between quantiles of the first numbers that vary, and neighbours among cells
-// follow each other. Rows that follow each other so already, e.g. along motions, stay as they are.
+// follow each other. Rows that are already in such an order, e.g. along motions, stay as they are.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Vectors of four doubles on every instruction set: where the layout of data is the same for all of them.
+// Vectors of four doubles on every instruction set, for data with the same layout on all of them.
 #pragma once
 
 #include <cstring>

@@ -1,9 +1,9 @@
 // Long calls that can be given up: by Ctrl-C, while a loop of the core runs.
 //
-// In: loops that call `poll_interruption` once a block of their work. Out: an exception out of the loop where the call
-// is to end; what it has computed is dropped. Idea: a call says in each of its threads that it may be given up
-// (`Interruptible`). One of them, which can talk to Python, asks every few hundredths of a second whether it should be;
-// the others look at a flag. In threads that have said nothing, as within a planner of OMPL, nothing happens.
+// In: loops that call `poll_interruption` once a block of their work. Out: an exception out of the loop if the call has
+// to end; its results are dropped. Idea: a call declares in each of its threads that it may be interrupted
+// (`Interruptible`). One thread, which may call Python, asks for signals every few hundredths of a second; the others
+// read a flag. In threads without this declaration, as within a planner of OMPL, nothing happens.
 #pragma once
 
 #include <atomic>

@@ -1,7 +1,7 @@
-// How often something happened of late, for whatever saves time only where it happens often, or seldom.
+// The recent rate of an event, for steps that save time only if the event is frequent, or rare.
 //
-// In: tries, and in how many it happened. Out: the share of about the latest `window` tries, older ones counting half;
-// and, where the share tells against a try, whether one is due all the same: every `retry`-th.
+// In: tries, and in how many it happened. Out: the share of about the latest `window` tries, in which older tries count
+// half; and, if the share is against a try, whether this is the `retry`-th time, at which it is tried again.
 #pragma once
 
 #include <algorithm>

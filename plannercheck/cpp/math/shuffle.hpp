@@ -1,5 +1,5 @@
-// In: two vectors of one type, and places, where those of the second count on from those of the first. Out: the vector
-// of what stands at the places, of as many numbers as there are places.
+// In: two vectors of one type, and places; places of the second vector continue the count of the first. Out: the vector
+// of the numbers at the places.
 //
 // Clang, and GCC from version 12, have one builtin for it. For GCC 11 the numbers are put together one by one.
 #pragma once

@@ -1,12 +1,12 @@
-// On which intervals of a motion's grid a body is surely far from all parts of a set that stands still, by look-ups.
+// On which intervals of a motion's grid a body is surely far from all parts of a static set, by look-ups.
 //
-// In: a pair, what its clearances are looked up in, a grid of states. Out: the intervals left open, one bit each. Idea:
-// each of the balls that together hold the body is far from all parts near the middle state if its clearance there is
-// longer than the way; and between two states if its clearances at both are, together, longer than the way.
+// In: a pair, its clearance grid, a grid of states. Out: the open intervals, one bit each. Idea: some balls together
+// hold the body. A ball is far from all parts near the middle state if its clearance at that state exceeds the distance
+// travelled, and between two states if the sum of its clearances at both exceeds the distance travelled.
 //
 // Proof. Let a ball's centre go along the chord from a to b, and let x divide it into s and t. The clearance C changes
-// by no more than the way: C(x) >= C(m) − |x m| for any m, and 2 C(x) >= C(a) − s + C(b) − t = C(a) + C(b) − |a b|. On
-// the motion the centre is no further from x than the chord deviation, and the ball's points no further than its
+// by no more than the distance: C(x) >= C(m) − |x m| for any m, and 2 C(x) >= C(a) − s + C(b) − t = C(a) + C(b) − |a
+// b|. On the motion the centre is no further from x than the chord deviation, and the ball's points no further than its
 // radius.
 #pragma once
 

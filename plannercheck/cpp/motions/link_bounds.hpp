@@ -1,9 +1,9 @@
 // A ball and a box around all bodies of a link, and chains whose bounds hold for all of them.
 //
-// In: bodies on links, chains of joints. Out: one ball and one box a link, in the link's frame; of some chains those
-// without which no bound would be lower. The ball's centre is a mean of points of the bodies. Velocities and
-// accelerations of points of a link are affine functions of the points, so their lengths are convex: the centre's are
-// at most the largest bound of all bodies.
+// In: bodies on links, chains of joints. Out: one ball and one box a link, in the link's frame; and of the given
+// chains, a subset with the same bounds. The ball's centre is a mean of points of the bodies. Velocities and
+// accelerations of points of a link are affine functions of the points, so their lengths are convex: the lengths at the
+// centre are at most the largest bound of all bodies.
 #pragma once
 
 #include <cstdint>

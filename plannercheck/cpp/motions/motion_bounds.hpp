@@ -1,4 +1,4 @@
-// How far a body's points may leave the chords of their paths, and travel, from joint rates and lever arms.
+// How far a body's points may travel, and leave the chords of their paths, from joint rates and lever arms.
 //
 // In: chains of joints from a frame to a body with each joint's arm (plannercheck/motions/joint_chains.py); a motion.
 // Out: for each chain a bound of |p''| and of |p'| over all points p of the body, seen from the frame, as the parameter

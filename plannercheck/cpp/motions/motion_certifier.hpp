@@ -5,15 +5,15 @@
 //
 // Idea. The motion is cut into intervals. Seen from a frame between the two bodies of a pair, a point's path over an
 // interval of length h leaves its chord by at most h²/8 times a bound of |p''|. Fix a direction n in that frame. The
-// gap of the bodies along n is at least that of the ends, interpolated, less ε = h²/8 (the sum of both bodies' bounds).
-// So if some n keeps the bodies more than ε apart at both ends, they are apart throughout. Such an n is sought cheapest
-// first, one state in each lane: boxes around whole paths, bounding spheres on chords against boxes, boxes along the
-// plane that separated the pair last time, hulls along it, and finally swept_distance. Where a pair has no such n, its
-// interval is cut finer. Since ε shrinks with h², a clearance c needs h of about √c.
+// gap of the bodies along n is at least the interpolation of the gaps at both ends, less ε = h²/8 (the sum of both
+// bodies' bounds). So if some n keeps the bodies more than ε apart at both ends, they are apart throughout. The search
+// for n takes the fastest tests first, one state in each lane: boxes around whole paths, bounding spheres on chords
+// against boxes, boxes along the plane that separated the pair last time, hulls along it, and finally swept_distance.
+// If a pair has no such n, its interval is cut finer. Since ε shrinks with h², a clearance c needs h of about √c.
 //
 // A motion is refused only if, at a state on it, a pair is proved to be within `tolerance` (touching included).
 //
-// Immutable: each thread brings a workspace. In it only planes outlive a motion, as hints. A hint may settle only pairs
+// Immutable: each thread brings a workspace. Only planes in it outlive a motion, as hints. A hint settles only pairs
 // that the motion's own planes would settle, too, so verdicts do not depend on earlier motions.
 #pragma once
 

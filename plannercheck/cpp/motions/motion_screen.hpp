@@ -2,16 +2,16 @@
 //
 // In: the first grid of a motion, bounds of the bodies' motion. Out: the pairs that the filters have to look at.
 //
-// By speeds: a body's points move at most at the speed that bounds them, so a pair whose bodies are further apart at
-// one state than both can go from there to either end is apart throughout. Spheres around the bodies are held against
-// each other and, where obstacles are many, against a tree of their boxes. What is left out keeps more than `beyond`
-// away: twice the tolerance, while without this screen a pair is refused only at a state within the tolerance. So
-// verdicts do not depend on it.
+// By speeds: a bound of speed limits how far a body's points can move from one state to either end. If both bodies are
+// further apart at that state than both can move, the pair is apart throughout. Spheres around the bodies are held
+// against each other and, where obstacles are many, against a tree of their boxes. Pairs that this screen leaves out
+// are more than `beyond` apart, twice the tolerance; a pair is refused only at a state within the tolerance. So
+// verdicts do not depend on the screen.
 //
 // Bodies of one link come first in one sphere around all of them (the fingers of a hand, the pieces of a link), then,
 // if several pairs of two links are left, in boxes along one direction.
 //
-// By paths: boxes around whole paths are held against those of the obstacles, eight at a time, in floats.
+// By paths: boxes around whole paths are compared with boxes of the obstacles, eight at a time, in floats.
 #pragma once
 
 #include <array>

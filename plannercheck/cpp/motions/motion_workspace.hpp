@@ -1,4 +1,4 @@
-// The data of one thread that checks motions: the grid, what is open on it, and room for what comes before.
+// The data of one thread that checks motions: the grid, its open pairs, and memory of the screens before it.
 #pragma once
 
 #include <array>

@@ -1,8 +1,8 @@
-// Whether a body may be near a part of a set that stands still, on a motion's grid or on which of its intervals.
+// Whether, and on which intervals of a motion's grid, a body may be near a part of a static set.
 //
-// In: the grid, what filters know of it, groups of bodies. Out: verdicts, or intervals. Idea: a box around the body at
-// the states is held against the set's tree, of all of them at once, or also of halves where that is near; bodies of
-// one link are looked at together before.
+// In: the grid, the filters' data of it, groups of bodies. Out: verdicts, or intervals. Idea: a box around the body at
+// all states is tested against the set's tree, then, if it is near, boxes at halves of the states; bodies of one link
+// are tested together first.
 #pragma once
 
 #include <cstdint>

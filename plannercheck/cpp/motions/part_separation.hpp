@@ -1,9 +1,10 @@
 // Whether the parts of a set are further than a limit from another body, at one pose or at the ends of intervals.
 //
-// In: a set and a body that is none, posed, and the frame in which directions are kept. Out: whether each part is
-// further than the limit from the body along a direction of its own, the same at all poses. Idea: nodes of the set's
-// tree end where one of a few directions keeps their boxes away, those of both bodies' axes at the first pose and those
-// that kept other parts away; a part that is left is tried by a descent, whose direction is kept for its neighbours.
+// In: a set and another body that is no set, posed, and the frame in which directions are fixed. Out: whether each part
+// is further than the limit from the body along some direction, the same at all poses. Idea: a descent in the set's
+// tree skips nodes whose boxes are apart along a known direction: the axes of both bodies at the first pose, or a
+// direction that separated other parts. The distance descent tries each remaining part, and its direction is stored for
+// the neighbours.
 #pragma once
 
 #include "motions/swept_distance.hpp"

@@ -1,10 +1,9 @@
 // Whether the triangles of two solids are further apart than a limit, at one pose or at both ends of an interval.
 //
-// In: both bodies posed, and the frame in which directions are kept. Out: whether each triangle of one is further than
-// the limit from each of the other along a direction of its own, the same at all poses. Idea: pairs of nodes are
-// followed down both trees; a pair ends where one of six directions keeps its boxes apart, those of both bodies' axes
-// at the first pose. What is left of triangles is tried along their normals, and then along the ways between their
-// closest points.
+// In: both bodies posed, and the frame in which directions are fixed. Out: whether each pair of triangles, one of each
+// body, is further apart than the limit along some direction, the same at all poses. Idea: a descent in both trees
+// skips pairs of nodes whose boxes are apart along one of six directions, the axes of both bodies at the first pose.
+// The remaining pairs of triangles are tried along their normals, then along the lines between their closest points.
 #pragma once
 
 #include "motions/swept_distance.hpp"

@@ -1,4 +1,4 @@
-// The distance of two bodies, or of the sets that two bodies sweep between two poses, against a limit.
+// Whether two bodies, or the sets that two bodies sweep between two poses, are further apart than a limit.
 //
 // In: both bodies posed once, or at both ends of an interval, and the frame in which directions are kept. Out: a
 // direction along which the bodies are more than the limit apart at all these poses; or that they are not. Idea:

@@ -1,9 +1,8 @@
-// The face of a box around one of two bodies that comes nearest to separating both boxes: whether it separates the
-// bodies.
+// Whether the face of a box that most nearly separates the boxes around two bodies separates the bodies.
 //
-// Errors are within those that PairFrame::separates allows for mixtures of polar points (pair_frame.cpp). Over the
-// B, q·x exceeds 1 by 3u for a face of its own; for one of A's by 20u of r_Q and B's reach, of which
-// 14u are the scan's. The least q·x over A is that of any plane; by A's box it errs by 8u less.
+// Errors are within the errors that PairFrame::separates allows for mixtures of polar points (pair_frame.cpp). Over B,
+// q·x exceeds 1 by 3u for a face of B's box, and by 20u of r_Q and B's reach for a face of A's box, of which 14u are
+// the scan's. The least q·x over A is computed as for any plane; by A's box it errs by 8u less.
 #pragma once
 
 #include "narrow_phase/pair_frame.hpp"

@@ -1,6 +1,5 @@
 // The axis between the centres of two posed bodies. It separates most bodies that are far apart, and shows that round
-// ones are within each other's inflation radius. It may be turned to another axis, which separates long and flat bodies
-// more often.
+// bodies are within each other's inflation radius. A turned axis separates long and flat bodies more often.
 #pragma once
 
 #include <limits>

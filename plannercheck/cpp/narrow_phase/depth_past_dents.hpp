@@ -1,4 +1,4 @@
-// Whether a point of two hulls shows that the bodies share one as well, where these have dents (hull_dents.hpp).
+// Whether a point that two hulls share proves that the bodies, which have dents (hull_dents.hpp), share a point.
 #pragma once
 
 #include "narrow_phase/pair_frame.hpp"

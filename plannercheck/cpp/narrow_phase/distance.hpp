@@ -1,9 +1,9 @@
 // The distance of two posed bodies, between proved bounds, with the points where they are nearest.
 //
 // In: two posed bodies. Out: the distance of the inflated bodies or, where the exact verdict says that they share a
-// point, an upper bound of their penetration depth. Idea: gjk's descent on the hierarchies goes on past the first
-// separating plane until the gap along its direction and the length of the nearest difference meet; where doubles
-// cannot tell, double-double goes on from the same vertices.
+// point, an upper bound of their penetration depth. Idea: gjk's descent on the hierarchies continues past the first
+// separating plane until the gap along its direction equals the length of the nearest difference; if doubles leave a
+// difference, double-double continues from the same vertices.
 #pragma once
 
 #include <limits>

@@ -1,8 +1,7 @@
 // Poses as callers give them: row-major 4x4 matrices that may hold anything.
 //
-// In: matrices. Out: whether they are surely rigid transforms, and verdicts of two bodies at many of them. Idea: what
-// is surely right is told apart here in a few operations; whoever called takes a closer look at all else, and says what
-// is wrong with it.
+// In: matrices. Out: whether they are surely rigid transforms, and verdicts of two bodies at many of them. Idea: a few
+// operations here accept the surely rigid poses; the caller examines all others, and reports their faults.
 #pragma once
 
 #include <cstddef>

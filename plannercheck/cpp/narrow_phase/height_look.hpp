@@ -1,9 +1,9 @@
-// What the heights right under a body tell, before any tree: the body is over all of them, or its lowest vertex is
-// under some.
+// The heights right under a body, before any tree: whether the body is above all of them, or its lowest vertex is below
+// one.
 //
 // In: a posed hull or solid, and a posed field of heights. Out: whether they surely share no point, surely do, or
-// neither is known. Of the few heights there are under a body, most are in rows that memory gives at once; a walk down
-// the tree waits for each node before the next.
+// neither is known. A body has few heights below it, mostly in adjacent memory, while a descent in the tree waits for
+// each node before the next.
 #pragma once
 
 #include "narrow_phase/pair_frame.hpp"

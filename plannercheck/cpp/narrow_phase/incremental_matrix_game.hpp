@@ -1,4 +1,4 @@
-// A small zero-sum game, min over mixtures of rows of max over columns, that grows and is solved from its last
+// A small zero-sum game, min over mixtures of rows of max over columns, that grows, with a warm start from its last
 // solution.
 //
 // In: payoffs of one more row or column at a time, and a bound of their size. Out: the value and weights for both
@@ -10,10 +10,10 @@
 // (primal simplex). A new column is one more basic slack, which may be negative (dual simplex). Mostly a pivot or two
 // do.
 //
-// A step is bound by latency and unpredictable branches, not by arithmetic. So the tableau is kept twice, by line and
-// by column, and both are read as they are written, four numbers at a time (a wide load right after narrower stores has
-// to wait for these). A variable's basis position is an address, so that no branch asks whether it is basic. Games of
-// up to four rows and columns use the first four numbers of every line.
+// Latency and unpredictable branches bound a step, not arithmetic. So the tableau is stored twice, by line and by
+// column, and both are read as they are written, four numbers at a time (a wide load after narrower stores is a
+// store-forwarding stall). A variable's basis position is an address, so that no branch depends on whether it is basic.
+// Games of up to four rows and columns use the first four numbers of every line.
 #pragma once
 
 #include <array>

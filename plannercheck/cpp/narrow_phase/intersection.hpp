@@ -1,4 +1,5 @@
-// The test of one pair: the cheapest step first, each ends with a certificate or hands on; the last one is exact.
+// The test of one pair, fastest stage first: each stage ends with a certificate or leaves the pair to the next; the
+// last is exact.
 #pragma once
 
 #include <optional>

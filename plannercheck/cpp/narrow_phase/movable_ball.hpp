@@ -1,4 +1,4 @@
-// The body of one vertex with a radius, moved from point to point instead of being prepared anew.
+// A body of one vertex with a radius, which is moved from point to point without a new preparation.
 #pragma once
 
 #include "bodies/polytope.hpp"

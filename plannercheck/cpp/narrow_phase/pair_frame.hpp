@@ -1,12 +1,11 @@
-// One pair of posed bodies, A in B's frame, the certificates and their proven error bounds. A is A, whose
-// vertices are asked for; B is B, which is known by its polar.
+// One pair of posed bodies, A in B's frame, the certificates and their proven error bounds. A has vertices, B its
+// polar.
 //
-// The polar describes B R: R = {x : q·x <= 1 for all polar points q}, in R's frame relative to its centre. The
-// A P is the hull of its vertices, M p + t under the relative pose. In that frame this game decides:
-//     v = min over x in P of max over q in conv(polar) of q·x
-// If v > 1, the plane q·x = 1 separates the bodies; if v <= 1, they share the point x (Theorem "Polarity of polyhedra";
-// both polars are implicit in the game). Inflated bodies share a point if the distance of their hulls is at most the
-// sum of both inflation radii, in m of the world.
+// The polar describes B's hull R = {x : q·x <= 1 for all polar points q}, in B's frame relative to its centre. A's hull
+// P has the vertices M p + t under the relative pose. In this frame a game decides: v = min over x in P of max over q
+// in conv(polar) of q·x If v > 1, the plane q·x = 1 separates the bodies; if v <= 1, they share the point x (Theorem
+// "Polarity of polyhedra"; both polars are implicit in the game). Inflated bodies share a point if the distance of
+// their hulls is at most the sum of both inflation radii, in m of the world.
 #pragma once
 
 #include <array>

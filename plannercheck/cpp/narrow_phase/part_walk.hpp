@@ -2,9 +2,9 @@
 //
 // In: a body and a set at their poses, and a margin in m of the world. Out: the leaves, and in them the parts, whose
 // boxes may be within the margin of the body's box. Six axes are tried, the set's and the body's, for eight boxes at
-// once, in floats with room for all rounding; and the last directions along which a part was beyond the body itself:
-// before a surface of millions of points, one of them ends all that its box comes near. What is not finite counts as
-// near.
+// once, in floats with room for all rounding; then the last directions along which a part was beyond the body: before a
+// surface of millions of points, one of these directions often separates all boxes that are near the body's box.
+// Infinities and NaN count as near.
 #pragma once
 
 #include <array>

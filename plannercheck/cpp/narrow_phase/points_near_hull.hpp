@@ -2,10 +2,10 @@
 //
 // In: a body at its pose, and a frame with up to eight points, each with a radius in m of the world. Out: bit k is set
 // if the body, its inflation radius included, is within radius k of point k at its place in the world; touching counts.
-// That is the verdict of `test_pair` for a sphere around the point, of which the frame maps the centre alone. Idea: the
-// points are brought into the body's frame in lanes; its ball, its box and the planes of facets leave out those that
-// are apart, a facet where a point is inside, or near along the ray to the centre, takes those that are near. What is
-// in the regions of edges and vertices, or in doubt by rounding, goes to a descent and to the exact test.
+// This is the verdict of `test_pair` for a sphere around the point, of which the frame maps only the centre. Idea: the
+// points are posed in the body's frame in lanes. The body's ball, its box and the planes of facets decide points that
+// are apart; a facet decides points that are inside, or near it along the ray to the centre. A descent and the exact
+// test decide points in the regions of edges and vertices, and points in doubt by rounding.
 #pragma once
 
 #include "narrow_phase/pair_frame.hpp"

@@ -1,8 +1,8 @@
-// The face of a simplex nearest to the origin, in double-double: what each round of gjk_double_double.cpp keeps.
+// The face of a simplex nearest to the origin, in double-double, for each round of gjk_double_double.cpp.
 //
-// In: one to four corners, differences of vertices. Out: some of them, with weights that mix the point of their hull
-// nearest to the origin, as far as double-double tells. The result is only a guide: the caller proves its answers from
-// the corners and weights, whatever they are.
+// In: one to four corners, differences of vertices. Out: some of the corners, with weights that mix the point of their
+// hull nearest to the origin, up to rounding. The result is only a guide: the caller proves its answers from any
+// corners and weights.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
 // The projection of the origin on the span of one to four corners, in double-double or exactly.
 //
 // In: differences of vertices. Out: whether it lies strictly inside of their hull and, if so, its weights. Only
-// positive weights are needed, so the work ends with the first one that is not.
+// positive weights are needed, so the work ends with the first weight that is not positive.
 #pragma once
 
 #include <array>

@@ -1,8 +1,8 @@
-// The distance of two bodies that share no point, of which one is a solid at least.
+// The distance of two bodies that share no point; at least one body is a solid.
 //
-// In: two posed bodies. Out: the least distance of a triangle of one from a triangle of the other. Idea: pairs of nodes
-// are followed down both trees, the nearest first, and left out once their boxes are further apart than two triangles
-// that have been found.
+// In: two posed bodies. Out: the least distance of a triangle of one from a triangle of the other. Idea: a descent in
+// both trees, nearest pair of nodes first, skips pairs whose boxes are further apart than the nearest two triangles so
+// far.
 #pragma once
 
 #include "narrow_phase/distance.hpp"

@@ -1,14 +1,14 @@
-// Whether two bodies share a point of which at least one is a solid, once their hulls do.
+// Whether two bodies share a point if their hulls do; at least one body is a solid.
 //
-// In: two posed bodies. Out: whether their sets share a point, and by what. Idea: triangles that meet are sought in
-// both trees at once, down pairs of nodes whose boxes meet. If no triangles meet, bodies can only share a point if one
-// of them lies in the other: take a point x that both share, and suppose that it is on a triangle of A. Then it is on
-// none of B, so B winds around it, and as often around each point of the part of A's surface that hangs together with
-// x, as no triangle of B crosses it: also around that part's vertex. If x is on no triangle at all, the region of
-// points that can be reached from x without crossing triangles is bounded, since both bodies wind around all of it, and
-// its boundary has a point on a triangle of one body, around which the other one winds. So one vertex of each part
-// tells. Bodies with inflation radii are these sets with all points within the radii; the same holds for triangles
-// closer than both radii together.
+// In: two posed bodies. Out: whether their sets share a point, and by what. Idea: a descent in both trees, along pairs
+// of nodes whose boxes meet, searches for triangles that meet. If no triangles meet, one vertex of each connected part
+// of the surfaces decides. Suppose that no triangles meet and both bodies share a point x. If x is on a triangle of A,
+// it is on no triangle of B, so B winds around x. No triangle of B crosses the connected part of A's surface with x, so
+// B winds equally often around each point of this part, also around its vertex. If x is on no triangle, take the region
+// of all points that a path without crossing a triangle connects with x. Both bodies wind around all of this region, so
+// it is bounded, and its boundary has a point on a triangle of one body. The other body winds around this point, and
+// the first case applies. Bodies with inflation radii are these sets with all points within the radii; the same holds
+// for triangles closer than both radii together.
 #pragma once
 
 #include <cstdint>

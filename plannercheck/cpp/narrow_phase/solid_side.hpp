@@ -1,7 +1,7 @@
 // One of two solids whose trees are descended at once.
 //
-// In: both posed solids, and how far points of both together may be from their triangles. Out: nodes and their boxes by
-// the way they were reached, boxes and corners in the other solid's frame.
+// In: both posed solids, and how far points of both together may be from their triangles. Out: nodes and their boxes in
+// the order of the descent, boxes and corners in the other solid's frame.
 #pragma once
 
 #include <array>

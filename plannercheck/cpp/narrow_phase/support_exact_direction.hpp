@@ -1,6 +1,6 @@
 // Extreme vertices along directions that are finer than doubles: in double-double, or exact.
 //
-// Every comparison is exact for the direction given: doubles first, then double-double, then dyadic numbers.
+// Every comparison is exact for the given direction: doubles first, then double-double, then dyadic numbers.
 #pragma once
 
 #include <cstdint>

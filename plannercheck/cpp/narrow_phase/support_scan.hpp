@@ -1,4 +1,4 @@
-// Extreme vertices among so few that scanning beats walking: candidates in floats, then among these in doubles.
+// Extreme vertices of small sets, by a scan: candidates in floats, then the extreme candidate in doubles.
 #pragma once
 
 #include "narrow_phase/support.hpp"

@@ -1,8 +1,8 @@
 // Boxes of two solids' trees at the solids' poses: which children of a node may meet a box of the other tree, in lanes.
 //
-// In: two posed solids and how far they reach around their triangles. Out: for each direction an affine map between the
-// trees' units, with a bound of all rounding on the way, and boxes that are mapped by it. Fifteen directions are
-// tried: the axes of both boxes, and those at right angles to one of each. Whatever is not finite counts as meeting.
+// In: two posed solids and their inflation radii. Out: for each direction an affine map between the trees' units, with
+// a bound of its rounding, and boxes that it maps. Fifteen directions are tried: the axes of both boxes, and the cross
+// products of two axes. Infinities and NaN count as meeting.
 //
 // Why that is right: a point c + Σ t_j u_j of a child, |t_j| ≤ h_j, that is a point b + Σ s_i v_i + e of the other box,
 // |s_i| ≤ g_i, has d · (b − c) = Σ t_j d · u_j − Σ s_i d · v_i − d · e for each direction d, so that |d · (b − c)| is

@@ -1,9 +1,9 @@
 // Whether a triangle shares a point with some of eight others, in lanes of doubles.
 //
-// In: a triangle, rounded, and a leaf of a tree in the same frame, with the number of its triangles. Out: which of the
-// leaf's triangles surely meet it, and for which of them rounding leaves that open; it is surely apart from the others.
-// Idea: as in triangle_pair.hpp. Bodies may be inflated: triangles are apart if a plane of one of them keeps the other
-// one further away.
+// In: a triangle, rounded, and a leaf of a tree in the same frame, with the number of its triangles. Out: the leaf's
+// triangles that surely meet it, and the triangles that rounding leaves open; the others are surely apart. Idea: as in
+// triangle_pair.hpp. Bodies may be inflated: triangles are apart if a plane of one of them keeps the other one further
+// away.
 #pragma once
 
 #include "bodies/triangle_tree.hpp"

@@ -1,10 +1,9 @@
 // Whether two posed triangles share a point.
 //
 // In: corners in the world, rounded. Out: the answer where signs of volumes prove it. Idea: two triangles that share a
-// point share one on an edge of one of them. So they are apart if no edge of one meets the other one, and they meet if
-// an edge passes through the other one's inside; both are signs of volumes of four corners (Guigue and Devillers,
-// 2003). Signs that rounding leaves open, those of degenerate and touching triangles among them, are left to the exact
-// test.
+// point share a point on an edge. So they are apart if no edge of one triangle meets the other, and they meet if an
+// edge passes through the inside of the other; signs of volumes of four corners decide both (Guigue and Devillers,
+// 2003). Signs that rounding leaves open, e.g. of degenerate and touching triangles, are left to the exact test.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Intervals of doubles, as a filter: what they leave open, whole numbers decide.
+// Intervals of doubles, as a filter before whole numbers.
 //
 // In: doubles. Out: two doubles between which the exact result lies. Every operation rounds upwards, so the lower end
 // is kept negated; results that are doubles stay single points, and a zero is then certain. Needs `RoundedUpwards`

@@ -1,8 +1,8 @@
 // Two posed meshes: do their sets share a point? Exact, by definition.
 //
 // In: two meshes, each with a pose. Out: the verdict and its reason. Triangles of both are compared in all pairs whose
-// boxes overlap. If none meet, a part of one mesh that hangs together lies inside the other set or outside it as a
-// whole, so one vertex of it tells.
+// boxes overlap. If no triangles meet, each connected part of one mesh lies as a whole inside or outside of the other
+// set, so one vertex decides.
 #pragma once
 
 #include "oracle/posed_mesh.hpp"

@@ -1,8 +1,8 @@
 // A posed mesh's vertices, as intervals and as whole numbers; signs of polynomials of them.
 //
 // In: a mesh and a pose. Out: for each vertex an interval a coordinate, m, and, made when first asked for, the exact
-// coordinates in units of 2^unit m; the sign of a polynomial, from intervals if they tell, else from whole numbers.
-// Polynomials are those of differences of vertices: intervals are about where the second mesh's pose puts its origin.
+// coordinates in units of 2^unit m; the sign of a polynomial, from intervals if they decide it, else from whole
+// numbers. Polynomials are of differences of vertices: intervals are relative to the origin of the second mesh's pose.
 #pragma once
 
 #include <memory>

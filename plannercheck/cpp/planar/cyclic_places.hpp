@@ -1,5 +1,5 @@
-// Three places on a cyclic array, in order, and the part of the array that is left: first the whole cycle, cut in
-// three; later the chain from the first place to the last, with nothing between the last and the first.
+// Three places on a cyclic array, in order, and the remaining part of the array: first the whole cycle, cut in three;
+// later the chain from the first place to the last.
 //
 // The walk of polygon_test.cpp narrows two of these: A's vertices and B's edges.
 #pragma once

@@ -3,12 +3,12 @@
 // In: a chain of links, convex polygons on links or in the world, pairs of them, a motion of pieces. Out: whether it is
 // free; if not, up to which parameter it is proved free, and where and why it is refused.
 //
-// The idea is that of motion_certifier.hpp: a piece is cut into intervals; along a direction fixed in a pair's frame
-// the gap of the bodies is at least that at both ends less ε = h²/8 (the sum of both bodies' bounds of |p''|). A
-// direction with a larger gap at both ends is sought cheapest first: boxes around paths, circles on chords against
-// boxes, the direction found last, a descent on what both bodies sweep. Where there is none, the interval is cut finer.
-// Without turning, ε is 0, and a whole piece is settled at once. A motion is refused only if a pair is proved to be
-// within `tolerance` at a state on it.
+// The idea is as in motion_certifier.hpp: a piece is cut into intervals; along a direction fixed in a pair's frame the
+// gap of the bodies is at least the smaller gap at both ends less ε = h²/8 (the sum of both bodies' bounds of |p''|).
+// The search for a direction with a larger gap at both ends takes the fastest tests first: boxes around paths, circles
+// on chords against boxes, the last direction, a descent on the sets that both bodies sweep. If there is none, the
+// interval is cut finer. Without turning, ε is 0, and a whole piece is settled at once. A motion is refused only if a
+// pair is proved to be within `tolerance` at a state on it.
 //
 // Immutable: each thread brings a workspace. Nothing in it outlives a motion, so no verdict depends on earlier ones.
 #pragma once

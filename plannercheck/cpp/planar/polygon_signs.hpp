@@ -1,8 +1,8 @@
 // Exact signs about two posed polygons in the plane, for the algorithm of polygon_test.cpp.
 //
 // In: vertices as ordered arrays, poses x -> M x + t, all with the exact values of their doubles. Out: signs of
-// polynomials of these numbers. Each sign is computed in doubles with a proved bound; if that is inconclusive, in
-// double-double; if that is, too, in dyadic numbers. Nothing is prepared and no array is copied.
+// polynomials of these numbers. Each sign is computed in doubles with a proved bound; if the bound is too wide, in
+// double-double; then in dyadic numbers. Nothing is prepared and no array is copied.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The distance of two convex polygons, or of the sets that both sweep between two poses, against a limit.
+// Whether two convex polygons, or the sets that both sweep between two poses, are further apart than a limit.
 //
 // The planar form of swept_distance: Gilbert, Johnson and Keerthi's descent on the hull of the polygons' differences at
 // all poses, seen from a frame. "Apart" relies only on the lower bound: the least product of the direction with a

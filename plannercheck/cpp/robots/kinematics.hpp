@@ -1,10 +1,10 @@
 // Forward kinematics of batches of configurations, from a flat table of joints.
 //
 // In: a table exported from Pinocchio's Model by plannercheck/robots/kinematics.py (joints, parents before children;
-// links posed on joints), then group configurations. Out: world poses of the links, row-major 3x4, in m. Idea: what
-// depends on no variable is posed once, at construction, by the very same operations. The rest is one pass over the
-// joints that carry some needed link. All operations are elementwise, so a pose has the same bits for every lane count,
-// batch size and instruction set. Immutable, so threads may share it.
+// links posed on joints), then group configurations. Out: world poses of the links, row-major 3x4, in m. Idea: links
+// that depend on no variable are posed once, at construction, by the very same operations. The other links take one
+// pass over the joints that carry some needed link. All operations are elementwise, so a pose has the same bits for
+// every lane count, batch size and instruction set. Immutable, so threads may share it.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Poses of kLanes configurations at once, in doubles, and what moves them (pose_rows.hpp places them).
+// Poses of kLanes configurations at once, in doubles, and how joints move them (pose_rows.hpp places them).
 #pragma once
 
 #include <array>

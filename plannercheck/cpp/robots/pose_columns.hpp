@@ -1,5 +1,5 @@
-// A pose by its columns: three of the rotation and the translation, each with a lane to spare, which holds no more than
-// what the same operations make of zeros; and what moves it, by the operations of lane_pose.hpp.
+// A pose by its columns: three of the rotation and the translation, each with a fourth lane that starts as zero; and
+// the moves of a pose, by the operations of lane_pose.hpp.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Poses of several states at once, and what places and turns them: elementwise on lanes of doubles or of floats.
+// Poses of several states at once, and how they are placed and turned: elementwise on lanes of doubles or of floats.
 //
 // A pose is twelve numbers `m` of a row-major 3x4 matrix, each in all lanes. Idea: a chain's pose stays in registers
 // from joint to joint. So all of this changes a pose in place, row by row, and is inlined into the loop over joints.

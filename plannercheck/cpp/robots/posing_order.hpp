@@ -1,4 +1,4 @@
-// Which joints and links are posed, in which order, and where: what the kernels for many states and for one share.
+// Which joints and links are posed, in which order, and where, for the kernels of many states and of one.
 #pragma once
 
 #include <vector>

@@ -1,9 +1,9 @@
-// Forward kinematics of one configuration, for calls that bring a single one.
+// Forward kinematics of a single configuration.
 //
 // In: the table of kinematics.hpp, one configuration. Out: poses of the needed links, by columns. Idea: lanes over
-// states would be empty but for one. So lanes run over joints where sines and cosines are taken, and over a matrix's
-// rows where poses are multiplied: placements and turns then mix whole columns, no lanes. The operations on each number
-// are those of kinematics_lanes.hpp, in their order: the poses have the same bits.
+// states would be empty but for one. So lanes run over joints for sines and cosines, and over a matrix's rows for
+// products of poses: placements and turns then mix whole columns. The operations on each number are those of
+// kinematics_lanes.hpp, in their order: the poses have the same bits.
 #pragma once
 
 #include <array>

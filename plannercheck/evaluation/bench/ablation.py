@@ -1,7 +1,7 @@
 """The effect of each stage of a check: the checker with one switch off, compared with the checker with all on.
 
 In: a robot and a scene. Out: a row for each switch and kind of states. Verdicts do not depend on switches; they are
-compared nevertheless. A second checker with all on shows what a difference between equal checkers is.
+compared nevertheless. A second checker with all on is the null control: it shows the difference between equal checkers.
 """
 
 from __future__ import annotations

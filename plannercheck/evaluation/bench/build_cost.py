@@ -1,8 +1,8 @@
-"""The cost of building something: seconds and resident memory, without the disk cache of prepared bodies.
+"""The cost of a construction: seconds and resident memory, without the disk cache of prepared bodies.
 
-In: a function that builds. Out: `Built`. Wall time is what users wait; the processor's holds on a loaded machine.
-Memory is the growth of the process's resident set; freed memory is given back to the system before and after. The
-figure is coarse below some hundred kB, and 0 where freed memory was used again.
+In: a function that builds. Out: `Built`. Wall time is the user's waiting time; processor time is comparable on a loaded
+machine. Memory is the growth of the process's resident set; freed memory is given back to the system before and after.
+The figure is coarse below some hundred kB, and 0 where freed memory was used again.
 """
 
 from __future__ import annotations

@@ -3,9 +3,9 @@
 In: a checker. Out: a `CoalLoop` over the same bodies and pairs, which judges groups of states whose poses it is given.
 Solids are coal's trees of boxes around triangles, so they are surfaces there; solids that are their hulls are hulls.
 
-How coal is asked best depends on the states: a guess from the last call helps along a motion, not on random states. So
-there are `VARIANTS`, and `fastest` tries them all on the very states that are timed; for meshes on the first of them,
-with each kind of boxes.
+The best settings of coal depend on the states: a guess from the last call helps along a motion, not on random states.
+So there are `VARIANTS`, and `fastest` tries all of them on the timed states; for meshes it tries each kind of boxes on
+the first states.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
-"""What hulls refuse that meshes would not, and whether solids are held right against coal's meshes.
+"""Which states only hulls refuse, and whether verdicts of solids agree with coal's meshes.
 
 In: a robot's name, a number of random states. Out: shares of valid states by hulls and by meshes, and every pair in
-every state on which ours and coal differ, sorted by reason. coal's meshes are surfaces, so a body inside another one is
-free for it, which is counted apart; so is what is nearer to contact than `NEAR`, as coal computes in doubles.
+every state on which ours and coal differ, sorted by reason. coal's meshes are surfaces, so coal calls a body inside
+another one free; such pairs are counted separately, as are pairs nearer to contact than `NEAR`, because coal computes
+in doubles.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """Pairs of links whose hulls meet: meshes in the core's batch, beside coal's trees of boxes in a loop of its own.
 
-In: a checker of meshes, configurations. Out: a row for each pair of bodies and verdict. All queries are pairs as random
-states have them, each cold: no plane, no triangles and no guess are left from another one. Hulls that are apart decide
-before any mesh is looked at, so only pairs that survive them are asked, where one of both bodies at least is concave.
-Queries take it what a call takes, less what a call without any takes: most pairs have few, and both libraries' calls
-come from Python.
+In: a checker of meshes, configurations. Out: a row for each pair of bodies and verdict. All queries are pairs of random
+states, each cold: no plane, no triangles and no guess are left from another query. Hulls that are apart decide before
+any mesh is tested, so only pairs whose hulls overlap are asked, with at least one concave body. The time of queries is
+the time of a call less the time of an empty call: most pairs have few queries, and both libraries' calls come from
+Python.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
-"""What very many boxes cost: a scene of them and a checker in it, in time and memory.
+"""The cost of very many boxes: a scene of them and a checker in it, in time and memory.
 
-In: how many boxes, and whether all of them are within a robot's reach. Out: `BoxesRow`. Each is measured in a process
-of its own, since memory that a process has had stays with it, and the most that it ever had counts. Times are the
-processor's.
+In: how many boxes, and whether all of them are within a robot's reach. Out: `BoxesRow`. Each is measured in a separate
+process, because a process keeps its memory, and its peak counts. Times are processor times.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Who judges motions in `bench motions`: the checker in three ways, and other libraries.
+"""The contenders of `bench motions`: the checker by three calls, and other libraries.
 
 In: the cases of a set of motions. Out: the work to time, case by case. The checker proves every state on a motion. The
 others judge states: coal and FCL as many as VAMP would, from coarse to fine or one after the other, until one collides.

@@ -1,7 +1,7 @@
 """Motions to measure with: random ones of one length, and those that OMPL's RRTConnect asks for.
 
 In: checkers; problems. Out: `MotionSet`s. Random motions begin at a valid state and go in a random direction. Recorded
-ones are what a planner really asks: most are as long as its range, and many end in an obstacle.
+motions are a planner's queries: most are as long as its range, and many end in an obstacle.
 """
 
 from __future__ import annotations

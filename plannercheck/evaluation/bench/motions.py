@@ -1,8 +1,8 @@
 """Proved motions beside motions that other libraries sample.
 
-In: a set of motions. Out: a row for each method of motion_methods.py. A motion that the checker proves free is free.
-One that it refuses counts as colliding: a peer that calls it free is wrong, unless the motion only comes within the
-proof's tolerance of a collision.
+In: a set of motions. Out: a row for each method of motion_methods.py. A motion that the checker proves free is free. A
+refused motion counts as colliding: a peer that calls it free is wrong, unless the motion only comes within the proof's
+tolerance of a collision.
 """
 
 from __future__ import annotations

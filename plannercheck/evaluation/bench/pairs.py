@@ -4,7 +4,7 @@ In: numbers of vertices. Out: a row for each method, size and gap. Bodies are ro
 random: a random feature of one body at the gap from one of the other. plannercheck is timed by the core's batch call,
 each pair cold (no cached plane), and one by one from Python. coal is timed by `computeCollisions` of a Pinocchio
 geometry model with as many pairs, without early stop, so that no Python is timed, each pair cold as well; and by a C++
-loop that asks it as well as it can be asked. FCL and MuJoCo are called from Python.
+loop with coal's best settings. FCL and MuJoCo are called from Python.
 """
 
 from __future__ import annotations

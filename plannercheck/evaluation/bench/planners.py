@@ -1,4 +1,4 @@
-"""Who plans in `bench plans`: RRTConnect on proved motions, the same on coal's samples, and VAMP's own.
+"""The planners of `bench plans`: RRTConnect on proved motions, RRTConnect on coal's samples, and VAMP's RRT-Connect.
 
 In: a task. Out: `Planner`s, made once a task, that search with a seed. The first two are RRTConnect of the same OMPL on
 the same space with the same range and the same samples (near_first.py):

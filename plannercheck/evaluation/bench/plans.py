@@ -4,8 +4,8 @@ In: the tasks of a set. Out: a row for each planner of planners.py. Planners tak
 is repeated, and the least time of each counts. Plans are taken as found, without shortening.
 
 Every plan is then judged by `Checker.check_motions`. A plan collides if a state on one of its motions collides by the
-exact verdict. Its depth is that of the deepest of `STATES` states a motion (by the bounds of `Checker.clearances`): how
-far its deepest pair of bodies has to be moved apart at least (`pc.depth`).
+exact verdict. Its depth is the depth of the deepest of `STATES` states a motion (by the bounds of
+`Checker.clearances`): the least move that separates the state's deepest pair of bodies (`pc.depth`).
 """
 
 from __future__ import annotations

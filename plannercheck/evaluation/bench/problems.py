@@ -1,4 +1,4 @@
-"""MotionBenchMaker problems to measure with: those whose start and goal can be planned between.
+"""MotionBenchMaker problems for measurements: those with a valid start and goal.
 
 In: problem sets, a robot. Out: a checker and two ends for each problem.
 """

@@ -1,8 +1,8 @@
-"""What a user waits for before the first verdict: loading, building a checker, changing its scene.
+"""The user's waiting time before the first verdict: loading, building a checker, changing its scene.
 
-In: a robot's and a scene's name. Out: a row for each step, with the first verdict and the first proved motion after it:
-what a step leaves undone is done there. The disk cache is warm, unless a row says otherwise. Steps take turns in one
-process, those of a fresh process each begin one. All is processor time, and the least of the rounds counts.
+In: a robot's and a scene's name. Out: a row for each step, with the first verdict and the first proved motion after it,
+which include postponed work. The disk cache is warm, unless a row says otherwise. Steps take turns in one process;
+steps of a fresh process begin a new one each. Times are processor times, and the least of the rounds counts.
 """
 
 from __future__ import annotations

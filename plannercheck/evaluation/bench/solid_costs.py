@@ -1,4 +1,4 @@
-"""What it costs to take a robot's meshes as they are: the same work with its hulls and with its solids, by turns.
+"""The cost of a robot's meshes as solids: the same work with its hulls and with its solids, by turns.
 
 In: a robot's name, a number of random states. Out: a row for each kind of work: states in a batch, one by one, with a
 padding, and motions. Where meshes are convex up to shallow dents, both should take the same time.

@@ -1,8 +1,8 @@
 """Run time against error on the states of a robot in a scene, for all methods of methods.py.
 
 In: a checker, configurations. Out: a row for each method. The exact verdicts are the truth. A method is wrong in a
-state that it calls free although it collides ("false free"), or the other way round. Where there are solids, states
-count apart in which nothing but one body inside another collides, since other libraries take meshes as surfaces.
+state that it calls free although it collides ("false free"), or the other way round. With solids, states whose only
+collisions are bodies inside others are counted separately, since other libraries take meshes as surfaces.
 """
 
 from __future__ import annotations

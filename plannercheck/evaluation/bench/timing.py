@@ -1,7 +1,7 @@
 """Interleaved timing: contenders take turns, A B C C B A ..., and the least time of each counts.
 
-In: contenders by name. Out: seconds by name, and how much the same code differs that runs twice: smaller ratios say
-nothing. Absolute times drift by tens of per cent on a shared machine; ratios of minima, taken alternately in one
+In: contenders by name. Out: seconds by name, and the ratio of two runs of the same code (null control): smaller gains
+mean nothing. Absolute times drift by tens of per cent on a shared machine; ratios of minima, taken alternately in one
 process, do not. Short work sometimes runs wholly while the machine is fast, long work never does; so parts of similar
 length are compared. The clock measures the processor time of the calling thread, the only one that contenders use, so
 time of other processes does not count.

@@ -4,8 +4,8 @@ In: a checker. Out: a `VampModel` that judges states, motions and plans through 
 installed and has the robot. VAMP has boxes, balls and capsules: a cylinder becomes the capsule around it, as in VAMP's
 own problem files, and a cone or a hull the box around it.
 
-Each call of VAMP copies the obstacles into its vector types. `copying` is a call that does that and nothing else. Taken
-off, it leaves what VAMP takes in C++.
+Each call of VAMP copies the obstacles into its vector types. `copying` is a call that does only that. Its time is
+subtracted, which leaves VAMP's time in C++.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """FCL and coal on the pairs of the stress suite, for comparison: neither claims to be exact.
 
-In: a draw. Out: the verdicts of each on every pair for which it has both shapes.
+In: a draw. Out: each library's verdicts on every pair for which it has both shapes.
 """
 
 from __future__ import annotations

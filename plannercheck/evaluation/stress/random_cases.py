@@ -3,8 +3,8 @@
 In: a random generator. Out: a `Draw`: two bodies and poses of both, one for each gap of GAPS.
 
 A draw takes one value of each list: how the bodies lie (RELATIONS), the family and number of vertices of either, the
-smaller one's size, the ratio of the sizes, the distance from the origin, the rotation. Gaps are taken along a direction
-in which the bodies face each other. They are rounded, so exact arithmetic decides what they become.
+smaller body's size, the ratio of the sizes, the distance from the origin, the rotation. Gaps are along a direction in
+which the bodies face each other. Rounding changes them, so exact arithmetic decides the verdict.
 """
 
 from __future__ import annotations

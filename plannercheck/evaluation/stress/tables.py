@@ -1,4 +1,4 @@
-"""What the tables of the campaign of pairs have besides: the shares of wrong verdicts of other libraries.
+"""An addition to the tables of the campaign of pairs: the shares of wrong verdicts of other libraries.
 
 In: a tally. Out: lines.
 """

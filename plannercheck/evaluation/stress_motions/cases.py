@@ -1,4 +1,4 @@
-"""Failing motions in files, with robot and scene, to be judged again; a case is made smaller before it is kept.
+"""Failing motions in files, with robot and scene, to be judged again; a case is shrunk before it is written.
 
 In and out: a document with the recipe of the checker, the motion, and the motions that were judged before it, where
 that matters.

@@ -1,4 +1,4 @@
-"""Contact by construction: a state is chosen first, then a body is put where it touches the robot there.
+"""Contact by construction: a state is chosen first, then a body is placed where it touches the robot at that state.
 
 In: a posed robot, a shape, a depth. Out: a pose of the shape at which it overlaps a body of the robot at that state by
 the depth, or misses it by as much; and the contact's point and normal, so that motions can go along the contact as well

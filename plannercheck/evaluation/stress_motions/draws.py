@@ -1,8 +1,8 @@
 """Random draws of the motion stress in space: a robot in a scene, with contacts by construction; motions through them.
 
 In: a family's name, a random generator. Out: a `Draw`. The robot is drawn first, then states. At each state a body is
-put where it touches the robot: an obstacle, or a probe on another branch of the robot itself. Of many motions through
-these states, those that are free at both ends come first, so that only the states between can show the contact.
+put where it touches the robot: an obstacle, or a probe on another branch of the robot itself. Motions through these
+states that are free at both ends come first, because only their states between show the contact.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 In: a draw. Out: `Judged`: counts of verdicts, and faults. The rules:
 
-- A motion that passes a contact by construction is not free, nor is one that collides at any state that is sampled:
-  around the contact, all along, and where a search finds the least clearance. Ends count as they were given.
+- A motion is not free if it passes a contact by construction, or collides at any sampled state: around the contact, all
+  along, and where a search finds the least clearance. Ends count as they were given.
 - A refused motion comes within the tolerance, at the state that the certifier names or at another one.
 - A verdict depends on the motion only: it is the same alone, in batches of any order, explained, and by a new checker.
 - A motion is where it should be at the parameter of the contact.

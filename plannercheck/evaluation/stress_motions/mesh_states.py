@@ -1,8 +1,8 @@
 """Motions of solids at states in between, by coal on the meshes: an oracle that shares nothing with the core.
 
 In: a checker of solids, motions. Out: whether surfaces meet or come near at states on them. Pinocchio poses, Pinocchio
-or a slerp of Python interpolates, coal tests triangles. coal's bodies are surfaces, so of a body wholly inside another
-it says nothing.
+or a slerp of Python interpolates, coal tests triangles. coal's bodies are surfaces, so coal does not find a body wholly
+inside another.
 """
 
 from __future__ import annotations

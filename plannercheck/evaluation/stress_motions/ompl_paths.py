@@ -1,4 +1,4 @@
-"""Checks that a proved motion is the one that OMPL makes: the same states between the same ends.
+"""Checks that a proved motion is OMPL's motion: the same states between the same ends.
 
 In: random numbers. Out: a `Judged`. OMPL interpolates in its own space; poses of links are compared with those on the
 motion that the checker judges, mimic joints included.

@@ -1,8 +1,8 @@
 """Random draws of the motion stress in the plane: chains and trailers, straight motions, Dubins and Reeds-Shepp curves.
 
 In: a family's name, a random generator. Out: a `Draw`. As in space, a state is chosen first, and an obstacle is put
-where it touches a body of the robot at that state. Straight motions pass the state. For curves, one is drawn first and
-the state is taken from it; further curves differ a little.
+where it touches a body of the robot at that state. Straight motions pass the state. For curves, a curve is drawn first
+and the state is a state on it; further curves differ a little.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Motions of RRT-Connect among solids, and how many of them hulls or convex pieces would have refused.
 
-In: a family's name, a random generator; or a draw with its answers. Out: a `Draw` of motions that the planner was told
-are free; counts. A problem is between two valid states, or the scene's own. The planner stops after a number of rounds,
-not of seconds, so that it finds the same in every run.
+In: a family's name, a random generator; or a draw with its answers. Out: a `Draw` of motions that the planner's checker
+called free; counts. A problem is between two valid states, or the scene's own. The planner stops after a number of
+rounds, not of seconds, so that every run gives the same motions.
 """
 
 from __future__ import annotations

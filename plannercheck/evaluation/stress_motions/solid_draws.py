@@ -1,8 +1,8 @@
 """Random draws of motions of solids: arms with their meshes as they are, and free bodies in concave puzzles.
 
-In: a family's name, a random generator. Out: a `Draw`. No body is added: contacts are those that the robot has, with
-itself and with its scene. Between a valid state and one that collides, a state is searched that has just begun to
-collide, and motions pass through it, across the contact and along it. The others are random motions from valid states.
+In: a family's name, a random generator. Out: a `Draw`. No body is added: the robot touches itself and its scene.
+Between a valid state and a colliding state, a search finds a state that has just begun to collide, and motions pass
+through it, across the contact and along it. The others are random motions from valid states.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The bodies of the stress of sets of parts, as the core has them and as the oracle has them.
 
-In: what a body is given by. Out: a `Body`: its pieces, or the solid that it is; and the core's body.
+In: the numbers of a body. Out: a `Body`: its pieces or its solid, and the core's body.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """Random draws of the stress of sets of parts.
 
-In: a seed and a number. Out: a `Draw`: a set, another body and poses of both, those of a contact of one part, or any.
-On a half-space lies any body; an ellipsoid meets a point, too.
+In: a seed and a number. Out: a `Draw`: a set, another body and poses of both, at a contact of one part or at random.
+Any body may lie on a half-space; an ellipsoid may meet a point.
 
-A draw takes one value of each list: how the bodies lie, the set's family and number of parts, what the other body is,
-the sizes, the rotation, the distance from the origin.
+A draw takes one value of each list: how the bodies lie, the set's family and number of parts, the kind of the other
+body, the sizes, the rotation, the distance from the origin.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
 """Whether an ellipsoid itself, not the polytope that stands for it, shares a point with another body, exactly.
 
-In: an ellipsoid of radii r, another body, poses of both. Out: verdicts, where whole numbers can tell: against a
+In: an ellipsoid of radii r, another body, poses of both. Out: verdicts where whole numbers decide: against a
 half-space, and against a point.
 
 The idea: a point's place in the ellipsoid's frame is x_i = X_i / det M by Cramer's rule, and the sum of x_i² / r_i²
-tells. An ellipsoid reaches as far along g as the root of S, the sum of (r_i (Mᵀ g)_i)², and padding R adds the root of
-T = R² g · g. The height h of its centre is at most the sum of both roots if h is 0 or less, or h² − S − T is, or
-(h² − S − T)² <= 4 S T.
+decides. An ellipsoid's extent along g is the root of S, the sum of (r_i (Mᵀ g)_i)², and padding R adds the root of T =
+R² g · g. The height h of its centre is at most the sum of both roots if h is 0 or less, or h² − S − T is, or (h² − S −
+T)² <= 4 S T.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The bodies of the stress of sets of parts as numbers: what the core is given, and where the parts are.
+"""The bodies of the stress of sets of parts as numbers: the core's input, and the places of the parts.
 
 In: arrays. Out: a `Given`: the pieces whose union the body is, computed here by the documented arithmetic, and the body
 as the core prepares it; smaller ones of the same kind.

@@ -1,6 +1,6 @@
 """Whether a body shares a point with a half-space, in whole numbers.
 
-In: a body's corners with radii, a half-space, poses of both. Out: verdicts. It has no line of the core.
+In: a body's corners with radii, a half-space, poses of both. Out: verdicts. It shares no code with the core.
 
 The idea: with the columns a, b, c of M, the half-space {x : n · x <= d} under y = M x + t is
 {y : g · (y − t) <= d det M}, g being n_x b × c + n_y c × a + n_z a × b. A ball of the radius r about y has a point

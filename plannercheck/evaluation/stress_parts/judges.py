@@ -1,4 +1,4 @@
-"""What the core says of a draw, in every way that users can ask it.
+"""The core's answers to a draw, by every call that users have.
 
 In: a draw and the oracle's verdicts. Out: outcomes (k,) of each contestant: a verdict, or how it failed.
 """

@@ -1,7 +1,7 @@
-"""Motions of a robot before random sets of parts: none that is proved free may have a state that collides.
+"""Motions of a robot before random sets of parts: no motion that is proved free may have a colliding state.
 
-In: a seed and a number. Out: how many motions were proved free, refused, and missed: proved free with a state among
-those along them that collides. States are judged one by one, as pairs are.
+In: a seed and a number. Out: how many motions were proved free, refused, and missed: proved free although a sampled
+state collides. States are judged one by one, as pairs are.
 """
 
 from __future__ import annotations

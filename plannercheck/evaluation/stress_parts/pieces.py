@@ -1,7 +1,7 @@
 """Convex parts of bodies, as the oracles have them.
 
-In: corners and a radius. Out: a `Piece`, for the oracle of convex bodies and for that of meshes; a `Group` of pieces,
-in which one that holds others stands for them where it is apart.
+In: corners and a radius. Out: a `Piece`, for the oracles of convex bodies and of meshes; a `Group` of pieces, in which
+a piece that holds others stands for them if it is apart.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Whether two bodies of pieces share a point: every piece of one against every piece of the other, exactly.
 
-In: two bodies, poses of both. Out: verdicts, proved by cpp/oracle. Pieces in hulls that are apart are not asked for one
-by one, unless every pair is.
+In: two bodies, poses of both. Out: verdicts, proved by cpp/oracle. Pieces in hulls that are apart are not tested one by
+one, unless all pairs are asked for.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Two bodies made in one frame, so that what they share they share exactly, at any pose that both have.
+"""Two bodies made in one frame, so that they share features exactly, at any pose that both have.
 
 In: a relation's name. Out: two surfaces about 1 m across: parts of one heap of cells on either side of a cut, a body
 and itself, a part of itself or half of it, a body in a cavity that it fills or nearly fills.

@@ -2,8 +2,8 @@
 
 In: about how many triangles, a random generator. Out: a `Surface` about 1 m across.
 
-Corners of a convex body, and points within its triangles, are pushed in by a part of their distance from the middle: as
-little as rounding would, as deep as the core takes for shallow, or deeper.
+Corners of a convex body, and points within its triangles, are pushed in by a part of their distance from the middle: by
+about a rounding, up to the core's limit of shallow dents, or deeper.
 """
 
 from __future__ import annotations

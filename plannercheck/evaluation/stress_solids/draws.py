@@ -1,9 +1,9 @@
 """Random draws of the stress of solids.
 
-In: a seed and a number. Out: a `Draw`: two bodies and poses of both, those of one contact for each of OFFSETS, or any.
+In: a seed and a number. Out: a `Draw`: two bodies and poses of both, at one contact for each of OFFSETS, or at random.
 
-A draw takes one value of each list: how the bodies lie, the family and number of triangles of either, what is odd about
-its mesh (`variations`), the sizes, the distance from the origin, the rotations.
+A draw takes one value of each list: how the bodies lie, the family and number of triangles of either, the fault of its
+mesh (`variations`), the sizes, the distance from the origin, the rotations.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the core says of a draw, in every way that users can ask it, held against the oracle.
+"""The core's answers to a draw, by every call that users have, compared with the oracle.
 
 In: a draw. Out: outcomes (k,) of each contestant: a verdict, or how it failed.
 """

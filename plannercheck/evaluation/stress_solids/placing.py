@@ -3,7 +3,7 @@
 In: two bodies, rotations. Out: poses at offsets from such a moment, along a line.
 
 The idea: take a place where the bodies share a point, since a point of one lies on a point of the other, and a place
-where they share none, be it inside each other's hulls. Halve the way between both, with the oracle's verdicts, until
+where they share none, be it inside each other's hulls. Halve the line between both, with the oracle's verdicts, until
 two neighbouring doubles are left. Along an axis, bodies of a lattice then touch exactly; otherwise the contact is as
 near as doubles come.
 """

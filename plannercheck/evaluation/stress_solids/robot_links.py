@@ -3,8 +3,8 @@
 In: a seed and a number. Out: a `Draw`: a mesh as it is, and another or a convex body, at poses about moments at which
 they begin to touch.
 
-Random states rarely come near contact, so the first link is moved until it does: every state of a robot is at some
-offset from one like this.
+Random states rarely come near contact, so the first link is moved until both begin to touch: every state of a robot is
+at some offset from such a contact.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""What may be odd about a mesh, whatever it shows: inside out, holes, doubled or split triangles, no thickness.
+"""Faults that any mesh may have: inside out, holes, doubled or split triangles, no thickness.
 
-In: a `Surface`, a random generator. Out: another one. None of these moves a point off a lattice of powers of two.
+In: a `Surface`, a random generator. Out: another `Surface`. No fault moves a point off a lattice of powers of two.
 """
 
 from __future__ import annotations

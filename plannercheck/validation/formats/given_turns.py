@@ -1,9 +1,9 @@
-"""Motions on which a continuous joint runs through the numbers as given, cut so that its short way is that motion.
+"""Motions on which a continuous joint runs through the given numbers, cut into pieces of less than half a turn.
 
-In: configurations of a trajectory message, and which motions between them run as given. Out: configurations with more
-of them in between, and how many pieces each motion has become. A controller interpolates positions as they are
+In: configurations of a trajectory message, and which motions between them run as given. Out: configurations, with added
+ones in between, and the number of pieces of each motion. A controller interpolates positions as they are
 (ros2_controllers, `Trajectory::interpolate_between_points`): from 3 to -3 rad it turns by 6 rad, through 0. Proofs of
-motions take the short way of a continuous joint. On pieces of less than half a turn both are the same.
+motions take the shorter turn of a continuous joint. On pieces of less than half a turn both are the same.
 """
 
 from __future__ import annotations
