@@ -141,3 +141,12 @@ def test_unit_vectors_turn_from_end_to_end(tmp_path):
     points[2, 5] = 0.0
     with pytest.raises(PlannercheckError, match="quaternion"):
         pc.Trajectory.bezier([0, 2], points[None]).of_robot(robot)
+
+
+@pytest.mark.parametrize("tube", [np.nan, np.inf, -1e-300, 1e16, np.finfo(float).max])
+def test_tubes_that_are_no_sizes_are_refused_and_leave_nothing_behind(tube, tmp_path):
+    checker = pc.Checker(slider(tmp_path), balls([0.0, 2.0, 0.0]))
+    beyond = pc.Trajectory.bezier([0, 1], [[[2.9, 0.0], [3.0, 0.1], [3.2, 0.0]]])
+    with pytest.raises(PlannercheckError, match="tube must be"):
+        checker.check_trajectory(beyond, tube=tube)
+    assert checker.check_trajectory(beyond)
