@@ -69,6 +69,8 @@ class TrajectoryChecks:
 
     def are_free(self, trajectories: Sequence[Trajectory], threads: int = 1) -> Bools:
         """Which of n trajectories are proved free (n,), on a number of threads."""
+        if isinstance(trajectories, Trajectory):
+            raise PlannercheckError("this is one pc.Trajectory, not a list of some: check_trajectory takes one")
         if not trajectories:
             return np.empty(0, dtype=bool)
         free = self._free_pieces(trajectories, self.tube, threads=threads)

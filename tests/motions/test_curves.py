@@ -150,3 +150,9 @@ def test_tubes_that_are_no_sizes_are_refused_and_leave_nothing_behind(tube, tmp_
     with pytest.raises(PlannercheckError, match="tube must be"):
         checker.check_trajectory(beyond, tube=tube)
     assert checker.check_trajectory(beyond)
+
+
+def test_one_trajectory_is_no_list_of_some(tmp_path):
+    checker = pc.Checker(slider(tmp_path), balls([0.0, 2.0, 0.0]))
+    with pytest.raises(PlannercheckError, match="check_trajectory takes one"):
+        checker.check_trajectories(pc.Trajectory.bezier([0, 1], [[[0.0, 0.0], [1.0, 0.0]]]))
