@@ -146,7 +146,7 @@ class MotionCertifier:
                     continue
                 taken = _rows(points, rows), _rows(tubes, rows)
                 answers = np.asarray(part.core.check(self._kernel, *taken, tolerance, error, threads))
-                free[rows] = verdicts(answers, tolerance, rows)
+                free[rows] = verdicts(answers, tolerance, rows, isinstance(motions, Curves))
         return free
 
     def _parts_of(self, motions: Motions | Curves) -> list[tuple[ChainedPairs, NDArray[np.int64]]]:

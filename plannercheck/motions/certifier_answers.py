@@ -64,27 +64,31 @@ class MotionResult(NamedTuple):
     proved_until: float = 0.0
 
 
-def verdicts(answers: NDArray[np.uint8], tolerance: float, rows: NDArray[np.int64] | None = None) -> Bools:
+def verdicts(
+    answers: NDArray[np.uint8], tolerance: float, rows: NDArray[np.int64] | None = None, is_curve: bool = False
+) -> Bools:
     """Which answers (n,) mean free.
 
     Args:
         answers: The core's codes.
         tolerance: m.
         rows: (n,) numbers of the motions, for errors; None for 0, 1, …
+        is_curve: Whether they are pieces of trajectories.
 
     Raises:
         PlannercheckError: If rounding is too large a part of the tolerance for one of them.
     """
     if (answers == IMPRECISE).any():
         first = int(np.argmax(answers == IMPRECISE))
-        raise _imprecise(first if rows is None else int(rows[first]), tolerance)
+        name = f"motion {first if rows is None else int(rows[first])}"
+        raise _imprecise("a piece of a trajectory" if is_curve else name, tolerance)
     return np.asarray(answers == FREE)
 
 
 def motion_result_of(answer: int, until: float, near: float, pair: int, tolerance: float) -> MotionResult:
     """The result of one motion without proofs, or an error; only a refused one has the core's numbers."""
     if answer == IMPRECISE:
-        raise _imprecise(0, tolerance)
+        raise _imprecise("motion 0", tolerance)
     return MotionResult(True, 1.0, -1.0, -1) if answer == FREE else MotionResult(False, until, near, pair)
 
 
@@ -107,9 +111,9 @@ def check_tolerance(tolerance: float) -> None:
         raise PlannercheckError(f"tolerance must be a positive length in m, not {tolerance!r}")
 
 
-def _imprecise(row: int, tolerance: float) -> PlannercheckError:
+def _imprecise(name: str, tolerance: float) -> PlannercheckError:
     """The error for a motion whose rounding exceeds a part of the tolerance."""
     return PlannercheckError(
-        f"motion {row}: lengths and angles are so large that rounding is no small part of the tolerance of "
+        f"{name}: lengths and angles are so large that rounding is no small part of the tolerance of "
         f"{tolerance:g} m; choose a larger tolerance, or smaller numbers"
     )

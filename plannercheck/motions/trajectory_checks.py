@@ -25,6 +25,7 @@ from plannercheck.motions.explanation import explained_motion
 from plannercheck.motions.motion_ends import Curves
 from plannercheck.motions.trajectory_verdict import Stop, TrajectoryVerdict
 from plannercheck.proofs.proof import Proof
+from plannercheck.robots.configurations import LARGEST_VALUE
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.curve import Curve
 from plannercheck.trajectories.trajectory import Trajectory
@@ -68,6 +69,8 @@ class TrajectoryChecks:
 
     def are_free(self, trajectories: Sequence[Trajectory], threads: int = 1) -> Bools:
         """Which of n trajectories are proved free (n,), on a number of threads."""
+        if isinstance(trajectories, Trajectory):
+            raise PlannercheckError("this is one pc.Trajectory, not a list of some: check_trajectory takes one")
         if not trajectories:
             return np.empty(0, dtype=bool)
         free = self._free_pieces(trajectories, self.tube, threads=threads)
@@ -196,9 +199,10 @@ class TrajectoryChecks:
 
     def _checked_tube(self, given: Floats) -> Floats:
         nq = self._checker.robot.nq
-        if given.shape not in ((1,), (nq,)) or not np.isfinite(given).all() or (given < 0).any():
+        if given.shape not in ((1,), (nq,)) or not ((given >= 0) & (given <= LARGEST_VALUE)).all():
             raise PlannercheckError(
-                f"tube must be a number of at least 0, or a row of {nq}, rad and m, not {shown_array(given)}"
+                f"tube must be a number from 0 to {LARGEST_VALUE:g}, or a row of {nq}, rad and m, not"
+                f" {shown_array(given)}"
             )
         row = given if len(given) == nq else np.full(nq, given[0])
         for first, past in self._units:

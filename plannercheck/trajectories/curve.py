@@ -23,6 +23,9 @@ from plannercheck.robots.configurations import LARGEST_VALUE
 # s: 1 ns, less the rounding of late times.
 _SHORTEST = 0.9e-9
 
+# Highest degree of a piece.
+MOST_DEGREE = 20
+
 
 @dataclass(frozen=True, eq=False)
 class Curve(OwnsArrays):
@@ -98,6 +101,16 @@ def _slerp(start: Floats, end: Floats, s: Floats, derivative: int) -> Floats:
     phase = angle * s[:, None] + derivative * np.pi / 2
     sideways = across / length if length > 0 else across
     return np.asarray(angle**derivative * (np.cos(phase) * a + np.sin(phase) * sideways))
+
+
+def check_curve(curve: Curve) -> None:
+    """Raises for a curve that is none of a robot: pieces of another degree or size, or that do not meet."""
+    check_size(curve.breaks, curve.pieces)
+    for k, piece in enumerate(curve.pieces):
+        if not 2 <= len(piece) <= MOST_DEGREE + 1:
+            raise PlannercheckError(f"piece {k} must have 2 to {MOST_DEGREE + 1} control points, not {len(piece)}")
+        if k > 0 and (curve.pieces[k - 1][-1] != piece[0]).any():
+            raise PlannercheckError(f"pieces {k - 1} and {k} do not meet: no robot can jump")
 
 
 def check_size(breaks: Floats, pieces: Sequence[Floats]) -> None:

@@ -11,11 +11,8 @@ from numpy.typing import ArrayLike
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import contiguous
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.trajectories.curve import Curve, bernstein, check_size
+from plannercheck.trajectories.curve import MOST_DEGREE, Curve, bernstein, check_size
 from plannercheck.trajectories.rounding import UNIT, blossom_error, powers_error
-
-# Highest degree of a piece.
-MOST_DEGREE = 20
 
 # How far pieces may be apart where they meet, relative to the largest coefficient: rounding of whoever made them.
 _JOINT = 1e-9

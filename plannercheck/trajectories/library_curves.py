@@ -27,8 +27,8 @@ import numpy as np
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.trajectories.curve import Curve
-from plannercheck.trajectories.forms import MOST_DEGREE, joined, of_bezier, of_bspline, of_polynomials
+from plannercheck.trajectories.curve import MOST_DEGREE, Curve
+from plannercheck.trajectories.forms import joined, of_bezier, of_bspline, of_polynomials
 from plannercheck.trajectories.limits import extremes
 from plannercheck.trajectories.rounding import UNIT
 

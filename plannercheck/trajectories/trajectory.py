@@ -23,13 +23,16 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.controllers import Controller, Points, curve_of
-from plannercheck.trajectories.curve import Curve
+from plannercheck.trajectories.curve import Curve, check_curve
 from plannercheck.trajectories.files import read_points
 from plannercheck.trajectories.forms import of_bezier, of_bspline, of_polynomials
 from plannercheck.trajectories.library_curves import of_library
 from plannercheck.trajectories.limits import Excess, Kind, broken_limits
 from plannercheck.trajectories.timing import Timing
 from plannercheck.trajectories.written_messages import write_message
+
+# How far control points of unit vectors may be off what is meant, as a part of their length.
+_MOST_OFF = 1e-10
 
 
 @set_module("plannercheck")
@@ -79,7 +82,8 @@ class Trajectory:
 
     @classmethod
     def of_curve(cls, curve: Curve) -> Trajectory:
-        """A trajectory that is a curve."""
+        """A trajectory that is a curve, of pieces that meet."""
+        check_curve(curve)
         made = cls.__new__(cls)
         made.points, made.controller, made.timing, made.curve = None, None, None, curve
         return made
@@ -165,6 +169,12 @@ class Trajectory:
             if self.points is not None and np.nan_to_num(self.points.velocities[:, first:past]).any():
                 raise PlannercheckError(
                     f"columns {first} to {past - 1} turn by slerp between points: set their velocities to 0"
+                )
+            off = float(self.curve.error[first:past].max())
+            if off > _MOST_OFF:  # no tube is around a unit vector, in which the error could count
+                raise PlannercheckError(
+                    f"columns {first} to {past - 1} form a unit vector, but are off by up to {off:.3g}: give pieces"
+                    " that meet there, and coefficients that are not much larger than 1"
                 )
         made = Trajectory.of_curve(replace(self.curve, units=units))
         made.points, made.controller = self.points, self.controller

@@ -9,6 +9,7 @@ import pytest
 
 import plannercheck as pc
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.motions.motion_ends import Curves
 from plannercheck.motions.trajectory_checks import TrajectoryChecks
 
 SLIDER = """<robot name="slider"><link name="base"/><link name="cart"/>
@@ -217,3 +218,27 @@ def test_a_search_for_the_largest_tube_ends_where_rounding_is_too_large(tmp_path
     with pytest.raises(PlannercheckError, match="rounding"):
         checker.check_trajectory(still, tube=1.5, tolerance=1.5e-11)
     assert 1 < checker.explain_trajectory(still, tolerance=1.5e-11).largest_tube < 1.5
+
+
+@pytest.mark.parametrize("tube", [np.nan, np.inf, -1e-300, 1e16, np.finfo(float).max])
+def test_tubes_that_are_no_sizes_are_refused_and_leave_nothing_behind(tube, tmp_path):
+    checker = pc.Checker(slider(tmp_path), balls([0.0, 2.0, 0.0]))
+    beyond = pc.Trajectory.bezier([0, 1], [[[2.9, 0.0], [3.0, 0.1], [3.2, 0.0]]])
+    with pytest.raises(PlannercheckError, match="tube must be"):
+        checker.check_trajectory(beyond, tube=tube)
+    assert checker.check_trajectory(beyond)
+
+
+def test_one_trajectory_is_no_list_of_some(tmp_path):
+    checker = pc.Checker(slider(tmp_path), balls([0.0, 2.0, 0.0]))
+    with pytest.raises(PlannercheckError, match="check_trajectory takes one"):
+        checker.check_trajectories(pc.Trajectory.bezier([0, 1], [[[0.0, 0.0], [1.0, 0.0]]]))
+
+
+def test_numbers_that_are_not_finite_leave_nothing_behind(tmp_path):
+    """A workspace that has seen them judges the next curve as a new one does."""
+    certifier = pc.Checker(slider(tmp_path), balls([0.0, 2.0, 0.0])).certifier_of("slerp")
+    points, none = np.array([[[2.9, 0.0], [3.0, 0.1], [3.2, 0.0]]]), np.zeros((1, 3))
+    with pytest.raises(PlannercheckError, match="a piece of a trajectory"):
+        certifier.check_curves(Curves(points, np.array([[np.inf, 0.0, 0.0]])), 1e-4, 1)
+    assert certifier.check_curves(Curves(points, none), 1e-4, 1).all()

@@ -11,7 +11,7 @@ import pytest
 from scipy.interpolate import BSpline, CubicSpline, PPoly
 
 import plannercheck as pc
-from plannercheck.trajectories.curve import bernstein
+from plannercheck.trajectories.curve import Curve, bernstein
 
 TIMES = np.array([0.5, 1.25, 3.0])
 RNG = np.random.default_rng(4)
@@ -287,3 +287,18 @@ def test_a_start_that_is_not_looked_at_is_said(tmp_path: Path):
     (tmp_path / "t.json").write_text(json.dumps(file))
     with pytest.warns(UserWarning, match=r"t\.json.*trajectory_start is not looked at: give start="):
         pc.Trajectory.load(tmp_path / "t.json", robot)
+
+
+@pytest.mark.parametrize(
+    ("pieces", "words"),
+    [
+        ([[[0.0]]], "2 to 21 control points, not 1"),
+        ([np.zeros((22, 1))], "2 to 21 control points, not 22"),
+        ([[[0.0], [np.nan], [1.0]]], "beyond"),
+        ([[[0.0], [1.0]], [[1.0 + 1e-15], [2.0]]], "pieces 0 and 1 do not meet"),
+    ],
+)
+def test_a_curve_that_no_robot_runs_is_refused(pieces, words: str):
+    curve = Curve(np.arange(len(pieces) + 1.0), tuple(np.array(piece) for piece in pieces), np.zeros(1))
+    with pytest.raises(pc.PlannercheckError, match=words):
+        pc.Trajectory.of_curve(curve)

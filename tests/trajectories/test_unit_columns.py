@@ -93,3 +93,13 @@ def test_velocities_of_a_quaternion_are_refused(robot):
     speeds[0, 4] = 0.1
     with pytest.raises(pc.PlannercheckError, match="slerp"):
         pc.Trajectory([0, 1], rows, speeds).of_robot(robot)
+
+
+def test_unit_vectors_of_pieces_meet_whatever_the_size_of_other_columns(robot):
+    """A base far out: rounding of its positions is no excuse for a jump of its turn."""
+    turns = [[0.0, 0.0, np.sin(angle / 2), np.cos(angle / 2)] for angle in (0.0, 1.0, 1.0 + 1e-6, 0.5)]
+    rows = np.array([[5e3, 0.0, 0.0, *turn] for turn in turns])
+    with pytest.raises(pc.PlannercheckError, match=r"columns 3 to 6.*meet"):
+        pc.Trajectory.bezier([0.0, 1.0, 2.0], rows.reshape(2, 2, 7)).of_robot(robot)
+    rows[2] = rows[1]
+    pc.Trajectory.bezier([0.0, 1.0, 2.0], rows.reshape(2, 2, 7)).of_robot(robot)

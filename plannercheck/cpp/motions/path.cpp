@@ -141,7 +141,7 @@ void Path::set(const Segment& motion) {
 
 // A tube as thin as rounding is covered as rounding is, at no cost.
 void Path::set_tube(const double* tube) {
-  constexpr double kThin = 0x1p-33;
+  constexpr double kThin = 0x1p-40;
   const std::size_t width = q0_.size();
   tube_.clear();
   off_curve_ = 0;
@@ -182,7 +182,7 @@ void Path::look_at(double from, double to) {
   }
   for (std::size_t c = 0; c < width; ++c) {
     CurveBound& on = on_curve_[c];
-    const double cut = levels * kHalfUnit * sizes_[c], first = on.rate + 2 * cut;
+    const double cut = length < 1 ? levels * kHalfUnit * sizes_[c] : 0, first = on.rate + 2 * cut;
     on = {on.low - cut, on.high + cut, rate * first, change * (on.change + 4 * cut + 4 * kHalfUnit * first)};
   }
 }
