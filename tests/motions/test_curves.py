@@ -70,6 +70,24 @@ def test_a_turning_point_is_where_the_curve_is_nearest(tmp_path):
             assert checker.check_trajectory(pc.Trajectory.polynomials([0, 1], powers)) == free, (at, gap)
 
 
+@pytest.mark.parametrize("bend", [0, 2, 5, 12])
+@pytest.mark.parametrize("late", [False, True])
+def test_curves_whose_speed_changes_most_at_an_end_turn_back(bend, late, tmp_path):
+    """y = (s - at)² (1.05 - s)^bend, or mirrored, touches a plate by 1e-7 m, in the middle of intervals, too."""
+    robot, scene = slider(tmp_path), pc.Scene("plate")
+    scene.add_box("plate", (99.0, 0.1, 1.0), np.eye(4))
+    checker = pc.Checker(robot, scene)
+    for size in (0.7, 3.0, 30.0):
+        for at in np.append(np.linspace(0, 1 if bend < 3 else 0.375, 57), [1 / 3, 0.1]):
+            shape = size * np.poly1d([-1.0, 1.05]) ** bend / (1.05 - at) ** bend * np.poly1d([1.0, -at]) ** 2
+            if late:
+                shape = shape(np.poly1d([-1.0, 1.0]))
+            powers = np.zeros((1, 2, bend + 3))
+            powers[0, 1] = shape.coeffs[::-1]
+            powers[0, 1, 0] += 0.15 - 1e-7
+            assert not checker.check_trajectory(pc.Trajectory.polynomials([0, 1], powers)), (at, size)
+
+
 @pytest.mark.parametrize("others", [0, 1100])  # obstacles in lanes, and in the tree
 def test_a_corner_of_a_tube_touches(others, tmp_path):
     """The ball keeps 0.3 m away from two others, and far away from more."""
@@ -84,9 +102,18 @@ def test_a_corner_of_a_tube_touches(others, tmp_path):
     assert not checker.check_trajectory(still, tube=[0.101, 0.0])
     verdict = checker.explain_trajectory(straight)
     assert 0.14 < verdict.largest_tube < 0.3
-    # A tube as thin as rounding, wider than the gap.
+
+
+def test_a_tube_as_thin_as_rounding_touches(tmp_path):
+    """Two boxes on one line, a little further apart than nothing: the tube is twice as wide."""
+    boxes = SLIDER.format("prismatic").replace('<sphere radius="0.1"/>', '<box size="0.2 0.2 0.2"/>')
+    (tmp_path / "boxes.urdf").write_text(boxes)
+    scene, pose = pc.Scene("box"), np.eye(4)
+    pose[1, 3] = 0.5
+    scene.add_box("box", (0.2, 0.2, 0.2), pose)
+    checker = pc.Checker(pc.Robot.from_urdf(tmp_path / "boxes.urdf"), scene)
     beside = pc.Trajectory.bezier([0, 1], np.full((1, 3, 2), [0.0, 0.3 - 5e-11]))
-    assert checker.is_valid([0.0, 0.3 - 5e-11])
+    assert checker.check_trajectory(beside)
     assert not checker.check_trajectory(beside, tube=1e-10)
 
 

@@ -226,7 +226,7 @@ class CurveSubject(SpaceSubject):
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
         """See `Subject`."""
-        return np.asarray(self._certifier.states_on(numbers_of(q0, q1).points, parameters))
+        return self.trajectory(q0, q1).position(parameters)
 
     def slack(self, q0: Floats, q1: Floats) -> float:
         """See `Subject`: of all pairs, the largest sum of lever arms by the tube."""
