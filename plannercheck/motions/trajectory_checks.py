@@ -1,7 +1,7 @@
 """Trajectories judged: each piece is a curve, proved free at every instant, with a tube around it.
 
-In: a checker, trajectories, a tube. Out: which pieces are free; for one trajectory how far it is free, what stops it,
-and how much room is left. Pieces of one degree are judged together, those of all trajectories at once.
+In: a checker, trajectories, a tube. Out: which pieces are free; for one trajectory the time up to which it is free, the
+pair that stops it, and the clearance. Pieces of one degree, of all trajectories, are judged together.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""The verdict of a trajectory: how far it is free, what stops it, and how much room it leaves.
+"""The verdict of a trajectory: up to when it is free, which pair stops it, its clearance and its largest tube.
 
-In: what the checks found. Out: `TrajectoryVerdict`, plain data, with a proof that is computed when it is asked for.
+In: the results of the checks. Out: `TrajectoryVerdict`, plain data, with a proof that is computed when it is asked for.
 """
 
 from __future__ import annotations

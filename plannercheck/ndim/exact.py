@@ -1,13 +1,13 @@
 """Exact verdicts in any dimension: a double oracle in integers.
 
-In: two posed bodies, each given by vertices or by halfspaces, and a guess of what decides (from doubles). Out: the
+In: two posed bodies, each given by vertices or by halfspaces, and a guess of the deciding ones (from doubles). Out: the
 proof of the verdict, in integers.
 
 The idea: only few vertices and halfspaces are active. Solve the game of the active ones exactly (`integers.solve`). The
 solution either holds for all vertices and halfspaces, and is the certificate, or one that violates it joins the active
 ones. Each round adds something new, so it ends. There are three games:
 
-- vertices against vertices: mixtures that are the same point, or a direction that tells the two hulls apart;
+- vertices against vertices: mixtures that are the same point, or a direction that separates the two hulls;
 - vertices against halfspaces: a mixture inside all of them, or multipliers of halfspaces whose sum holds no vertex;
 - halfspaces against halfspaces: a point inside all, or multipliers whose sum is 0 · x ≤ -1.
 """

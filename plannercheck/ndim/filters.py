@@ -1,4 +1,4 @@
-"""Verdicts in doubles with forward error bounds; where these prove nothing, integers decide.
+"""Verdicts in doubles with forward error bounds; if these leave a verdict open, integers decide.
 
 In: posed bodies and a method's result. Out: True only if the exact bodies (with vertices and poses as the numbers that
 their doubles are) are certainly apart, or certainly share a point.

@@ -1,7 +1,7 @@
 """Poses of links on a motion, in ball arithmetic: maps between joints of the tree, at points and over intervals.
 
 In: a model, a motion. Out: `Chains.jet(span, above, joint)`, the jet of the map from a joint's frame to that of a joint
-above it, over a span of the parameter, and bounds that hold for every map of the tree.
+above it, over a span of the parameter, and bounds for every map of the tree.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Whether entries of parts of solids leave nothing out: they cover [0, 1] and all pairs of triangles of a pair.
+"""Whether entries of parts of solids cover [0, 1] and all pairs of triangles of a pair.
 
 In: a model, entries. Out: nothing, or an `UnprovedError`. An entry is a box of three sides: its interval, and the
 ranges of triangles of both bodies. A cell is covered if one box holds it. Else it is cut where a box ends, and both
-halves have to be covered. Which end is taken changes how long that takes, and nothing else.
+halves have to be covered. The choice of the end changes only the time.
 """
 
 from __future__ import annotations

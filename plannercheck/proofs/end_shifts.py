@@ -1,4 +1,4 @@
-"""How far the poses of the end that was asked for may be from those of the end that a motion goes to.
+"""How far the poses at the requested end may be from the poses at the end of the motion.
 
 In: a model, a motion, its bodies. Out: a length, m. Both ends differ by whole turns, and by rounding.
 """

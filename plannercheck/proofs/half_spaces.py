@@ -2,7 +2,7 @@
 
 In: the body {x : n . x <= d}, posed by y = M x + t. Out: the direction g = n adj(M) out of it, and its point that is
 nearest to the origin, of height c = d det M + g . t. As det M > 0, the body is {y : g . y <= c}, so its highest points
-along g are as high as that one. No other direction keeps anything apart from it, so entries name none.
+along g have the height of this point. No other direction separates a body from it, so entries name none.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Heights of bodies along a direction: what is compared where a plane keeps two bodies apart.
+"""Heights of bodies along a direction, which are compared if a plane keeps two bodies apart.
 
-In: points on a joint, a direction, rows (w, s) in ball arithmetic. Out: how low a body reaches at least: w . v + s of
+In: points on a joint, a direction, rows (w, s) in ball arithmetic. Out: a lower bound of a body's height: w . v + s of
 its lowest point, rounded downwards.
 """
 

@@ -3,9 +3,9 @@
 In: vertices and points in doubles. Out: the row of a point outside, or None. A point is inside if four of the vertices
 carry it: its weights on them, determinants over a determinant, are at least 0. Which four is guessed in doubles, for
 all points at once: while a weight is below 0, its vertex is exchanged for the one furthest on the point's side of the
-plane of the other three. Where doubles do not tell a sign, a determinant of whole numbers does. Where the guess fails,
-the same exchange is done in whole numbers, by least indices if it takes long (Bland's rule), so that it ends: with four
-vertices that carry the point, or with a plane beyond which the point alone is.
+plane of the other three. If doubles leave a sign open, a determinant of whole numbers decides it. Where the guess
+fails, the same exchange is done in whole numbers, by least indices if it takes long (Bland's rule), so that it ends:
+with four vertices that carry the point, or with a plane beyond which the point alone is.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """The verifier's own small reader of meshes: STL, OBJ, and Collada whose objects stand where their numbers say.
 
 In: a file. Out: the corners of its triangles in doubles, in the file's numbers. It shares no function with
-`plannercheck.bodies`, reads what meshes of robots hold, and no more: anything else is `NotReadError`, which says why.
+`plannercheck.bodies`, and reads only the elements that robots' meshes have: anything else is a `NotReadError`, which
+says why.
 """
 
 from __future__ import annotations

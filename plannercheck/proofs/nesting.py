@@ -1,10 +1,10 @@
 """Whether one body of a pair is inside the other, where their surfaces never meet: decided at the start of a motion.
 
 In: a pair of bodies of which one at least is a solid, at poses in ball arithmetic. Out: nothing, or an `UnprovedError`.
-Surfaces that never meet keep the winding number of each about every point of the other. So one state decides, and one
-point of each connected part of a surface. A ray from the point crosses triangles to one side or the other, and the sum
-is the winding number. Signs are of determinants in doubles beyond a bound of their errors. Where a ray comes too near
-to an edge, another one is taken.
+While two surfaces do not meet, the winding number of each about every point of the other stays the same. So one state
+decides, and one point of each connected part of a surface. A ray from the point crosses triangles to one side or the
+other, and the sum is the winding number. Signs are signs of determinants in doubles beyond a bound of their errors. If
+a ray comes too near to an edge, another ray is taken.
 """
 
 from __future__ import annotations

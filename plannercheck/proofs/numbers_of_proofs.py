@@ -1,4 +1,4 @@
-"""Limits of what a proof holds, in space and in the plane: numbers, placements, vertices, pairs, intervals.
+"""Limits of a proof's contents, in space and in the plane: numbers, placements, vertices, pairs, intervals.
 
 In: parts of a proof. Out: nothing, or an `UnprovedError`.
 """

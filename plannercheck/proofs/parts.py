@@ -1,9 +1,9 @@
 """Sets of parts in proofs: heights of balls, boxes and prisms along a direction, of all at once in doubles.
 
-In: a body with `parts`, rows (w, s) in ball arithmetic. Out: how low each part reaches at least, in a body's numbers
-alone: no tree is asked. A box has the lesser of two products in each coordinate. A prism has the lowest of three
-corners, each the lower one of where it is and of where it meets the base. These are the same products as of corners,
-so a sum of them errs by at most 4 u of their sizes; comparisons do not err.
+In: a body with `parts`, rows (w, s) in ball arithmetic. Out: a lower bound of each part's height, from the body's
+numbers, without a tree. A box has the lesser of two products in each coordinate. A prism has the lowest of three
+corners, each at the lower of its place and its place on the base. These are the same products as of corners, so a sum
+of them errs by at most 4 u of their sizes; comparisons do not err.
 """
 
 from __future__ import annotations

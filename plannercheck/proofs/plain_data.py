@@ -1,7 +1,7 @@
 """Dataclasses to and from plain data (dictionaries, lists, numbers, texts), checked against their annotations.
 
-In: a frozen dataclass of numbers, texts, tuples, arrays and other such classes, or its plain data as JSON gives it.
-Out: the other one. Doubles keep their bits: JSON's shortest decimal reads back as the same double.
+In: a frozen dataclass of numbers, texts, tuples, arrays and other such classes, or its plain data from JSON. Out: the
+other form. Doubles keep their bits: JSON's shortest decimal reads back as the same double.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What sums and bounds in doubles may be off by, where the verifier computes in these."""
+"""Bounds of the rounding of the verifier's sums and bounds in doubles."""
 
 from __future__ import annotations
 

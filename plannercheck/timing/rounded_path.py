@@ -1,9 +1,9 @@
 """A path of straight legs whose corners are rounded.
 
-In: waypoints, and for each corner how long its blend is. Out: `Section`s: curves by length of the path, from stop to
-stop. A blend leaves its leg b before the corner and meets the next one b after it. It is the quintic polynomial that
-has there the legs' positions and directions and no curvature, so that a section's first two derivatives by the length
-are continuous. It lies in the triangle of its ends and the corner.
+In: waypoints, and the length of each corner's blend. Out: `Section`s: curves by length of the path, from stop to stop.
+A blend leaves its leg at the distance b before the corner and meets the next leg at b after it. It is the quintic
+polynomial with the legs' positions and directions at both ends, and no curvature there, so that a section's first two
+derivatives by the length are continuous. It lies in the triangle of its ends and the corner.
 """
 
 from __future__ import annotations

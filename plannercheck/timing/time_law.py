@@ -1,12 +1,12 @@
-"""How far along a section the robot is at which time: TOPP-RA, and even samples of it that are gentle to controllers.
+"""The robot's place on a section at each time: TOPP-RA, and even samples of it with continuous accelerations.
 
 In: a section of a rounded path, limits. Out: `Samples`.
 
 TOPP-RA (Pham and Pham 2018, `toppra`) gives the fastest s(t) from rest to rest under the limits, with an acceleration
 that jumps. A quintic polynomial between samples can't follow a jump and would overshoot. So s(t) is the cubic B-spline
-whose coefficients are samples of TOPP-RA's, h apart: its acceleration is continuous, 0 at both ends, and never above
-the means of TOPP-RA's; it takes 2 h longer. Its knots are the samples, so on a straight leg the quintic polynomial
-between two of them is the spline itself.
+whose coefficients are samples of TOPP-RA's s, h apart: its acceleration is continuous, 0 at both ends, and never above
+means of TOPP-RA's acceleration; it takes 2 h longer. Its knots are the samples, so on a straight leg the quintic
+polynomial between two of them is the spline itself.
 """
 
 from __future__ import annotations

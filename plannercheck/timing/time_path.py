@@ -3,9 +3,10 @@
 In: a checker, a plan's waypoints, limits. Out: a `Trajectory`: points with positions, velocities and accelerations,
 between which joint_trajectory_controller runs quintic polynomials; these are proved, tube included.
 
-Legs are proved first: without them no blend can be cut to a stop. Blends are halved until each is proved. The rounded
-path is timed, and the controller's curve through the points is proved as a whole. Where this fails, points are set
-closer, so that the curve is nearer to the path; at the finest step, blends that fail are halved, down to stops.
+Legs are proved first, because a blend can become a stop only between proved legs. Blends are halved until each is
+proved. The rounded path is timed, and the controller's curve through the points is proved as a whole. If this proof
+fails, points are set closer, so that the curve is nearer to the path; at the finest step, the failing blends are
+halved, down to stops.
 """
 
 from __future__ import annotations

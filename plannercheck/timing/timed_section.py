@@ -3,7 +3,7 @@
 In: a section, limits. Out: `TimedSection`: points at whole nanoseconds, from rest to rest.
 
 The points are slowed down by one factor until the quintic polynomials between them keep the limits. Slower points give
-the same curve, so that a proof of it needs no second look. Where the factor is large, more points cost less time.
+the same curve, so its proof holds. If the factor is large, more points give a faster trajectory.
 """
 
 from __future__ import annotations

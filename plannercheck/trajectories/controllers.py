@@ -2,12 +2,12 @@
 
 In: `Points`, the controller's name, where the robot stands. Out: a `Curve`.
 
-The rules are those of the controllers' own code, by name:
+The rules are in the controllers' code, by name:
 
 - "jtc": joint_trajectory_controller of ros2_controllers, `Trajectory::interpolate_between_points`. A segment is linear
-  if an end has no velocities, a cubic Hermite polynomial if both have them, and a quintic one if both have
-  accelerations as well. A segment with accelerations but without velocities at both ends would be run at 0 rad on every
-  joint: it is refused.
+  if an end has no velocities, a cubic Hermite polynomial if both ends have velocities, and a quintic polynomial if both
+  ends have accelerations as well. A segment with accelerations but without velocities at both ends would be run at 0
+  rad on every joint: it is refused.
 - "jtc-upsampled": the same controller with upsampling of messages without velocities: one cubic spline with continuous
   accelerations, at rest at both ends (`fill_cubic_spline_velocities`).
 - "ur": the UR driver's passthrough controller (external_control.urscript, `cubicSplineRun`, `quinticSplineRun`): cubic
@@ -16,9 +16,9 @@ The rules are those of the controllers' own code, by name:
 - "motoros2": MotoROS2 (MotionControl.c): cubic by positions and velocities; accelerations are ignored, times cut to ms.
 - "linear": straight at constant speed, whatever else the points have.
 
-Before the first point, a controller runs from where the robot stands. "jtc" (`set_point_before_trajectory_msg`) takes
-velocities and accelerations of this state to be 0 where the first point has them and the state has none, and takes
-whole turns off continuous joints there and nowhere else (`wraparound_joint`).
+Before the first point, a controller runs from where the robot stands. "jtc" (`set_point_before_trajectory_msg`) sets
+velocities and accelerations of this state to 0 if the first point has them and the state has none, and subtracts whole
+turns of continuous joints only there (`wraparound_joint`).
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 In: breaks and control points. Out: `Curve`, which gives positions, velocities and accelerations.
 
-Each piece is given by its Bernstein coefficients, its *control points*: the piece lies in their hull, the differences
-of control points are those of the derivative, and a piece of degree 1 is a straight line at constant speed.
+Each piece is given by its Bernstein coefficients, its *control points*: the piece lies in their hull, their differences
+are the derivative's control points up to a factor, and a piece of degree 1 is a straight line at constant speed.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Curves in the forms that libraries have them: powers, B-splines, Bézier curves.
+"""Curves in the forms of other libraries: powers, B-splines, Bézier curves.
 
 In: arrays. Out: `Curve`.
 """

@@ -1,6 +1,6 @@
 """Columns of trajectories by the names of joints.
 
-In: joints that take one number each, names as a file has them. Out: where each of these joints is.
+In: joints that take one number each, names as a file has them. Out: the column of each joint.
 """
 
 from __future__ import annotations

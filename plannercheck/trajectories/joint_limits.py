@@ -2,9 +2,9 @@
 
 In: a robot, a file. Out: `JointLimits`, a number for each of the robot's joints, infinite where there is no limit.
 
-The rules are MoveIt's (`RobotModelLoader`): has_velocity_limits: true takes max_velocity, false takes the URDF's limit
-away, and without this key the URDF's stays; likewise for accelerations, of which a URDF has none. A limit of 0 in a
-URDF is none. The scaling factors of the file are defaults of requests, not limits.
+The rules are MoveIt's (`RobotModelLoader`): has_velocity_limits: true takes max_velocity, false removes the URDF's
+limit, and without this key the URDF's limit stays; likewise for accelerations, of which a URDF has none. A limit of 0
+in a URDF is no limit. The scaling factors of the file are defaults of requests, not limits.
 """
 
 from __future__ import annotations

@@ -12,8 +12,8 @@ In: an object, known by its attributes, so that no library is imported. Out: `Cu
 | ndcurves polynomial | `coeff()`: powers of t − min() |
 | SciPy PPoly and CubicSpline; BPoly | `c` and `x`, falling powers of t − x[k]; Bernstein coefficients |
 
-What comes out is compared with the object's own values between the breaks, so an object that means something else by
-these attributes, e.g. an ndcurves bezier with a factor, is refused.
+The curve is compared with the object's values between the breaks, so an object whose attributes mean something else,
+e.g. an ndcurves bezier with a factor, is refused.
 """
 
 from __future__ import annotations

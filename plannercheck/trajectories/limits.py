@@ -1,7 +1,7 @@
 """Limits that a curve breaks, also between its points.
 
-In: a curve and limits of its columns. Out: `Excess`, one for each joint and kind of limit that is broken, with the
-instant at which it is broken most.
+In: a curve and limits of its columns. Out: an `Excess` for each joint and kind of limit that is broken, with the
+instant of the largest excess.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Times of messages: whole nanoseconds.
 
-In: times in s. Out: nanoseconds, where the times are those of a message.
+In: times in s. Out: nanoseconds, if the times are a message's times.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What became of a plan's corners when it was timed: `Timing`, which `pc.time_path` leaves with its trajectory."""
+"""Figures of a plan's corners after timing: `Timing`, which `pc.time_path` stores in its trajectory."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A trajectory: what a robot executes, as a curve of configurations in time.
+"""A trajectory: the curve of configurations in time that a robot executes.
 
 In: points with a controller that interpolates them, or polynomials, Bézier curves, B-splines; or a file of a message.
 Out: `Trajectory`: positions, velocities, and the limits that it breaks.

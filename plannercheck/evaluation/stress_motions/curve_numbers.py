@@ -1,4 +1,4 @@
-"""Curves as rows of `Motions`: q0 holds all control points but the last, q1 the last one and the tube.
+"""Curves as rows of `Motions`: q0 holds all control points but the last, q1 the last control point and the tube.
 
 In: such a row. Out: control points and tube.
 """

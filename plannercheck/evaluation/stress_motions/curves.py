@@ -1,8 +1,8 @@
 """Curves of the motion stress: polynomials of degree 1 to 7 through the states at which bodies touch by construction.
 
 In: a draw of straight motions, a random generator. Out: a draw of curves. Each passes the state of one of the motions,
-at any instant or at one at which the certifier cuts, in the direction of the motion or with no speed at all, gently or
-with a swing. Of a curve with a tube, a corner of the tube passes it, and the curve itself is in the middle, beside it.
+at any instant or at an instant at which the certifier cuts, in the direction of the motion or without speed, gently or
+with a swing. If a curve has a tube, a corner of the tube passes the state.
 """
 
 from __future__ import annotations
