@@ -238,3 +238,25 @@ def test_a_joint_that_turns_far_on_a_straight_piece_is_proved_literally(tmp_path
     assert proof.verify(), proof.verify().fault
     traj = written(tmp_path / "t.json", message([0.0, 1.0], [near, near + turning], names=checker.robot.joint_names))
     assert trajectory_proved([proof], traj)
+
+
+@pytest.mark.parametrize("shape", [pc.Sphere(0.1), pc.PointCloud(np.zeros((1, 3)), 0.1)])
+def test_half_a_turn_of_a_base_has_no_proof_and_is_named(shape, tmp_path):
+    scene = pc.Scene("far")
+    scene.add("far", shape, np.vstack([np.eye(4)[:3] + np.array([0, 0, 0, 9.0]), [0, 0, 0, 1]]))
+    robot = pc.Robot.from_urdf(random_tree(np.random.default_rng(0), tmp_path, 1), floating=True)
+    checker = pc.Checker(robot, scene)
+    start = np.array([0.0, 0, 0, 0, 0, 0, 1])
+    for off, is_proved in ((0.0, False), (1e-13, False), (1e-9, True)):
+        end = np.array([0.0, 0, 0, 0, 0, 1, off])
+        trajectory = pc.Trajectory.bezier([0.0, 1.0], [[start, start, end]]).of_robot(robot)
+        assert checker.check_trajectory(trajectory)
+        if is_proved:
+            assert checker.certify_trajectory(trajectory)[0].verify()
+            continue
+        for certify in (
+            lambda moved=trajectory: checker.certify_trajectory(moved),
+            lambda end=end: checker.certify_motions(start[None], end[None]),
+        ):
+            with pytest.raises(PlannercheckError, match="no proof of it was found, since .* half a turn"):
+                certify()
