@@ -177,7 +177,7 @@ def of_contact(seed: int, folder: Path) -> Made:
         for row in zip(motions.q0[free], motions.q1[free], strict=True)
     ]
     if not any(tube.any() for _, tube in drawn):
-        drawn = [*trajectory_proof_cases.with_tubes(subject.checker, (each for each, _ in drawn), rng)]
+        drawn = [*trajectory_proof_cases.with_tubes(subject.checker, [each for each, _ in drawn], rng, made.tolerance)]
     return Made("", "", {}, *trajectory_proof_cases.certified(subject.checker, drawn, made.tolerance))
 
 

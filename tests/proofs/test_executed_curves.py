@@ -258,5 +258,5 @@ def test_half_a_turn_of_a_base_has_no_proof_and_is_named(shape, tmp_path):
             lambda moved=trajectory: checker.certify_trajectory(moved),
             lambda end=end: checker.certify_motions(start[None], end[None]),
         ):
-            with pytest.raises(PlannercheckError, match="no proof of it was found, since .* half a turn"):
+            with pytest.raises(PlannercheckError, match=r"no proof of it was found, since .* half a turn"):
                 certify()

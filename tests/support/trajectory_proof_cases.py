@@ -46,41 +46,39 @@ def certified(
         outcomes["free"] += 1
         outcomes["with a tube"] += bool(tube.any())
         try:
-            found = checker.certify_trajectory(trajectory, tube, tolerance)
+            found, why = checker.certify_trajectory(trajectory, tube, tolerance), "None"
         except PlannercheckError as error:
-            outcomes["no proof: " + str(error).rsplit(": ", 1)[-1]] += 1
-            continue
+            found, why = None, str(error).rsplit(": ", 1)[-1]
         if found is None:
-            outcomes["no proof: " + _why_none(checker, trajectory, tube, tolerance)] += 1
+            outcomes["no proof: " + _why_not(checker, trajectory, tube, tolerance, why)] += 1
             continue
         outcomes["proved"] += 1
         proofs += found
     return Certified(proofs, outcomes)
 
 
-def _why_none(checker: pc.Checker, trajectory: pc.Trajectory, tube: Floats, tolerance: float) -> str:
+def _why_not(checker: pc.Checker, trajectory: pc.Trajectory, tube: Floats, tolerance: float, said: str) -> str:
+    """Why a trajectory has no proof: proofs are of all pairs, also of those that limits keep apart; else what is said."""
     checks, certifier = TrajectoryChecks(checker, tube, tolerance), checker.certifier_of("slerp")
-    if not checks.are_free([trajectory])[0]:
-        return "it is not free"
     around = np.append(checks.tube_of(trajectory), 0.0)[None]
     try:
         results = [
             certifier.result(Curves(points[None], around), tolerance, True) for points in trajectory.curve.pieces
         ]
     except PlannercheckError:
-        return "rounding is no small part of the tolerance"
-    return "pairs that limits keep apart" if min(r.proved_until for r in results) < 1 else "of another reason"
+        return "rounding is no small part of the tolerance for a pair that limits keep apart"
+    return "of a pair that limits keep apart" if min(r.proved_until for r in results) < 1 else said
 
 
 def with_tubes(
-    checker: pc.Checker, trajectories: Iterable[pc.Trajectory], rng: np.random.Generator
+    checker: pc.Checker, trajectories: Iterable[pc.Trajectory], rng: np.random.Generator, tolerance: float = 1e-4
 ) -> Iterable[tuple[pc.Trajectory, Floats]]:
     """Trajectories that are free, each with a tube with which it is free."""
     units = unit_columns(checker.robot)
     for trajectory in trajectories:
         tube = np.zeros(checker.robot.nq)
         if rng.random() < 0.6:
-            largest = checker.explain_trajectory(trajectory).largest_tube
+            largest = checker.explain_trajectory(trajectory, 0.0, tolerance).largest_tube
             tube[:] = largest * (0.999 if rng.random() < 0.5 else rng.random())
             tube[units] = 0.0
             if rng.random() < 0.3:
