@@ -58,7 +58,7 @@ def certified(
 
 
 def _why_not(checker: pc.Checker, trajectory: pc.Trajectory, tube: Floats, tolerance: float, said: str) -> str:
-    """Why a trajectory has no proof: proofs are of all pairs, also of those that limits keep apart; else what is said."""
+    """Why a trajectory has no proof: proofs are of all pairs, also of those that limits keep apart; or what is said."""
     checks, certifier = TrajectoryChecks(checker, tube, tolerance), checker.certifier_of("slerp")
     around = np.append(checks.tube_of(trajectory), 0.0)[None]
     try:
