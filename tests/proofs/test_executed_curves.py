@@ -137,6 +137,23 @@ def test_times_are_whole_nanoseconds(tmp_path):
     assert verify_trajectory(found, path), verify_trajectory(found, path).fault
 
 
+def test_motoros2_cuts_times_to_whole_ms(tmp_path):
+    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene("empty"))
+    q = np.array([0.1, -0.7, 0.2, -2.1, 0.1, 1.6, 0.7])
+    rows = [q, q + 0.01], [0.2 * np.ones(7), np.zeros(7)]
+    path = written(tmp_path / "t.json", message([0.5, 0.6009], *rows))
+    cut, whole = (
+        checker.certify_trajectory(pc.Trajectory.load(path, checker.robot, controller))
+        for controller in ("motoros2", "jtc")
+    )
+    for controller, of_it, of_other in (("motoros2", cut, whole), ("jtc", whole, cut)):
+        assert verify_trajectory(of_it, path, controller)
+        assert not verify_trajectory(of_other, path, controller)
+    written(path, message([0.5, 0.5009], *rows))
+    with pytest.raises(PlannercheckError, match="the same ms"):
+        verify_trajectory(cut, path, "motoros2")
+
+
 def test_another_controller_runs_another_curve(proofs, traj):
     assert trajectory_proved(proofs, traj, "motoros2", TUBE).missing == (0,)  # which leaves accelerations out
     assert trajectory_proved(proofs, traj, "linear", TUBE).missing == (0, 1)

@@ -6,8 +6,10 @@ parts of the largest that is proved, 0.999 of it among them, for all numbers or 
 
 from __future__ import annotations
 
+import tempfile
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -20,12 +22,17 @@ from plannercheck.evaluation.stress_motions.curve_numbers import unit_columns
 from plannercheck.motions.motion_ends import Curves
 from plannercheck.motions.trajectory_checks import TrajectoryChecks
 from plannercheck.proofs import Proof
+from plannercheck.proofs.executed_curves import RUNNERS, trajectory_proved
 
 MOST_DEGREE, MOST_PIECES = 7, 3
 # How far control points are apart, rad and m, as powers of ten.
 _STEPS = (-2.0, 0.0)
 # Who runs points, and up to which derivative points say something.
 _CONTROLLERS = {"jtc": (0, 1, 2), "jtc-upsampled": (0,), "ur": (0, 1, 2), "motoros2": (1,), "linear": (0,)}
+
+
+# The outcome of a message whose proofs are of another curve.
+NOT_AS_RUN = "REFUSED as run"
 
 
 class Certified(NamedTuple):
@@ -54,7 +61,17 @@ def certified(
             continue
         outcomes["proved"] += 1
         proofs += found
+        if trajectory.points is not None and trajectory.controller in RUNNERS:
+            outcomes["messages proved as run" if _is_proved_as_run(found, trajectory, tube) else NOT_AS_RUN] += 1
     return Certified(proofs, outcomes)
+
+
+def _is_proved_as_run(proofs: Sequence[Proof], trajectory: pc.Trajectory, tube: Floats) -> bool:
+    """Whether the proofs are of the curve of the message that is written."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "message.json"
+        trajectory.save(file)
+        return bool(trajectory_proved(proofs, file, str(trajectory.controller), float(tube.min())))
 
 
 def _why_not(checker: pc.Checker, trajectory: pc.Trajectory, tube: Floats, tolerance: float, said: str) -> str:
@@ -107,7 +124,7 @@ def random_trajectory(robot: pc.Robot, start: Floats, rng: np.random.Generator) 
         knots = np.concatenate([np.zeros(degree), np.arange(pieces + 1.0), np.full(degree, float(pieces))])
         return pc.Trajectory.bspline(knots, points)
     if form == 2:
-        return _message(_walk(robot, start, pieces + 1, step, rng), step, rng)
+        return _message(robot, _walk(robot, start, pieces + 1, step, rng), step, rng)
     points = _walk(robot, start, degree * pieces + 1, step / degree, rng)
     rows = [points[degree * k : degree * (k + 1) + 1] for k in range(pieces)]
     return pc.Trajectory.bezier(np.arange(pieces + 1.0), np.array(rows)).of_robot(robot)
@@ -123,15 +140,15 @@ def _walk(robot: pc.Robot, start: Floats, count: int, step: float, rng: np.rando
     return np.asarray(points)
 
 
-def _message(points: Floats, step: float, rng: np.random.Generator) -> pc.Trajectory:
-    """What a controller runs between points (n, nq)."""
+def _message(robot: pc.Robot, points: Floats, step: float, rng: np.random.Generator) -> pc.Trajectory:
+    """What a controller runs between points (n, nq), whose stamps are whole ms, or not."""
     controller = str(rng.choice(list(_CONTROLLERS)))
-    times = np.round(rng.uniform(0.1, 1.0, len(points)).cumsum(), 3)
+    times = np.round(rng.uniform(0.1, 1.0, len(points)).cumsum(), int(rng.integers(3, 10)))
     derivatives = [rng.normal(size=points.shape) * step for _ in range(2)]
     for each in derivatives:
         each[-1] = 0.0
     said = derivatives[: int(rng.choice(_CONTROLLERS[controller]))]
-    return pc.Trajectory(times, points, *said, controller=controller)
+    return pc.Trajectory(times, points, *said, controller=controller, joint_names=robot.joint_names)
 
 
 def sensed(scene: pc.Scene, rng: np.random.Generator, count: int = 2) -> pc.Scene:
