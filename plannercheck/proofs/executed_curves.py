@@ -24,6 +24,9 @@ from plannercheck.proofs.paths import PathProved
 Runner: TypeAlias = Literal["jtc", "motoros2", "linear"]
 RUNNERS: tuple[Runner, ...] = get_args(Runner)
 
+# Nanoseconds beyond which doubles skip whole numbers, 104 days.
+_MOST = 2**53
+
 # Control points of one column.
 Control: TypeAlias = list[Fraction]
 
@@ -106,7 +109,7 @@ def _instants(times: Sequence[float], controller: str) -> list[Fraction]:
     stamps = [round(Fraction(time) * 10**9) for time in times]
     if controller == "motoros2":
         return [Fraction(stamp // 10**6, 1000) for stamp in stamps]
-    is_message = all(stamp / 10**9 == time for stamp, time in zip(stamps, times, strict=True))
+    is_message = all(stamp / 10**9 == time and stamp < _MOST for stamp, time in zip(stamps, times, strict=True))
     return [Fraction(stamp, 10**9) for stamp in stamps] if is_message else [Fraction(time) for time in times]
 
 

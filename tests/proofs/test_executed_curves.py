@@ -137,6 +137,14 @@ def test_times_are_whole_nanoseconds(tmp_path):
     assert verify_trajectory(found, path), verify_trajectory(found, path).fault
 
 
+def test_times_beyond_104_days_are_doubles(tmp_path):
+    checker, path = pc.Checker(pc.Robot.load("panda"), pc.Scene("empty")), tmp_path / "t.npz"
+    q = np.array([0.1, -0.7, 0.2, -2.1, 0.1, 1.6, 0.7])
+    rows = {"positions": [q, q + 0.01], "velocities": [0.2 * np.ones(7), np.zeros(7)]}
+    np.savez(path, times=[1.7e9, 1.7e9 + 1 / 3], **rows)
+    assert verify_trajectory(checker.certify_trajectory(pc.Trajectory.load(path, checker.robot)), path)
+
+
 def test_motoros2_cuts_times_to_whole_ms(tmp_path):
     checker = pc.Checker(pc.Robot.load("panda"), pc.Scene("empty"))
     q = np.array([0.1, -0.7, 0.2, -2.1, 0.1, 1.6, 0.7])
