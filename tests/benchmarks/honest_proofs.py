@@ -42,7 +42,7 @@ import trajectory_proof_cases
 from trajectory_proof_cases import Certified
 
 # Motions of a file; trajectories of one, and through contacts.
-_MOTIONS, _TRAJECTORIES, _THROUGH_CONTACTS = 10, 15, 30
+_MOTIONS, _TRAJECTORIES, _THROUGH_CONTACTS = 10, 25, 50
 
 ROBOTS = ("panda", "ur5", "ur10", "pr2", "talos", "tiago", "go2", "xarm7", "g1", "baxter", "ur3", "kinova")
 # Whose meshes are small enough to be taken as they are.
@@ -137,8 +137,8 @@ def of_moving_tree(seed: int, folder: Path, is_sensed: bool = False) -> Made:
     """Trajectories of a small random tree or arm, a third of them on a free base; among sets of parts if asked for."""
     rng = np.random.default_rng(seed)
     kinds = proof_cases.KINDS if seed % 2 else ("revolute", "prismatic")
-    file = proof_cases.random_tree(rng, folder, int(rng.integers(2, 5)), kinds)
-    scene = proof_cases.scattered(rng, 3)
+    file = proof_cases.random_tree(rng, folder, int(rng.integers(2, 5 if seed % 5 == 0 else 4)), kinds)
+    scene = proof_cases.scattered(rng, 2)
     if is_sensed:
         scene = trajectory_proof_cases.sensed(scene, rng)
     scene.save(folder / "scene.yaml")
@@ -198,11 +198,12 @@ KINDS = {
 }
 
 
-def counted(kind: str, seeds: Iterator[int], count: int) -> int:
-    """Makes and verifies proofs of a kind; prints them, and returns how many were refused."""
+def counted(kind: str, seeds: Iterator[int], count: int, seconds: float) -> int:
+    """Makes and verifies proofs of a kind, for so long at most; prints them, and returns how many were refused."""
+    until = time.perf_counter() + seconds
     proofs, refused, spent = 0, 0, dict.fromkeys(("make", "save and load", "verify", "compare"), 0.0)
     outcomes = Counter[str]()
-    while (outcomes["proved"] or proofs) < count:
+    while (outcomes["proved"] or proofs) < count and time.perf_counter() < until:
         seed = next(seeds)
         with tempfile.TemporaryDirectory() as folder:
             began = [time.perf_counter()]
@@ -238,11 +239,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seconds", type=float, default=float("inf"), help="of each kind, at most")
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=[*KINDS])
     options = parser.parse_args()
     warnings.simplefilter("ignore")
     refused = [
-        counted(kind, iter(range(options.seed, 10**9)), -(-options.count // len(options.kinds)))
+        counted(kind, iter(range(options.seed, 10**9)), -(-options.count // len(options.kinds)), options.seconds)
         for kind in options.kinds
     ]
     sys.exit(1 if any(refused) else 0)

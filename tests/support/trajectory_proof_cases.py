@@ -24,7 +24,7 @@ from plannercheck.motions.trajectory_checks import TrajectoryChecks
 from plannercheck.proofs import Proof
 from plannercheck.proofs.executed_curves import RUNNERS, trajectory_proved
 
-MOST_DEGREE, MOST_PIECES = 7, 3
+MOST_DEGREE, PIECES = 7, (1, 1, 1, 2, 3)
 # How far control points are apart, rad and m, as powers of ten.
 _STEPS = (-2.0, 0.0)
 # Who runs points, and up to which derivative points say something.
@@ -116,7 +116,7 @@ def free_ones(
 
 def random_trajectory(robot: pc.Robot, start: Floats, rng: np.random.Generator) -> pc.Trajectory:
     """Bézier curves from a state, or of robots without unit vectors a spline or what a controller runs."""
-    degree, pieces = int(rng.integers(1, MOST_DEGREE + 1)), int(rng.integers(1, MOST_PIECES + 1))
+    degree, pieces = int(rng.integers(1, MOST_DEGREE + 1)), int(rng.choice(PIECES))
     step = 10.0 ** rng.uniform(*_STEPS)
     form = rng.integers(3) if not robot.configuration_map.units else 0
     if form == 1:
