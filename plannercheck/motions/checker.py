@@ -244,7 +244,8 @@ class Checker(StateChecker):
 
         Raises:
             PlannercheckError: If Pinocchio itself poses, or python-flint is not installed; or no proof is found of a
-                free motion on which a solid or a set of parts comes near: the pair is named.
+                free motion on which a solid or a set of parts comes near: the pair is named; or one turns a quaternion,
+                or a cosine and sine, by half a turn.
         """
         free = self.check_motions(q0, q1, tolerance=tolerance, threads=threads, path=path)
         motions = zip(free.tolist(), *self._motion_ends(q0, q1), strict=True)

@@ -97,7 +97,8 @@ class Builder:
             path: How planar and floating joints move.
 
         Raises:
-            PlannercheckError: If the motion is free, but no proof is found of a pair with a solid or a set of parts.
+            PlannercheckError: If the motion is free, but no proof is found of a pair with a solid or a set of parts, or
+                a quaternion, or a cosine and sine, turns by half a turn.
         """
         motion = Motion(tuple(start.tolist()), tuple(end.tolist()), tuple(asked_end.tolist()), path)
         return self._proof(Motions(start[None], end[None], asked_end[None]), motion, tolerance)
@@ -141,28 +142,21 @@ class Builder:
 
     def _not_found(self, pair: int, why: str) -> PlannercheckError:
         first, second = (self._model.bodies[k].label for k in self._model.pairs[pair])
-        return PlannercheckError(
-            f"this motion is free, but no proof of it was found, since of {first} and {second}: {why}"
-        )
+        return _not_found(f"of {first} and {second}: {why}")
 
     def _of_solids(self, empty: Proof, points: Floats, path: MotionPath) -> tuple[Entry, ...]:
         """The entries of all pairs; planes between parts of surfaces are sought here, not by the certifier."""
         import flint
 
-        from plannercheck.proofs.entries import EntryChecker
-        from plannercheck.proofs.faults import UnprovedError
-
         bits, flint.ctx.prec = flint.ctx.prec, 64
         try:
-            verifier = EntryChecker(empty)
+            verifier = _verifier(empty)
             poses = _MotionPoses(self._checker, points, path)
             return tuple(
                 entry
                 for pair in range(len(self._model.pairs))
                 for entry in self._entries_of_solids(verifier, pair, poses)
             )
-        except UnprovedError:  # the verifier will refuse this motion and say why
-            return ()
         finally:
             flint.ctx.prec = bits
 
@@ -247,9 +241,6 @@ def _entries(empty: Proof, planes: Sequence[Plane], resting: Mapping[int, tuple[
     """The entries of all pairs."""
     import flint
 
-    from plannercheck.proofs.entries import EntryChecker
-    from plannercheck.proofs.faults import UnprovedError
-
     assert isinstance(empty.model, Model)
     of_pair: dict[int, list[Plane]] = {}
     for plane in planes:
@@ -257,16 +248,29 @@ def _entries(empty: Proof, planes: Sequence[Plane], resting: Mapping[int, tuple[
     bits, flint.ctx.prec = flint.ctx.prec, 64
     found = list[Entry]()
     try:
-        checker = EntryChecker(empty)
+        checker = _verifier(empty)
         for pair in range(len(empty.model.pairs)):
             is_plane = has_half_space(empty.model, pair)
             entries = _PairEntries(checker, pair, of_pair.get(pair, []), resting.get(pair), is_plane)
             found += entries.over(0.0, 1.0, 0)
         return tuple(found)
-    except UnprovedError:  # the verifier will refuse this motion and say why
-        return ()
     finally:
         flint.ctx.prec = bits
+
+
+def _not_found(why: str) -> PlannercheckError:
+    return PlannercheckError(f"this motion is free, but no proof of it was found, since {why}")
+
+
+def _verifier(empty: Proof) -> EntryChecker:
+    """The verifier's own check of entries, or an error if it refuses the motion itself."""
+    from plannercheck.proofs.entries import EntryChecker
+    from plannercheck.proofs.faults import UnprovedError
+
+    try:
+        return EntryChecker(empty)
+    except UnprovedError as why:
+        raise _not_found(f"{why}: give a state in between") from None
 
 
 def has_half_space(model: Model, pair: int) -> bool:

@@ -24,6 +24,9 @@ from plannercheck.proofs.paths import PathProved
 Runner: TypeAlias = Literal["jtc", "motoros2", "linear"]
 RUNNERS: tuple[Runner, ...] = get_args(Runner)
 
+# Nanoseconds beyond which doubles skip whole numbers, 104 days.
+_MOST = 2**53
+
 # Control points of one column.
 Control: TypeAlias = list[Fraction]
 
@@ -55,10 +58,14 @@ def trajectory_proved(proofs: Sequence[ProofData], path: Any, controller: str = 
     if not names or len(names) != model.columns:
         raise PlannercheckError("the proof has no joints, or numbers that no joint takes")
     points = message_reader()(path, names)
-    times = _instants(points.times.tolist())
+    times = _instants(points.times.tolist(), controller)
     count = len(times) - 1
     if count < 1:
         raise PlannercheckError(f"trajectory file {str(path)!r}: has one point, and no way between points")
+    if controller == "motoros2" and len(set(times)) <= count:
+        raise PlannercheckError(
+            f"trajectory file {str(path)!r}: has points at the same ms, to which motoros2 cuts times"
+        )
     missing = [
         k
         for k in range(count)
@@ -94,10 +101,15 @@ def _raised(control: Control, count: int) -> Control:
     return control
 
 
-def _instants(times: Sequence[float]) -> list[Fraction]:
-    """The times of points, s: whole nanoseconds, as a message has them, if the doubles are the nearest to such."""
+def _instants(times: Sequence[float], controller: str) -> list[Fraction]:
+    """The times of points, s: whole nanoseconds, as a message has them, if the doubles are the nearest to such.
+
+    MotoROS2 cuts them to ms (MotionControl.c).
+    """
     stamps = [round(Fraction(time) * 10**9) for time in times]
-    is_message = all(stamp / 10**9 == time for stamp, time in zip(stamps, times, strict=True))
+    if controller == "motoros2":
+        return [Fraction(stamp // 10**6, 1000) for stamp in stamps]
+    is_message = all(stamp / 10**9 == time and stamp < _MOST for stamp, time in zip(stamps, times, strict=True))
     return [Fraction(stamp, 10**9) for stamp in stamps] if is_message else [Fraction(time) for time in times]
 
 

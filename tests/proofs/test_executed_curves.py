@@ -137,6 +137,31 @@ def test_times_are_whole_nanoseconds(tmp_path):
     assert verify_trajectory(found, path), verify_trajectory(found, path).fault
 
 
+def test_times_beyond_104_days_are_doubles(tmp_path):
+    checker, path = pc.Checker(pc.Robot.load("panda"), pc.Scene("empty")), tmp_path / "t.npz"
+    q = np.array([0.1, -0.7, 0.2, -2.1, 0.1, 1.6, 0.7])
+    rows = {"positions": [q, q + 0.01], "velocities": [0.2 * np.ones(7), np.zeros(7)]}
+    np.savez(path, times=[1.7e9, 1.7e9 + 1 / 3], **rows)
+    assert verify_trajectory(checker.certify_trajectory(pc.Trajectory.load(path, checker.robot)), path)
+
+
+def test_motoros2_cuts_times_to_whole_ms(tmp_path):
+    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene("empty"))
+    q = np.array([0.1, -0.7, 0.2, -2.1, 0.1, 1.6, 0.7])
+    rows = [q, q + 0.01], [0.2 * np.ones(7), np.zeros(7)]
+    path = written(tmp_path / "t.json", message([0.5, 0.6009], *rows))
+    cut, whole = (
+        checker.certify_trajectory(pc.Trajectory.load(path, checker.robot, controller))
+        for controller in ("motoros2", "jtc")
+    )
+    for controller, of_it, of_other in (("motoros2", cut, whole), ("jtc", whole, cut)):
+        assert verify_trajectory(of_it, path, controller)
+        assert not verify_trajectory(of_other, path, controller)
+    written(path, message([0.5, 0.5009], *rows))
+    with pytest.raises(PlannercheckError, match="the same ms"):
+        verify_trajectory(cut, path, "motoros2")
+
+
 def test_another_controller_runs_another_curve(proofs, traj):
     assert trajectory_proved(proofs, traj, "motoros2", TUBE).missing == (0,)  # which leaves accelerations out
     assert trajectory_proved(proofs, traj, "linear", TUBE).missing == (0, 1)
@@ -238,3 +263,25 @@ def test_a_joint_that_turns_far_on_a_straight_piece_is_proved_literally(tmp_path
     assert proof.verify(), proof.verify().fault
     traj = written(tmp_path / "t.json", message([0.0, 1.0], [near, near + turning], names=checker.robot.joint_names))
     assert trajectory_proved([proof], traj)
+
+
+@pytest.mark.parametrize("shape", [pc.Sphere(0.1), pc.PointCloud(np.zeros((1, 3)), 0.1)])
+def test_half_a_turn_of_a_base_has_no_proof_and_is_named(shape, tmp_path):
+    scene = pc.Scene("far")
+    scene.add("far", shape, np.vstack([np.eye(4)[:3] + np.array([0, 0, 0, 9.0]), [0, 0, 0, 1]]))
+    robot = pc.Robot.from_urdf(random_tree(np.random.default_rng(0), tmp_path, 1), floating=True)
+    checker = pc.Checker(robot, scene)
+    start = np.array([0.0, 0, 0, 0, 0, 0, 1])
+    for off, is_proved in ((0.0, False), (1e-13, False), (1e-9, True)):
+        end = np.array([0.0, 0, 0, 0, 0, 1, off])
+        trajectory = pc.Trajectory.bezier([0.0, 1.0], [[start, start, end]]).of_robot(robot)
+        assert checker.check_trajectory(trajectory)
+        if is_proved:
+            assert checker.certify_trajectory(trajectory)[0].verify()
+            continue
+        for certify in (
+            lambda moved=trajectory: checker.certify_trajectory(moved),
+            lambda end=end: checker.certify_motions(start[None], end[None]),
+        ):
+            with pytest.raises(PlannercheckError, match=r"no proof of it was found, since .* half a turn"):
+                certify()
