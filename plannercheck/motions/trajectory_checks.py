@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Bools, Floats, Ints64
-from plannercheck.common.arrays import contiguous, shown_array
+from plannercheck.common.arrays import contiguous
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.certifier import MotionCertifier
@@ -68,6 +68,8 @@ class TrajectoryChecks:
 
     def are_free(self, trajectories: Sequence[Trajectory], threads: int = 1) -> Bools:
         """Which of n trajectories are proved free (n,), on a number of threads."""
+        if isinstance(trajectories, Trajectory):
+            raise PlannercheckError("trajectories must be a list: check_trajectory takes one")
         if not trajectories:
             return np.empty(0, dtype=bool)
         free = self._free_pieces(trajectories, self.tube, threads=threads)
@@ -124,7 +126,9 @@ class TrajectoryChecks:
         at, least = self._least_clearance(trajectory)
         if free.all():
             no_tube = 0.0 * self.tube
-            proved = _largest(lambda room: self._is_free(trajectory, no_tube, room), least * _FINE, least)
+            proved = least  # without pairs, infinity
+            if np.isfinite(least):
+                proved = _largest(lambda room: self._is_free(trajectory, no_tube, room), least * _FINE, least)
             end = float(trajectory.curve.breaks[-1])
             return made(True, Stop(end), clearance=proved, clearance_at=at, prover=prover)
         return made(False, self._stopped(trajectory, free), clearance=0.0, clearance_at=at)
@@ -198,7 +202,7 @@ class TrajectoryChecks:
         nq = self._checker.robot.nq
         if given.shape not in ((1,), (nq,)) or not np.isfinite(given).all() or (given < 0).any():
             raise PlannercheckError(
-                f"tube must be a number of at least 0, or a row of {nq}, rad and m, not {shown_array(given)}"
+                f"tube must be a number of at least 0, or a row of {nq}, rad and m, not {given.tolist()!s:.80}"
             )
         row = given if len(given) == nq else np.full(nq, given[0])
         for first, past in self._units:
