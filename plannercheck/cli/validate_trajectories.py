@@ -6,6 +6,7 @@ In: a checker's robot and scene, a file of a trajectory, options. Out: `JudgedTr
 from __future__ import annotations
 
 import argparse
+import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -46,7 +47,9 @@ def add_trajectory_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="V,V,…",
         help="where the robot stands when it gets the trajectory: the way to the first point is proved as well",
     )
-    group.add_argument("--message", type=int, metavar="N", help="which of several messages in the file, from 0")
+    group.add_argument(
+        "--message", type=int, metavar="N", help="which trajectory of a DisplayTrajectory or of a bag, from 0"
+    )
     group.add_argument(
         "--joint-limits",
         type=Path,
@@ -56,7 +59,10 @@ def add_trajectory_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _numbers(text: str) -> tuple[float, ...]:
-    return tuple(float(word) for word in text.split(","))
+    try:
+        return tuple(float(word) for word in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be numbers separated by commas, not {text!r:.80}") from None
 
 
 def is_asked(options: argparse.Namespace) -> bool:
@@ -129,7 +135,7 @@ class JudgedTrajectory:
             "free_until": verdict.free_until,
             "collides_at": verdict.collides_at,
             "near_at": verdict.near_at,
-            "clearance": verdict.clearance,
+            "clearance": verdict.clearance if math.isfinite(verdict.clearance) else None,
             "clearance_at": verdict.clearance_at,
             "largest_tube": verdict.largest_tube,
             "limits": [vars(excess) for excess in self.limits],

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Bools, Floats, Ints64
-from plannercheck.common.arrays import contiguous, shown_array
+from plannercheck.common.arrays import contiguous
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.certifier import MotionCertifier
@@ -127,7 +127,9 @@ class TrajectoryChecks:
         at, least = self._least_clearance(trajectory)
         if free.all():
             no_tube = 0.0 * self.tube
-            proved = _largest(lambda room: self._is_free(trajectory, no_tube, room), least * _FINE, least)
+            proved = least  # without pairs, infinity
+            if np.isfinite(least):
+                proved = _largest(lambda room: self._is_free(trajectory, no_tube, room), least * _FINE, least)
             end = float(trajectory.curve.breaks[-1])
             return made(True, Stop(end), clearance=proved, clearance_at=at, prover=prover)
         return made(False, self._stopped(trajectory, free), clearance=0.0, clearance_at=at)
@@ -202,7 +204,7 @@ class TrajectoryChecks:
         if given.shape not in ((1,), (nq,)) or not ((given >= 0) & (given <= LARGEST_VALUE)).all():
             raise PlannercheckError(
                 f"tube must be a number from 0 to {LARGEST_VALUE:g}, or a row of {nq}, rad and m, not"
-                f" {shown_array(given)}"
+                f" {given.tolist()!s:.80}"
             )
         row = given if len(given) == nq else np.full(nq, given[0])
         for first, past in self._units:

@@ -47,7 +47,8 @@ class TrajectoryVerdict:
         tolerance: A trajectory that stays further than this from collisions, with its tube, is free, m.
         limits: Position limits of joints that it breaks.
         largest_tube: The largest common tube that is proved, rad and m, to within a hundredth; 0 if none is.
-        clearance: Bodies are proved to keep further than this apart on the curve, paddings taken off, m.
+        clearance: Bodies are proved to keep further than this apart on the curve, paddings taken off, m; without
+            pairs infinity.
         clearance_at: The instant, of some hundred, at which the clearance is least, s.
         prover: Computes `proof`; None if there is none.
     """

@@ -139,7 +139,7 @@ def _exact(row: Any) -> Control:
 def _sentence(missing: Sequence[int], count: int, proofs: int, tube: float) -> str | None:
     if missing:
         within = f" within {tube:g} rad and m" if tube else ""
-        return f"piece {missing[0]} of the trajectory's {count} is not proved{within}: {len(missing)} are not"
+        return f"{len(missing)} of the trajectory's {count} pieces are not proved{within}, piece {missing[0]} first"
     if proofs > count:
         return f"the trajectory has {count} pieces, and there are {proofs} proofs"
     return None

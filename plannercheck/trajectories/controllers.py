@@ -98,7 +98,7 @@ def curve_of(points: Points, controller: Controller, start: Points | None, conti
     turning = continuous if controller.startswith("jtc") and start is not None else ()
     run = message if start is None else _approached(message, start, turning)
     if len(run.times) < 2:
-        raise PlannercheckError("a trajectory of one point needs start=, where the robot comes from")
+        raise PlannercheckError("a trajectory of one point needs start= (--start), where the robot comes from")
     steps = durations(run.times).tolist()
     ends = [_conditions(run, k) for k in range(len(steps))]
     pieces = tuple(_control_points(*each, h) for each, h in zip(ends, steps, strict=True))
@@ -161,14 +161,15 @@ def _check(points: Points, controller: Controller) -> None:
         joint = int(last.argmax())
         raise PlannercheckError(
             f"the last point has velocity {points.velocities[-1, joint]:.3g} in {points.named(joint)}:"
-            f" {controller} refuses a trajectory that does not end at rest"
+            f" {controller} refuses a trajectory that does not end at rest; set the last velocities to 0"
         )
     v, a = points.has_velocities, points.has_accelerations
     wrong = a[:-1] & a[1:] & ~(v[:-1] & v[1:])
     if wrong.any():
         raise PlannercheckError(
             f"points {int(np.argmax(wrong))} and {int(np.argmax(wrong)) + 1} have accelerations without velocities:"
-            " joint_trajectory_controller would command 0 on every joint between them"
+            " joint_trajectory_controller would command 0 on every joint between them; give velocities as well,"
+            " or leave accelerations out"
         )
 
 

@@ -66,10 +66,13 @@ def _chosen(found: Sequence[tuple[str, Node]], message: int | None) -> Node:
         return found[0][1]
     if message is not None and 0 <= message < len(found):
         return found[message][1]
+    if not found:
+        raise PlannercheckError("holds no JointTrajectory: one has joint_names and points")
     listed = "; ".join(f"{k}: {_described(topic, node)}" for k, (topic, node) in enumerate(found[:_MOST_LISTED]))
     listed += f"; and {len(found) - _MOST_LISTED} more" if len(found) > _MOST_LISTED else ""
-    choose = "choose one by message= (--message)" if found else "there is none to choose"
-    raise PlannercheckError(f"holds {len(found)} JointTrajectory messages: {choose}{listed and f': {listed}'}")
+    raise PlannercheckError(
+        f"holds {len(found)} JointTrajectory messages: choose one by message= (--message): {listed}"
+    )
 
 
 def _described(topic: str, message: Node) -> str:

@@ -63,7 +63,10 @@ def _columns(header: Sequence[str], robot: Joints) -> tuple[int, dict[str, list[
     """The column of the time, and those of each quantity in the robot's order; none where a csv lacks it."""
     times = [k for k, name in enumerate(header) if name.lower() in _TIMES and name not in robot.joint_names]
     if len(times) != 1:
-        raise PlannercheckError(f"must have one column of the time in s, called {_TIMES[0]!r}, not {len(times)}")
+        raise PlannercheckError(
+            f"must have one column of the time in s, called {_TIMES[0]!r}, not {len(times)}; commas part its columns,"
+            f" which are {shortened(', '.join(header))}"
+        )
     names: dict[str, list[str]] = {quantity: [] for quantity in _QUANTITIES}
     places: dict[str, list[int]] = {quantity: [] for quantity in _QUANTITIES}
     for k, name in enumerate(header):

@@ -218,9 +218,12 @@ class Trajectory:
         asked: tuple[tuple[Kind, ArrayLike | None], ...] = (("velocity", velocity), ("acceleration", acceleration))
         for kind, given in asked:
             if given is not None:
-                largest = np.broadcast_to(contiguous(given), self.curve.nq)
-                if not (largest >= 0).all():
-                    raise PlannercheckError(f"{kind} must be limits of at least 0, not {shown_array(given)}")
+                row = contiguous(given)
+                if row.shape not in ((1,), (robot.nq,)) or not (row >= 0).all():
+                    raise PlannercheckError(
+                        f"{kind} must be a limit of at least 0, or {robot.nq}, one a joint, not {shown_array(given)}"
+                    )
+                largest = np.broadcast_to(row, robot.nq)
                 found += broken_limits(self.curve, robot.joint_names, kind, -largest, largest)
         return found
 
@@ -276,5 +279,7 @@ def _start(start: ArrayLike | tuple[ArrayLike, ArrayLike] | None, width: int) ->
         return None
     q, v = start if isinstance(start, tuple) else (start, None)
     if np.shape(q) != (width,) or (v is not None and np.shape(v) != (width,)):
-        raise PlannercheckError(f"start must be a configuration ({width},), or a tuple of one and its velocities")
+        raise PlannercheckError(
+            f"start must be a configuration ({width},), or a tuple of one and its velocities, not {shown_array(start)}"
+        )
     return _points([0.0], [q], None if v is None else [v], None)

@@ -143,6 +143,12 @@ def test_joints_that_the_start_holds_are_held(capsys, tmp_path, checker, free):
     assert found["largest_tube"] == held.largest_tube < checker.explain_trajectory(trajectory).largest_tube
 
 
+def test_a_row_that_is_no_numbers_is_named(capsys, free):
+    for option in ("--start", "--tube"):
+        assert command("--path", free, option, "0,a") == 2
+        assert f"argument {option}: must be numbers separated by commas, not '0,a'" in capsys.readouterr().err
+
+
 def test_what_is_no_trajectory_is_named(capsys, tmp_path):
     np.save(tmp_path / "q.npy", np.array([HOME, AWAY]))
     assert command("--path", tmp_path / "q.npy", "--tube", "0.1") == 2

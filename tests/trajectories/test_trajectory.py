@@ -219,8 +219,26 @@ def test_limits_between_the_points_are_found():
     assert excess.time == pytest.approx(np.linspace(0, 2, 20001)[sampled.argmax()], abs=1e-3)
     kinds = [each.kind for each in found.limits(robot, velocity=0.5, acceleration=1.0)]
     assert kinds == ["position", "velocity", "acceleration"]
-    with pytest.raises(pc.PlannercheckError, match="velocity must be limits of at least 0"):
+    with pytest.raises(pc.PlannercheckError, match="velocity must be a limit of at least 0"):
         found.limits(robot, velocity=-1.0)
+    with pytest.raises(pc.PlannercheckError, match=r"acceleration must be .*, or 7, one a joint, not \[1, 2\]"):
+        found.limits(robot, acceleration=[1, 2])
+
+
+def test_without_pairs_the_clearance_is_infinite():
+    robot = pc.Robot.load("panda")
+    q = np.tile([0.0, 0, 0, -1.5, 0, 1.5, 0], (2, 1)) + np.array([[0.0], [0.1]])
+    verdict = pc.Checker(robot, self_collision=False).explain_trajectory(pc.Trajectory([0, 1], q))
+    assert verdict.free
+    assert verdict.clearance == np.inf
+
+
+def test_what_is_no_robot_and_no_list_is_said(tmp_path: Path):
+    with pytest.raises(pc.PlannercheckError, match=r"needs a pc\.Robot, not 'panda': pc\.Robot\.load reads one"):
+        pc.Trajectory.load(tmp_path / "t.json", "panda")  # type: ignore[arg-type]
+    trajectory = pc.Trajectory([0, 1], np.zeros((2, 7)))
+    with pytest.raises(pc.PlannercheckError, match="check_trajectory takes one"):
+        pc.Checker(pc.Robot.load("panda")).check_trajectories(trajectory)  # type: ignore[arg-type]
 
 
 def message(names, points):
@@ -251,11 +269,19 @@ def test_messages_are_read_in_the_robots_order(tmp_path: Path, wrapped: str):
         assert [len(piece) - 1 for piece in found.curve.pieces] == [3, 3]
 
 
+def test_a_file_without_a_message_is_named(tmp_path: Path):
+    (tmp_path / "t.yaml").write_text("# nothing\n")
+    with pytest.raises(
+        pc.PlannercheckError, match=r"t\.yaml.*holds no JointTrajectory: one has joint_names and points"
+    ):
+        pc.Trajectory.load(tmp_path / "t.yaml", pc.Robot.load("panda"))
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"joint_names": ["a"] * 7}, "has joint 'a', which panda has not"),
-        ({"joint_names": ["panda_joint1"] * 7}, "must have each joint of panda once: panda_joint2"),
+        ({"joint_names": ["a"] * 7}, "unknown joint of panda 'a'.*leave other joints out"),
+        ({"joint_names": ["panda_joint1"] * 7}, "names panda_joint1 more than once: give each joint of panda once"),
         ({"points": []}, r"t\.json.*has no points"),
         ({"points": [point([0.0] * 7, 1), point([0.1] * 7, 1)]}, r"t\.json.*times must grow"),
         ({"points": [{"time_from_start": 1}]}, "point 0.*has no positions"),
