@@ -26,6 +26,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct
 from plannercheck.proofs.chains import Chains
 from plannercheck.proofs.data import JOINTS, WORLD, Joint, Model, Motion, PosedBody
 from plannercheck.proofs.joint_motions import held_map
@@ -175,7 +176,7 @@ def _tried_points(model: Model, maps: Sequence[Floats]) -> list[Floats]:
     places = []
     for k, near in enumerate(_near_joints(model)):
         offsets = np.array([poses[other][:3, 3] for other in near]) - poses[k][:3, 3]
-        places.append(np.unique(offsets @ poses[k][:3, :3] @ _axis(model.joints[k])))
+        places.append(distinct(offsets @ poses[k][:3, :3] @ _axis(model.joints[k])))
     return places
 
 

@@ -45,6 +45,8 @@ _DEFINITIONS = {
 def read_bag(path: Path) -> list[tuple[str, Node]]:
     """The JointTrajectory messages of a bag, in the order of their time, with topic and type in words."""
     reading = extra_module("rosbags.highlevel", "rosbags", "bags")
+    if path.is_dir() and not (path / "metadata.yaml").exists():
+        raise PlannercheckError("is no bag: a folder without metadata.yaml")
     try:
         with reading.AnyReader([path], default_typestore=known_types()) as reader:
             chosen = [c for c in reader.connections if c.msgtype.rpartition("/")[2] in _TYPES]

@@ -46,9 +46,9 @@ def test_bad_files(tmp_path, plan):
     with pytest.raises(PlannercheckError, match=r"no/plan\.json' can't be written"):
         plan.save(tmp_path / "no" / "plan.json")
     (tmp_path / "bad.json").write_text('{"solved": true}')
-    for name in ("bad.json", "missing.json"):
-        with pytest.raises(PlannercheckError, match=f"{name}' is no plan"):
-            Plan.load(tmp_path / name)
+    for message in ("bad.json' is no plan", "missing.json': can't be read"):
+        with pytest.raises(PlannercheckError, match=message):
+            Plan.load(tmp_path / message.partition("'")[0])
 
 
 def test_a_failed_write_leaves_the_old_file(tmp_path):
