@@ -86,12 +86,6 @@ class TrajectoryChecks:
         curves = [each.curve for each in trajectories]
         counts = [len(curve.pieces) for curve in curves]
         tubes = self._tubes(curves, tube, room).repeat(counts, axis=0)
-        degrees = {count for curve in curves for count in curve.by_count}
-        if len(degrees) == 1:  # of most controllers
-            (count,) = degrees
-            parts = [curve.by_count[count][1] for curve in curves]
-            joined = parts[0] if len(parts) == 1 else np.concatenate(parts)
-            return self._certifier.check_curves(Curves(joined, tubes), self._tolerance, threads)
         starts = accumulate(counts[:-1], initial=0)
         by_count: dict[int, list[tuple[Ints64, Floats]]] = {}
         for start, curve in zip(starts, curves, strict=True):
