@@ -38,6 +38,7 @@ from plannercheck.robots.urdf_file import MJCF_ROOT
 from plannercheck.robots.urdf_hints import warn_of_odd_numbers
 
 if TYPE_CHECKING:
+    from plannercheck.robots.cells import Member
     from plannercheck.robots.mjcf import MjcfRobot
 
 Reference: TypeAlias = Mapping[str, Any] | Sequence[float] | NDArray[np.float64] | str | None
@@ -62,6 +63,7 @@ class RobotParts:
         pieces: The pieces of decomposed bodies, by name of the body.
         open_links: Links that are solids of open meshes: capped, or their triangles alone.
         default_links: Links that the SRDF leaves out of tests by default (<disable_default_collisions>).
+        members: The robots of a cell, by name.
         memory: What has been computed of robots with these files.
     """
 
@@ -79,6 +81,7 @@ class RobotParts:
     pieces: Mapping[str, Pieces] = field(default_factory=dict)
     open_links: tuple[str, ...] = ()
     default_links: tuple[str, ...] = ()
+    members: Mapping[str, Member] = field(default_factory=dict)
     memory: RobotMemory = field(default_factory=RobotMemory)
 
 

@@ -11,7 +11,7 @@ import contextlib
 import copy
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -25,9 +25,10 @@ from plannercheck.bodies.shapes import DEFAULT_EXCESS
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.checked_yaml import error_context
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.progress import reported
 from plannercheck.common.public_names import set_module
+from plannercheck.robots.cells import CellPart, Placed, cell_parts, joined, members_of, parts_by_name
 from plannercheck.robots.carried_objects import carried_pairs, check_objects
 from plannercheck.robots.configurations import ConfigurationMap, followed
 from plannercheck.robots.description import RobotDescription, description_of
@@ -159,6 +160,54 @@ class Robot(PosedRobot):
         with reported(f"loading robot {description.name or description.urdf.stem}"):
             return cls(robot_parts(description, reference))
 
+    @classmethod
+    def together(cls, robots: Mapping[str, Placed], group: str | None = None) -> Robot:
+        """Several robots as one robot: a cell.
+
+        Names of joints, links, bodies and carried objects get the robot's name before them, "left/panda_joint1". A
+        configuration is those of the robots side by side, in their order. Each robot keeps its own pairs, and all pairs
+        of bodies of two robots are tested, unless both are fixed to the world.
+
+        Args:
+            robots: A robot, or a robot and the pose (4, 4) of its base in m, by name; names have no slash.
+            group: The robot whose joints are the planning group, while the others are held; None or "all" for all.
+
+        Returns:
+            The cell. If one of the robots has a planning group, a robot without one gets a group of all its joints.
+
+        Raises:
+            PlannercheckError: For a faulty name, something that is no robot, or a pose that is not rigid.
+        """
+        cell = cls(cell_parts(members_of(robots)))
+        if group is None or group == "all":
+            return cell
+        if group not in cell.parts:
+            raise unknown_name("group of the cell", group, ("all", *cell.parts))
+        return cell.with_group(cell.parts[group].joint_names, group)
+
+    @cached_property
+    def parts(self) -> Mapping[str, CellPart]:
+        """The robots of a cell, by name; none if this is a single robot."""
+        return parts_by_name(self._parts.members, self._map.joint_names, self._map.starts, self._map.width)
+
+    def join(self, configurations: Mapping[str, ArrayLike]) -> Floats:
+        """The configuration of a cell from those of its robots.
+
+        Args:
+            configurations: (k,) or (n, k) of each robot that the group moves, by name, k as its `parts[name].columns`.
+
+        Returns:
+            (nq,) or (n, nq).
+        """
+        return joined(self.parts, configurations, self.nq)
+
+    def split(self, q: ArrayLike) -> dict[str, Floats]:
+        """The configurations (k,) or (n, k) of a cell's robots, by name, from the cell's (nq,) or (n, nq)."""
+        rows = self.check_configurations(q)
+        single = np.ndim(q) == 1
+        found = {name: rows[:, part.columns] for name, part in self.parts.items()}
+        return {name: each[0] for name, each in found.items()} if single else found
+
     @property
     def nq(self) -> int:
         """Numbers in a configuration."""
@@ -207,6 +256,11 @@ class Robot(PosedRobot):
     def configuration_map(self) -> ConfigurationMap:
         """Where the numbers in Pinocchio's q come from."""
         return self._map
+
+    @property
+    def parts_of_files(self) -> RobotParts:
+        """What the robot is made of, as its files say it."""
+        return self._parts
 
     @property
     def default_links(self) -> tuple[str, ...]:
