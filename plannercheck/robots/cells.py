@@ -154,7 +154,7 @@ def joined(parts: Mapping[str, CellPart], configurations: Mapping[str, ArrayLike
     missing = [name for name in moving if name not in configurations]
     if missing:
         raise PlannercheckError(f"join needs a configuration of each robot of the group; missing: {', '.join(missing)}")
-    given = {name: _rows(parts[name], configurations[name]) for name in moving}
+    given = {name: part_rows(parts[name], configurations[name]) for name in moving}
     counts = {len(rows) for rows in given.values() if rows.ndim == 2}
     if len(counts) > 1:
         raise PlannercheckError(f"join takes as many configurations of each robot, not {sorted(counts)}")
@@ -164,8 +164,8 @@ def joined(parts: Mapping[str, CellPart], configurations: Mapping[str, ArrayLike
     return q
 
 
-def _rows(part: CellPart, q: ArrayLike) -> Floats:
-    """Numbers (k,) or (n, k) of a part; of a robot without a group also one for each joint."""
+def part_rows(part: CellPart, q: ArrayLike) -> Floats:
+    """Configurations (k,) or (n, k) of a part, checked; of a robot without a group also one number for each joint."""
     what = f"configuration of robot {part.name!r}"
     rows = array_of(q, what)
     if rows.ndim in (1, 2) and len(part.columns) == part.robot.nq:
