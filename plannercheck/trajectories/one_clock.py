@@ -23,8 +23,7 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.sizes import array_of
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError, unknown_name
-from plannercheck.robots.cells import CellPart, part_rows
-from plannercheck.robots.robot import Robot
+from plannercheck.robots.robot import CellPart, Robot
 from plannercheck.trajectories.curve import Curve, slerp
 from plannercheck.trajectories.rounding import UNIT, blossom_error
 from plannercheck.trajectories.stamps import durations
@@ -126,23 +125,21 @@ def check_runs(cell: Robot, runs: Mapping[str, Run]) -> tuple[str, ...]:
         )
     for name, run in runs.items():
         if isinstance(run, Trajectory):
-            _check_columns(cell, cell.parts[name], run)
+            _check_columns(cell.parts[name], run)
     moving = tuple(name for name in group if isinstance(runs[name], Trajectory))
     if not moving:
         raise PlannercheckError("no robot moves: give a pc.Trajectory; check_states judges robots that stand")
     return moving
 
 
-def _check_columns(cell: Robot, part: CellPart, trajectory: Trajectory) -> None:
+def _check_columns(part: CellPart, trajectory: Trajectory) -> None:
     curve = trajectory.curve
     if curve.nq != len(part.columns):
         raise PlannercheckError(
             f"the trajectory of {part.name!r} has {curve.nq} columns, but the robot has {len(part.columns)} in the"
             f" cell's group: {', '.join(part.joint_names)}"
         )
-    place = {column: k for k, column in enumerate(part.columns.tolist())}
-    units = tuple((place[a], place[b - 1] + 1) for a, b in cell.configuration_map.units if a in place)
-    if curve.units != units:
+    if curve.units != part.robot.configuration_map.units:
         raise PlannercheckError(
             f"columns of {part.name!r} form unit vectors, which turn by slerp: give"
             f" trajectory.of_robot(cell.parts[{part.name!r}].robot)"
@@ -173,7 +170,7 @@ def start_time(given: float, what: str) -> float:
 
 def standing(part: CellPart, configuration: ArrayLike) -> Floats:
     """(k,) where a robot stands, checked."""
-    row = part_rows(part, configuration)
+    row = part.checked(configuration)
     if row.ndim != 1:
         raise PlannercheckError(
             f"robot {part.name!r} has a pc.Trajectory or one configuration ({len(part.columns)},), not {row.shape}"

@@ -33,8 +33,12 @@ def _cell(tmp_path_factory) -> pc.Robot:
     folder, robots = tmp_path_factory.mktemp("one_clock"), {}
     for name, text in (("left", _SLIDES), ("right", _SLIDES), ("box", _FREE), ("wheel", _WHEEL)):
         (folder / f"{name}.urdf").write_text(text)
-        robots[name] = pc.Robot.from_urdf(folder / f"{name}.urdf")
+        robots[name] = pc.Robot.from_urdf(folder / f"{name}.urdf"), np.eye(4)
     return pc.Robot.together(robots)
+
+
+def together(cell: pc.Robot, names) -> pc.Robot:
+    return pc.Robot.together({name: (cell.parts[name].robot, np.eye(4)) for name in names})
 
 
 def polynomial(points, s: Fraction) -> Fraction:
@@ -152,7 +156,7 @@ def slide(*rows, times=None) -> pc.Trajectory:
 
 
 def test_a_robot_stands_before_and_after(cell):
-    two = pc.Robot.together({name: cell.parts[name].robot for name in ("left", "right")})
+    two = together(cell, ("left", "right"))
     merged = on_one_clock(two, {"left": slide([0, 0], [1, 0]), "right": slide([0, 0], [0, 2])}, {"right": 1.5})
     assert merged.curve.breaks.tolist() == [0, 1, 1.5, 2.5]
     assert merged.position([0.0, 0.5, 1.2, 2.0, 2.5]).tolist() == [
@@ -168,7 +172,7 @@ def test_a_robot_stands_before_and_after(cell):
 
 
 def test_each_keeps_its_own_controller(cell):
-    two = pc.Robot.together({name: cell.parts[name].robot for name in ("left", "right")})
+    two = together(cell, ("left", "right"))
     cubic = pc.Trajectory([0, 1], [[0, 0], [1, 1]], [[0, 0], [0, 0]])
     quintic = pc.Trajectory([0, 2], [[0, 0], [1, 1]], [[0, 0], [0, 0]], [[0, 0], [0, 0]], controller="ur")
     merged = on_one_clock(two, {"left": cubic, "right": quintic})
@@ -179,7 +183,7 @@ def test_each_keeps_its_own_controller(cell):
 
 
 def test_knots_that_rounding_parts_are_one(cell):
-    two = pc.Robot.together({name: cell.parts[name].robot for name in ("left", "right")})
+    two = together(cell, ("left", "right"))
     right = slide([0, 0], [1, 0], times=[0.0, 0.2])
     merged = on_one_clock(two, {"left": slide([0, 0], [1, 0], times=[0.0, 0.3]), "right": right}, {"right": 0.1})
     assert 0.1 + 0.2 != 0.3
@@ -194,7 +198,7 @@ def test_knots_that_rounding_parts_are_one(cell):
         ({"left": [0, 0], "right": [0, 0]}, None, "no robot moves"),
         ({"left": slide([0, 0], [1, 0]), "rigth": [0, 0]}, None, "did you mean 'right'"),
         ({"left": slide([0, 0, 0], [1, 0, 0]), "right": [0, 0]}, None, "has 3 columns, but the robot has 2"),
-        ({"left": slide([0, 0], [1, 0]), "right": [0, 0, 0]}, None, "must have shape"),
+        ({"left": slide([0, 0], [1, 0]), "right": [0, 0, 0]}, None, "robot 'right'"),
         ({"left": slide([0, 0], [1, 0]), "right": [0, 0]}, {"left": -1.0}, "the start of 'left' must be a time"),
         ({"left": slide([0, 0], [1, 0]), "right": [0, 0]}, {"left": np.nan}, "the start of 'left' must be a time"),
         ({"left": slide([0, 0], [1, 0]), "right": [0, 0]}, {"right": 1.0}, "'right' stands"),
@@ -204,13 +208,13 @@ def test_knots_that_rounding_parts_are_one(cell):
     ],
 )
 def test_bad_input(cell, runs, starts, words: str):
-    two = pc.Robot.together({name: cell.parts[name].robot for name in ("left", "right")})
+    two = together(cell, ("left", "right"))
     with pytest.raises(pc.PlannercheckError, match=words):
         on_one_clock(two, runs, starts)
 
 
 def test_the_clock_begins_at_0(cell):
-    two = pc.Robot.together({name: cell.parts[name].robot for name in ("left", "right")})
+    two = together(cell, ("left", "right"))
     early = pc.Trajectory.bezier([-1.0, 1.0], [[[0, 0], [1, 0]]])
     with pytest.raises(pc.PlannercheckError, match="give it a start of at least 1 s"):
         on_one_clock(two, {"left": early, "right": [0, 0]})
@@ -218,6 +222,6 @@ def test_the_clock_begins_at_0(cell):
     with pytest.raises(pc.PlannercheckError, match=r"see pc\.Robot\.together"):
         on_one_clock(cell.parts["left"].robot, {"left": early})
     runs = {"box": pc.Trajectory([0, 1], np.eye(7)[[6, 6]]), "wheel": [1.0, 0.0]}
-    turning = pc.Robot.together({name: cell.parts[name].robot for name in runs})
+    turning = together(cell, runs)
     with pytest.raises(pc.PlannercheckError, match="columns of 'box' form unit vectors"):
         on_one_clock(turning, runs)
