@@ -62,7 +62,7 @@ class TrajectoryChecks:
         Raises:
             PlannercheckError: If the tube is malformed, or not 0 for the numbers of unit vectors.
         """
-        self._checker, self._tolerance = checker, tolerance
+        self._checker, self.tolerance = checker, tolerance
         self._certifier = checker.certifier_of("slerp")
         self._units = checker.robot.configuration_map.units
         self.tube = self._checked_tube(contiguous(tube))
@@ -77,15 +77,39 @@ class TrajectoryChecks:
         starts = [0, *accumulate(len(each.curve.pieces) for each in trajectories[:-1])]
         return np.logical_and.reduceat(free, starts)
 
+    def free_pieces(self, trajectory: Trajectory, wider: Floats | None = None) -> Bools:
+        """Which pieces of a trajectory are proved free; `wider`: (pieces, nq) what each has besides the tube."""
+        return self._free_pieces([trajectory], self.tube, wider=wider)
+
+    def near_instants(self, trajectory: Trajectory, pieces: Sequence[int]) -> list[float]:
+        """Where pairs came so near on pieces that are not free that these were refused, s."""
+        breaks, tubes = trajectory.curve.breaks, self._tubes([trajectory.curve], self.tube, 0.0)
+        found = []
+        for k in pieces:
+            result = self._certifier.result(Curves(trajectory.curve.pieces[k][None], tubes), self.tolerance)
+            if not result.free:
+                found.append(float(min(breaks[k] + (breaks[k + 1] - breaks[k]) * result.near, breaks[k + 1])))
+        return found
+
     def _free_pieces(
-        self, trajectories: Sequence[Trajectory], tube: Floats, room: float = 0.0, threads: int = 1
+        self,
+        trajectories: Sequence[Trajectory],
+        tube: Floats,
+        room: float = 0.0,
+        threads: int = 1,
+        wider: Floats | None = None,
     ) -> Bools:
-        """Which pieces of all trajectories, one after the other, are proved free; `room`: how far bodies stay apart."""
+        """Which pieces of all trajectories, one after the other, are proved free.
+
+        `room`: how far bodies stay apart; `wider`: (pieces, nq) what the tube of each piece has besides.
+        """
         for trajectory in trajectories:
             self._check(trajectory)
         curves = [each.curve for each in trajectories]
         counts = [len(curve.pieces) for curve in curves]
         tubes = self._tubes(curves, tube, room).repeat(counts, axis=0)
+        if wider is not None:
+            tubes[:, :-1] = (tubes[:, :-1] + wider) * (1 + 2.0**-52)
         starts = accumulate(counts[:-1], initial=0)
         by_count: dict[int, list[tuple[Ints64, Floats]]] = {}
         for start, curve in zip(starts, curves, strict=True):
@@ -94,7 +118,7 @@ class TrajectoryChecks:
         free = np.empty(sum(counts), dtype=bool)
         for some in by_count.values():
             rows, joined = (np.concatenate(arrays) for arrays in zip(*some, strict=True))
-            free[rows] = self._certifier.check_curves(Curves(joined, tubes[rows]), self._tolerance, threads)
+            free[rows] = self._certifier.check_curves(Curves(joined, tubes[rows]), self.tolerance, threads)
         return free
 
     def tube_of(self, trajectory: Trajectory) -> Floats:
@@ -114,7 +138,7 @@ class TrajectoryChecks:
         made = partial(
             TrajectoryVerdict,
             tube=self.tube,
-            tolerance=self._tolerance,
+            tolerance=self.tolerance,
             limits=tuple(trajectory.limits(robot)) if len(robot.joint_names) == robot.nq else (),
             largest_tube=self._largest_tube(trajectory),
         )
@@ -146,7 +170,7 @@ class TrajectoryChecks:
         points = trajectory.curve.pieces[piece]
         start, end = (float(time) for time in trajectory.curve.breaks[piece : piece + 2])
         curve = Curves(points[None], self._tubes([trajectory.curve], self.tube, 0.0))
-        result = self._certifier.result(curve, self._tolerance)
+        result = self._certifier.result(curve, self.tolerance)
 
         def states(s: Floats) -> Floats:
             return trajectory.position(np.minimum(start + (end - start) * s, end))
@@ -154,7 +178,7 @@ class TrajectoryChecks:
         def time(s: float) -> float:
             return min(start + (end - start) * s, end)
 
-        found = explained_motion(self._checker, result, states, self._tolerance)
+        found = explained_motion(self._checker, result, states, self.tolerance)
         collides_at, near_at = (None if s is None else time(s) for s in (found.collides_at, found.near_at))
         return Stop(time(found.free_until), collides_at, near_at, found.pair)
 
