@@ -86,11 +86,11 @@ class Curve(OwnsArrays):
             found[here] = _de_casteljau(control, s)
             for first, past in self.units:
                 a, b = self.pieces[k][[0, -1], first:past]
-                found[here, first:past] = _slerp(a, b, s, derivative) / (end - start) ** derivative
+                found[here, first:past] = slerp(a, b, s, derivative) / (end - start) ** derivative
         return found[0] if np.ndim(times) == 0 else found
 
 
-def _slerp(start: Floats, end: Floats, s: Floats, derivative: int) -> Floats:
+def slerp(start: Floats, end: Floats, s: Floats, derivative: int) -> Floats:
     """Unit vectors (n, 2) or (n, 4) on the way from one to another at s (n,) from 0 to 1, or derivatives by s."""
     a, b = start / np.linalg.norm(start), end / np.linalg.norm(end)
     if len(a) == 4 and a @ b < 0:  # quaternions of both signs turn alike
