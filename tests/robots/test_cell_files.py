@@ -255,7 +255,7 @@ def test_scenes_name_links_of_robots_of_a_cell(files):
         f"robot_state:\n  joint_state:\n{state}\nworld:\n  collision_objects:\n"
         "  - header: {frame_id: right/panda_hand}\n    id: ball\n"
         "    primitives: [{type: 2, dimensions: [0.02]}]\n"
-        "    primitive_poses: [{position: {x: 0, y: 0, z: 0.3}, orientation: {w: 1}}]\n",
+        "    primitive_poses: [{position: {x: 0, y: 0, z: 0.3}, orientation: {x: 0, y: 0, z: 0, w: 1}}]\n",
         "message.yaml",
     )
     checker = pc.Checker(cell, pc.Scene.load(message))
