@@ -17,10 +17,11 @@ from numpy.typing import ArrayLike
 
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Bools, Floats, Ints64
-from plannercheck.common.arrays import contiguous
+from plannercheck.common.arrays import named_numbers
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.certifier import MotionCertifier
+from plannercheck.motions.certifier_answers import ImpreciseError
 from plannercheck.motions.explanation import explained_motion
 from plannercheck.motions.motion_ends import Curves
 from plannercheck.motions.trajectory_verdict import Stop, TrajectoryVerdict
@@ -62,10 +63,10 @@ class TrajectoryChecks:
         Raises:
             PlannercheckError: If the tube is malformed, or not 0 for the numbers of unit vectors.
         """
-        self._checker, self.tolerance = checker, tolerance
+        self._checker, self._tolerance = checker, tolerance
         self._certifier = checker.certifier_of("slerp")
         self._units = checker.robot.configuration_map.units
-        self.tube = self._checked_tube(contiguous(tube))
+        self.tube = self._checked_tube(named_numbers(tube, "tube"))
 
     def are_free(self, trajectories: Sequence[Trajectory], threads: int = 1) -> Bools:
         """Which of n trajectories are proved free (n,), on a number of threads."""
@@ -86,7 +87,7 @@ class TrajectoryChecks:
         breaks, tubes = trajectory.curve.breaks, self._tubes([trajectory.curve], self.tube, 0.0)
         found = []
         for k in pieces:
-            result = self._certifier.result(Curves(trajectory.curve.pieces[k][None], tubes), self.tolerance)
+            result = self._certifier.result(Curves(trajectory.curve.pieces[k][None], tubes), self._tolerance)
             if not result.free:
                 found.append(float(min(breaks[k] + (breaks[k + 1] - breaks[k]) * result.near, breaks[k + 1])))
         return found
@@ -118,7 +119,10 @@ class TrajectoryChecks:
         free = np.empty(sum(counts), dtype=bool)
         for some in by_count.values():
             rows, joined = (np.concatenate(arrays) for arrays in zip(*some, strict=True))
-            free[rows] = self._certifier.check_curves(Curves(joined, tubes[rows]), self.tolerance, threads)
+            try:
+                free[rows] = self._certifier.check_curves(Curves(joined, tubes[rows]), self._tolerance, threads)
+            except ImpreciseError as error:
+                raise PlannercheckError(f"{_named(trajectories, int(rows[error.row]))}: {error.reason}") from None
         return free
 
     def tube_of(self, trajectory: Trajectory) -> Floats:
@@ -138,7 +142,7 @@ class TrajectoryChecks:
         made = partial(
             TrajectoryVerdict,
             tube=self.tube,
-            tolerance=self.tolerance,
+            tolerance=self._tolerance,
             limits=tuple(trajectory.limits(robot)) if len(robot.joint_names) == robot.nq else (),
             largest_tube=self._largest_tube(trajectory),
         )
@@ -170,7 +174,7 @@ class TrajectoryChecks:
         points = trajectory.curve.pieces[piece]
         start, end = (float(time) for time in trajectory.curve.breaks[piece : piece + 2])
         curve = Curves(points[None], self._tubes([trajectory.curve], self.tube, 0.0))
-        result = self._certifier.result(curve, self.tolerance)
+        result = self._certifier.result(curve, self._tolerance)
 
         def states(s: Floats) -> Floats:
             return trajectory.position(np.minimum(start + (end - start) * s, end))
@@ -178,7 +182,7 @@ class TrajectoryChecks:
         def time(s: float) -> float:
             return min(start + (end - start) * s, end)
 
-        found = explained_motion(self._checker, result, states, self.tolerance)
+        found = explained_motion(self._checker, result, states, self._tolerance)
         collides_at, near_at = (None if s is None else time(s) for s in (found.collides_at, found.near_at))
         return Stop(time(found.free_until), collides_at, near_at, found.pair)
 
@@ -232,6 +236,22 @@ class TrajectoryChecks:
                     f" tube: give tube as a row of {nq} numbers that is 0 there"
                 )
         return row
+
+
+def _named(trajectories: Sequence[Trajectory], piece: int) -> str:
+    """A piece of trajectories in words, by its number among those of all."""
+    for k, trajectory in enumerate(trajectories):
+        if piece < len(trajectory.curve.pieces):
+            of = f"trajectory {k}, " if len(trajectories) > 1 else ""
+            return of + named_piece(trajectory, piece)
+        piece -= len(trajectory.curve.pieces)
+    raise IndexError(piece)
+
+
+def named_piece(trajectory: Trajectory, piece: int) -> str:
+    """A piece in words, with the time it takes."""
+    start, end = trajectory.curve.breaks[piece : piece + 2].tolist()
+    return f"piece {piece} of the trajectory, {start:.6g} to {end:.6g} s"
 
 
 def _largest(is_free: Callable[[float], bool], smallest: float, largest: float) -> float:

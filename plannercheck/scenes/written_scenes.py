@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
 from plannercheck.bodies.ellipsoids import ELLIPSOID_EXCESS, Ellipsoid
 from plannercheck.bodies.half_spaces import HalfSpace
@@ -20,10 +19,10 @@ from plannercheck.bodies.objects import Part, SceneObject, unplaced
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.shapes import Box, Hull, Shape, checked_pose
 from plannercheck.bodies.solids import Solid
+from plannercheck.bodies.written_poses import node_of_pose
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.checked_yaml import Node, error_context
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.transforms import quaternion_of_rotation, rotation_of_quaternion
 from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
@@ -60,11 +59,11 @@ def _object_node(item: SceneObject, beside: FilesBeside) -> Node:
     if item.pose_frame is not None:
         raise unplaced(item)
     if len(item.parts) == 1 and item.parts[0].pose is None:
-        return {"name": item.name, **_shape_node(item.parts[0], item.name, beside), **_pose_node(item.pose)}
+        return {"name": item.name, **_shape_node(item.parts[0], item.name, beside), **node_of_pose(item.pose)}
     nodes = [
-        _shape_node(part, item.name, beside) | _pose_node(checked_pose(part.pose, item.name)) for part in item.parts
+        _shape_node(part, item.name, beside) | node_of_pose(checked_pose(part.pose, item.name)) for part in item.parts
     ]
-    return {"name": item.name, **_pose_node(item.pose), "parts": nodes}
+    return {"name": item.name, **node_of_pose(item.pose), "parts": nodes}
 
 
 def _attached_node(item: SceneObject, beside: FilesBeside) -> Node:
@@ -104,17 +103,6 @@ def _file_node(shape: Shape, file: Path, more: Mapping[str, Any], folder: Path) 
 def _open(solid: Solid) -> Node:
     """What an open mesh is taken as, unless that is the default."""
     return {} if solid.open == "cap" else {"open": solid.open}
-
-
-def _pose_node(pose: NDArray[np.float64]) -> Node:
-    """Position and quaternion where they give the same doubles, else the matrix itself."""
-    position = pose[:3, 3].tolist()
-    if np.array_equal(pose[:3, :3], np.eye(3)):
-        return {"position": position} if any(position) else {}
-    quaternion = quaternion_of_rotation(pose[:3, :3])
-    if np.array_equal(rotation_of_quaternion(quaternion), pose[:3, :3]):
-        return {"position": position, "quaternion": quaternion}
-    return {"matrix": pose.tolist()}
 
 
 def _allowed_nodes(scene: SceneContents) -> Node:

@@ -185,7 +185,7 @@ def least_delay(
             raise PlannercheckError(f"{what} must be more than 0 s")
     begins = checked_starts(cell, runs, starts)
     checks = TrajectoryChecks(checker, tube_row(cell, tube), tolerance)
-    judge = _Judge(checker, checks, runs, tuple(waiting), begins)
+    judge = _Judge(checker, checks, tolerance, runs, tuple(waiting), begins)
     return _searched(judge, float(at_most), float(resolution))
 
 
@@ -221,6 +221,7 @@ class _Judge:
     Attributes:
         checker: Of the cell.
         checks: The same, with a tube and a tolerance.
+        tolerance: m.
         runs: What each robot does.
         waiting: The robots that wait.
         starts: Without the delay.
@@ -228,6 +229,7 @@ class _Judge:
 
     checker: Checker
     checks: TrajectoryChecks
+    tolerance: float
     runs: Mapping[str, Run]
     waiting: tuple[str, ...]
     starts: Mapping[str, float]
@@ -350,8 +352,7 @@ def _result(judge: _Judge, delay: float | None, judged: tuple[Delays, ...]) -> L
             break
         lower = each.end
     trajectory = None if delay is None else judge.trajectory(delay)
-    checks = judge.checks
     verdict = None
     if trajectory is not None:
-        verdict = judge.checker.explain_trajectory(trajectory, checks.tube, checks.tolerance)
+        verdict = judge.checker.explain_trajectory(trajectory, judge.checks.tube, judge.tolerance)
     return LeastDelay(delay, lower, judge.waiting, trajectory, verdict, judged)
