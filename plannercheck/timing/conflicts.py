@@ -93,9 +93,11 @@ class Conflict:
         return not self.free
 
     def __repr__(self) -> str:
-        return f"Conflict({self._sentence()})"
+        return f"Conflict({self.sentence})"
 
-    def _sentence(self) -> str:
+    @property
+    def sentence(self) -> str:
+        """In words."""
         started = "".join(f", {name} from {start:g} s" for name, start in self.starts.items() if start)
         if self.pair is None:
             return f"none, proved, with {self.clearance:.3g} m of room{started}"
