@@ -8,8 +8,9 @@ are fixed to the world or an SRDF leaves a link out by default.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -94,7 +95,7 @@ def cell_parts(members: Mapping[str, Member]) -> RobotParts:
     model = pin.Model()
     model.name = "+".join(each.robot.name for each in members.values())
     for name, member in members.items():
-        _append(model, member.robot.model, name, pin.SE3(member.pose))
+        append(model, member.robot.model, partial("{}/{}".format, name), pin.SE3(member.pose))
     each_parts = {name: member.robot.parts_of_files for name, member in members.items()}
     bodies = tuple(
         replace(body, name=f"{name}/{body.name}", link=f"{name}/{body.link}")
@@ -182,8 +183,8 @@ def _with_group(robot: Robot) -> Robot:
     return robot.with_group(own_joints(robot.model, robot.mimics), "all")
 
 
-def _append(model: pin.Model, part: pin.Model, name: str, pose: pin.SE3) -> None:
-    """Appends a robot's joints and frames to a model, in their order, with the robot's base at a pose."""
+def append(model: pin.Model, part: pin.Model, named: Callable[[str], str], pose: pin.SE3) -> None:
+    """Appends a robot's joints and frames to a model, in their order and renamed, with the robot's base at a pose."""
     shift, frames = model.njoints - 1, {0: 0}
     for k in range(1, part.njoints):
         parent, joint = int(part.parents[k]), part.joints[k]
@@ -192,7 +193,7 @@ def _append(model: pin.Model, part: pin.Model, name: str, pose: pin.SE3) -> None
             parent + shift if parent else 0,
             joint,
             part.jointPlacements[k] if parent else pose * part.jointPlacements[k],
-            f"{name}/{part.names[k]}",
+            named(part.names[k]),
             part.effortLimit[v],
             part.velocityLimit[v],
             part.lowerPositionLimit[q],
@@ -203,7 +204,7 @@ def _append(model: pin.Model, part: pin.Model, name: str, pose: pin.SE3) -> None
             continue
         joint = int(frame.parentJoint)
         placement = frame.placement if joint else pose * frame.placement
-        copied = pin.Frame(f"{name}/{frame.name}", joint + shift if joint else 0, frames[frame.parentFrame], placement, frame.type)
+        copied = pin.Frame(named(frame.name), joint + shift if joint else 0, frames[frame.parentFrame], placement, frame.type)
         frames[k] = model.addFrame(copied)
 
 

@@ -89,6 +89,14 @@ class Curve(OwnsArrays):
                 found[here, first:past] = _slerp(a, b, s, derivative) / (end - start) ** derivative
         return found[0] if np.ndim(times) == 0 else found
 
+    def turned(self, k: int, s: float) -> Floats:
+        """(nq,) of piece k at a parameter from 0 to 1, of the columns of unit vectors; others are 0."""
+        found = np.zeros(self.nq)
+        for first, past in self.units:
+            a, b = self.pieces[k][[0, -1], first:past]
+            found[first:past] = _slerp(a, b, np.array([s]), 0)[0]
+        return found
+
 
 def _slerp(start: Floats, end: Floats, s: Floats, derivative: int) -> Floats:
     """Unit vectors (n, 2) or (n, 4) on the way from one to another at s (n,) from 0 to 1, or derivatives by s."""

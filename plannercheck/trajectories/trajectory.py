@@ -84,6 +84,11 @@ class Trajectory:
     def of_curve(cls, curve: Curve) -> Trajectory:
         """A trajectory that is a curve, of pieces that meet."""
         check_curve(curve)
+        return cls.of_checked_curve(curve)
+
+    @classmethod
+    def of_checked_curve(cls, curve: Curve) -> Trajectory:
+        """A trajectory that is a curve, of pieces that are known to meet, of any duration."""
         made = cls.__new__(cls)
         made.points, made.controller, made.timing, made.curve = None, None, None, curve
         return made
