@@ -1,8 +1,8 @@
 """Where an object that moves is: its pose as a function of the scene's clock.
 
-In: times and poses, or a robot's trajectory and one of its links. Out: `Moving`, which a scene takes for a pose. Between
-two poses the position is straight and the turn goes the short way at constant speed, each by itself. The turns are
-quaternions in doubles: at its times, an object is turned as given up to their rounding.
+In: times and poses, or a robot's trajectory and one of its links. Out: `Moving`, which a scene takes for a pose.
+Between two poses the position is straight and the turn goes the short way at constant speed, each by itself. The turns
+are quaternions in doubles: at its times, an object is turned as given up to their rounding.
 """
 
 from __future__ import annotations

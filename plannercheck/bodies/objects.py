@@ -111,8 +111,8 @@ class SceneObject:
             if the robot has a link of that name, MoveIt takes the link.
         subframes: (4, 4) by name in the object's frame, m: frames in which a file may pose other objects.
         moving: How an obstacle moves; None if it stands still.
-        bodies: Its shapes, posed in the world or on the link (with a pose frame, in its frame; if it moves, on a link of its
-            name): "name", or "name/0", "name/1", ...
+        bodies: Its shapes, posed in the world or on the link (with a pose frame, in its frame; if it moves,
+            on a link of its name): "name", or "name/0", "name/1", ...
     """
 
     name: str

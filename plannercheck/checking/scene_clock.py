@@ -23,7 +23,7 @@ from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.carriers import CarriedRobot, Carrier, free_carrier
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.curve import Curve
-from plannercheck.trajectories.merged_curves import between, shifted, side_by_side
+from plannercheck.trajectories.one_clock import Clocked, side_by_side
 from plannercheck.trajectories.trajectory import Trajectory
 
 AnyChecker = TypeVar("AnyChecker")
@@ -35,28 +35,30 @@ class Course:
 
     Attributes:
         objects: Their names.
-        curve: The joints' numbers, on the scene's clock.
+        curve: The joints' numbers.
+        knots: Its breaks on the scene's clock, s.
         stands: Whether they stand still before and after it.
     """
 
     objects: tuple[str, ...]
     curve: Curve
+    knots: Floats
     stands: bool
 
     def at(self, times: Floats) -> Floats:
         """(n, width) numbers at times (n,) of the scene's clock."""
-        first, last = self.curve.breaks[[0, -1]].tolist()
         self.check(float(times.min(initial=np.inf)), float(times.max(initial=-np.inf)))
-        return self.curve.at(np.clip(times, first, last))
+        first, last = self.curve.breaks[[0, -1]].tolist()
+        return self.curve.at(np.clip(times - (self.knots[0] - first), first, last))
 
     def check(self, begin: float, end: float) -> None:
         """Raises if the course does not say where its objects are from begin to end, s."""
-        first, last = self.curve.breaks[[0, -1]].tolist()
+        first, last = self.knots[[0, -1]].tolist()
         if not self.stands and (begin < first or end > last):
             time = begin if begin < first else end
             raise PlannercheckError(
-                f"object {self.objects[0]!r} moves from {first:g} to {last:g} s of the scene's clock, not at {time:g} s:"
-                f" give its Moving more poses, or outside='stand'"
+                f"object {self.objects[0]!r} moves from {first:g} to {last:g} s of the scene's clock, not at {time:g}"
+                f" s: give its Moving more poses, or outside='stand'"
             )
 
 
@@ -114,23 +116,19 @@ class SceneClock:
             )
         return given
 
-    def begun(self, trajectory: Trajectory, start_time: float) -> Trajectory:
-        """A trajectory of the robot alone, begun at a time of the scene's clock."""
-        start = checked_time(start_time, "start_time")
-        return Trajectory.of_checked_curve(shifted(trajectory.curve, start - float(trajectory.curve.breaks[0])))
-
     def on_clock(self, trajectory: Trajectory, start_time: float) -> Trajectory:
         """A trajectory of the robot that carries: the robot's own, begun at a time of the scene's clock.
 
         Raises:
             PlannercheckError: If the scene does not say where an object is then.
         """
-        own = self.begun(trajectory, start_time).curve
-        begin, end = own.breaks[[0, -1]].tolist()
+        own = trajectory.curve
+        knots = own.breaks + (checked_time(start_time, "start_time") - own.breaks[0])
+        begin, end = knots[[0, -1]].tolist()
         for course in self._courses:
             course.check(begin, end)
-        parts = [own, *(between(course.curve, begin, end) for course in self._courses)]
-        return Trajectory.of_checked_curve(side_by_side(parts))
+        runs = [Clocked(own, knots), *(Clocked(course.curve, course.knots) for course in self._courses)]
+        return Trajectory.of_curve(side_by_side(runs, begin, end))
 
     def missing(self) -> PlannercheckError:
         """The error of a question without a time."""
@@ -175,7 +173,7 @@ def _carried(items: Sequence[SceneObject]) -> tuple[Carrier, Course]:
         return _riding(items, moving.ride, stands)
     pieces = tuple(np.stack(pair) for pair in zip(moving.rows[:-1], moving.rows[1:], strict=True))
     curve = Curve(moving.times, pieces, np.zeros(7), ((3, 7),))
-    return free_carrier(names, moving.rows), Course(names, curve, stands)
+    return free_carrier(names, moving.rows), Course(names, curve, curve.breaks, stands)
 
 
 def _riding(items: Sequence[SceneObject], ride: Ride, stands: bool) -> tuple[Carrier, Course]:
@@ -208,4 +206,5 @@ def _riding(items: Sequence[SceneObject], ride: Ride, stands: bool) -> tuple[Car
         points.min(axis=0),
         points.max(axis=0),
     )
-    return carrier, Course(tuple(links), shifted(curve, ride.start_time - float(curve.breaks[0])), stands)
+    knots = curve.breaks + (ride.start_time - curve.breaks[0])
+    return carrier, Course(tuple(links), curve, knots, stands)

@@ -37,16 +37,22 @@ def place_objects(robot: Robot, scene: Scene) -> None:
 
 
 def _check_planning_frame(robot: Robot, scene: Scene) -> None:
-    """Raises if the scene's planning frame is a link of the robot that is neither its root nor always at the root."""
+    """Raises if the scene's planning frame is a link of the robot that does not always stand at the world's origin."""
     planning = scene.frames.planning
-    if planning in robot.link_tree.parents and not _is_at_root(robot, planning):
+    if planning in robot.link_names and not _is_at_origin(robot, planning):
         raise PlannercheckError(
             f"the scene's planning frame (child_frame_id of its fixed_frame_transforms) is {planning!r}, a link of "
             f"{robot.name!r}, but not its root: MoveIt's is the root link or the parent of the virtual joint"
         )
 
 
-def _is_at_root(robot: Robot, link: str) -> bool:
-    """Whether a link is fixed to the root with the same frame, e.g. base_link where the URDF's root is world."""
+def _is_at_origin(robot: Robot, link: str) -> bool:
+    """Whether a link is fixed to the world with the same frame, e.g. base_link where the URDF's root is world.
+
+    The root of a floating robot is taken as it is before it moves.
+    """
     frame = robot.model.frames[robot.frames[robot.link_index(link)]]
-    return frame.parentJoint == 0 and np.array_equal(frame.placement.homogeneous, np.eye(4))
+    joint = frame.parentJoint
+    if joint and (link in robot.link_tree.parents or robot.model.parents[joint]):
+        return False
+    return np.array_equal((robot.model.jointPlacements[joint] * frame.placement).homogeneous, np.eye(4))

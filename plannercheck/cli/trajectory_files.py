@@ -29,6 +29,14 @@ def add_controller_argument(parser: argparse._ActionsContainer, what: str) -> No
     )
 
 
+def listed_numbers(text: str) -> tuple[float, ...]:
+    """The numbers of an option's text, with commas between them."""
+    try:
+        return tuple(float(word) for word in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be numbers separated by commas, not {text!r:.80}") from None
+
+
 def trajectory_of(
     path: Path,
     robot: AnyRobot,

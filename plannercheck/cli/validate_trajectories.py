@@ -15,7 +15,7 @@ from typing import Any
 
 from plannercheck.cli.proved_paths import PathProof, proof_file, write_proofs
 from plannercheck.cli.told_certificates import certificate_as_json, certificate_in_words
-from plannercheck.cli.trajectory_files import add_controller_argument, trajectory_of
+from plannercheck.cli.trajectory_files import add_controller_argument, listed_numbers, trajectory_of
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.motions.checker import Checker
@@ -36,14 +36,14 @@ def add_trajectory_arguments(parser: argparse.ArgumentParser) -> None:
     add_controller_argument(group, "prove")
     group.add_argument(
         "--tube",
-        type=_numbers,
+        type=listed_numbers,
         metavar="RAD",
         help="prove every configuration within this of the trajectory, rad and m: one number, or one a joint, with "
         "commas, e.g. the controller's path tolerances",
     )
     group.add_argument(
         "--start",
-        type=_numbers,
+        type=listed_numbers,
         metavar="V,V,…",
         help="where the robot stands when it gets the trajectory: the way to the first point is proved as well",
     )
@@ -56,13 +56,6 @@ def add_trajectory_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="MoveIt's joint_limits.yaml: speeds and accelerations are held against it, and speeds against the URDF",
     )
-
-
-def _numbers(text: str) -> tuple[float, ...]:
-    try:
-        return tuple(float(word) for word in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"must be numbers separated by commas, not {text!r:.80}") from None
 
 
 def is_asked(options: argparse.Namespace) -> bool:

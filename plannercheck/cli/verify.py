@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, described, given_options
+from plannercheck.cli.trajectory_files import listed_numbers
 from plannercheck.cli.unused_options import check_used
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs import Proof, Verification, load_proofs
@@ -53,7 +54,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--controller", choices=RUNNERS, help="with --path: it is a JointTrajectory, and this one runs it along curves"
     )
     parser.add_argument(
-        "--tube", type=float, default=0.0, metavar="WIDTH", help="with --controller: in a tube, rad and m; default: 0"
+        "--tube",
+        type=listed_numbers,
+        metavar="RAD",
+        help="with --controller: in a tube, rad and m: one number, or one a joint, with commas; default: 0",
+    )
+    parser.add_argument(
+        "--start",
+        type=listed_numbers,
+        metavar="V,V,…",
+        help="with --controller: where the robot stands: the way to the first point is proved as well",
     )
     parser.add_argument("--format", choices=("table", "json"), default="table", help="format of what is printed")
 
@@ -67,11 +77,11 @@ def run(options: argparse.Namespace) -> int:
     if options.scene is None:
         check_used(options, ("--scene-meshes",), "with --scene")
     if options.path is None:
-        check_used(options, ("--straight", "--controller", "--tube"), "with --path")
+        check_used(options, ("--straight", "--controller", "--tube", "--start"), "with --path")
     elif len(options.files) > 1:
         raise PlannercheckError(f"--path is of one proof file, and {len(options.files)} are given")
     elif options.controller is None:
-        check_used(options, ("--tube",), "with --controller")
+        check_used(options, ("--tube", "--start"), "with --controller")
     elif options.straight:
         raise PlannercheckError("--straight and --controller say different things: give one of them")
     results = [_verified(path, options) for path in options.files]
@@ -126,7 +136,10 @@ def _path(proofs: tuple[Proof, ...], found: list[Verification], options: argpars
     if not confirmed:
         return {"file": str(options.path), "motions": None, "missing": None, "fault": "no motion is proved"}
     if options.controller is not None:
-        known = trajectory_proved(confirmed, options.path, options.controller, options.tube)
+        tube = options.tube or (0.0,)
+        known = trajectory_proved(
+            confirmed, options.path, options.controller, tube[0] if len(tube) == 1 else tube, options.start
+        )
     else:
         robot = None if options.robot is None else _robot(options)
         known = path_proved(confirmed, options.path, options.straight, robot)

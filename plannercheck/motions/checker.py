@@ -233,7 +233,10 @@ class Checker(StateChecker):
         if self._moving is None:
             return self, trajectories
         check_several(trajectories)
-        times = np.broadcast_to(np.asarray(start_time, dtype=object), (len(trajectories),)).tolist()
+        given = np.asarray(start_time, dtype=object)
+        if given.shape not in ((), (len(trajectories),)):
+            raise PlannercheckError(f"start_time must be one number, s, or ({len(trajectories)},), not {given.shape}")
+        times = np.broadcast_to(given, len(trajectories)).tolist()
         for trajectory in trajectories:
             check_trajectory_of(self.robot, trajectory)
         clock, checker = self._moving
@@ -253,8 +256,9 @@ class Checker(StateChecker):
         """
         prover = partial(self.certify_trajectory, trajectory, tube, tolerance, start_time=start_time)
         checker, (judged,) = self._on_clock([trajectory], start_time)
-        given = trajectory if self._moving is None else self._moving.clock.begun(trajectory, start_time)
-        limits = tuple(given.limits(self.robot)) if len(self.robot.joint_names) == self.robot.nq else ()
+        late = 0.0 if self._moving is None else start_time - float(trajectory.curve.breaks[0])
+        own = trajectory.limits(self.robot) if len(self.robot.joint_names) == self.robot.nq else ()
+        limits = tuple(replace(each, time=each.time + late) for each in own)
         found = TrajectoryChecks(checker, tube, tolerance).explain(judged, limits, prover)
         return found if self._moving is None else replace(found, clock=" of the scene's clock")
 

@@ -38,7 +38,7 @@ from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
 from plannercheck.ompl.plans import Plan, joint_length
 from plannercheck.ompl.pose_space import PoseSpace
 from plannercheck.ompl.prepared_spaces import PreparedSpace, borrowed_space, returned_space, space_information, space_of
-from plannercheck.ompl.searches import AUTO, Search, in_turns
+from plannercheck.ompl.searches import AUTO, THREADED, Search, in_turns
 from plannercheck.ompl.searches import made_planner as made_planner
 from plannercheck.ompl.simple_setup import SimpleSetup
 from plannercheck.ompl.start_and_goal import check_end_state
@@ -161,7 +161,8 @@ def plan(
         checker: The checker that judges states and motions.
         start: (nq,) rad and m, or each joint's value by its name.
         goal: (nq,) rad and m, or by names; several of these, such as (k, nq), of which the plan may reach any; or a
-            function without arguments that yields them, such as inverse kinematics, of which up to 16 are taken.
+            function without arguments that yields them, such as inverse kinematics. The function is asked before the
+            search: for 16 free goals at most, and after the first one for at most a tenth of the time limit.
         planner: One of `planner_names()`, where * may stand for "star"; "auto" has RRTConnect and LBKPIECE1 take turns
             (searches.py).
         time_limit: The time limit of the search, s; shortening takes up to about `SIMPLIFICATION_TIME` more.
@@ -233,9 +234,15 @@ def plan(
 
 
 def _timed(time_limit: float, planner: str) -> Any:
-    """OMPL's condition that ends a search after some seconds, which tells a listener how many have gone."""
+    """OMPL's condition that ends a search after some seconds, which tells a listener how many have gone.
+
+    For planners whose own thread asks the condition it is no Python, so the listener hears of the beginning alone.
+    """
     timed = base.timedPlannerTerminationCondition(time_limit)
     if not is_heard():
+        return timed
+    if planner in THREADED:
+        report(0, math.ceil(time_limit), f"{planner} searches, s")
         return timed
     began, told = time.monotonic(), -1
 

@@ -18,7 +18,6 @@ from ompl import base, geometric
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
-from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.ompl.near_first import NEAR_FIRST, NearFirst
 from plannercheck.ompl.prepared_spaces import PreparedSpace
@@ -36,9 +35,9 @@ TURNS = (("RRTConnect", 1), ("LBKPIECE1", 5))
 FIRST_TURN, LONGEST_TURN = 1000, 16000
 
 
-# These planners have threads of their own that ask the goal. Goals that Python makes, as several have to be, need
-# Python's lock, which OMPL's bindings hold all the while: the planner would wait for ever.
-ONE_GOAL = ("PRM", "PRMstar")
+# These planners have a thread of their own that asks the goal and the termination condition while the planner's caller
+# holds Python's lock: whatever it asks must not be Python, nor judge states or motions, or both would wait for ever.
+THREADED = ("PRM", "PRMstar")
 
 
 class Search:
@@ -58,16 +57,7 @@ class Search:
         longest_motion: float,
         is_near_first: bool,
     ) -> None:
-        """Takes the planner's name, a space, start and goals (nq,) each, the planner's range, and where it samples.
-
-        Raises:
-            PlannercheckError: If the planner takes one goal only.
-        """
-        if planner in ONE_GOAL and len(ends) > 2:
-            raise PlannercheckError(
-                f"{planner} takes one goal, not {len(ends) - 1}: its threads can't ask several through OMPL's Python "
-                "bindings; all other planners take several"
-            )
+        """Takes the planner's name, a space, start and goals (nq,) each, the planner's range, and where it samples."""
         self.planner, self.prepared = planner, prepared
         space, information = prepared.space, prepared.information
         self.setup = SimpleSetup(information, not space.is_straight, space.numbers.failure)
@@ -82,16 +72,28 @@ class Search:
             self.setup.setGoal(several)
         self.setup.setPlanner(made_planner(planner, information, longest_motion))
         is_near_first = is_near_first and planner in NEAR_FIRST
+        self._goals_ahead = len(goals) - 1 if planner in THREADED else 0
         self._near = NearFirst(space, ends) if is_near_first and isinstance(space, JointSpace) else None
 
     def go_on(self, condition: Any, iterations: int | None = None) -> Any:
         """Searches until OMPL's condition holds, for some iterations at most; returns OMPL's status."""
+        self._take_goals(condition)
         if self._near is not None:
             return self._near.go_on(self.setup, condition, iterations)
         if iterations is not None:
             limit = base.PlannerTerminationCondition(core.call_limit(iterations))
             condition = base.plannerOrTerminationCondition(limit, condition)
         return self.setup.solve(condition)
+
+    def _take_goals(self, condition: Any) -> None:
+        """Has a planner with a thread of its own take all goals but one: each search takes one before it begins.
+
+        The search proper takes the last one, so that its thread finds none left that it would judge and connect.
+        """
+        while self._goals_ahead and not condition.eval():
+            self.setup.solve(base.timedPlannerTerminationCondition(0.0))
+            self.setup.getProblemDefinition().clearSolutionPaths()  # paths towards a goal
+            self._goals_ahead -= 1
 
     @property
     def has_found(self) -> bool:

@@ -1,18 +1,22 @@
 """Whether proofs prove what a controller runs between the points of a message: the exact polynomials of its doubles.
 
-In: confirmed proofs of one file, a file of a trajectory, who runs it. Out: what is missing. Piece k of the message is
-proved by proof k. Both polynomials are brought to one degree, in fractions. Their control points may differ, in each
-column, by what the proof's tube has more than the tube that is asked for: polynomials differ no more than their control
-points do.
+In: confirmed proofs of one file, a file of a trajectory, who runs it, where the robot stands. Out: what is missing.
+Piece k of what is run is proved by proof k; with a start, the way to the first point is piece 0, unless this point is
+at 0 s. Both polynomials are brought to one degree, in fractions. Their control points may differ, in each column, by
+what the proof's tube has more than the tube that is asked for: polynomials differ no more than their control points do.
 
-The rules are written from the controllers' own code (`Trajectory::interpolate_between_points` of ros2_controllers).
-The way from where the robot stands to the first point is not part of the message.
+The rules are written from the controllers' own code: `set_point_before_trajectory_msg`, `wraparound_joint`,
+`fill_cubic_spline_velocities` and `interpolate_between_points` of ros2_controllers, `cubicSplineRun` and
+`quinticSplineRun` of the UR client library's external_control.urscript, MotoROS2's MotionControl.c. Joints that turn
+without end are those of the proof's model, which `--robot` compares with the robot.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any, Literal, TypeAlias, get_args
 
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -21,35 +25,69 @@ from plannercheck.proofs.claims import column_names
 from plannercheck.proofs.data import Model, Motion, ProofData
 from plannercheck.proofs.paths import PathProved
 
-Runner: TypeAlias = Literal["jtc", "motoros2", "linear"]
+Runner: TypeAlias = Literal["jtc", "jtc-upsampled", "ur", "motoros2", "linear"]
 RUNNERS: tuple[Runner, ...] = get_args(Runner)
 
 # Nanoseconds beyond which doubles skip whole numbers, 104 days.
 _MOST = 2**53
 
-# Control points of one column.
-Control: TypeAlias = list[Fraction]
+# Pi, and how far this is off it at most.
+_PI = Fraction(314159265358979323846264338327950288419716939937510582097494459, 10**62)
+_OFF_PI = Fraction(1, 10**62)
+
+# How near half a turn the way to the first point is a tie, rad (`wraparound_joint`).
+_TIE = Fraction(1, 10**9)
+
+# Velocities of a spline are rounded to multiples of this; how far that is off is computed.
+_GRID = 2**160
+
+# A row of numbers, one a column or one a control point.
+Row: TypeAlias = list[Fraction]
 
 
-def trajectory_proved(proofs: Sequence[ProofData], path: Any, controller: str = "jtc", tube: float = 0.0) -> PathProved:
+@dataclass(frozen=True)
+class _Point:
+    """A point that a controller passes: its time, s, and its numbers by column; none of what it does not have."""
+
+    time: Fraction
+    positions: Row
+    velocities: Row
+    accelerations: Row
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """A piece that a controller runs: the control points of each column, and how far these may be off at most."""
+
+    control: list[Row]
+    off: Row
+
+
+def trajectory_proved(
+    proofs: Sequence[ProofData],
+    path: Any,
+    controller: str = "jtc",
+    tube: float | Sequence[float] = 0.0,
+    start: Sequence[float] | None = None,
+) -> PathProved:
     """Whether proofs prove a message as a controller runs it.
 
     Args:
         proofs: At least one, of one model; those that are confirmed, in their order.
         path: A file that `pc.Trajectory.load` reads.
-        controller: "jtc" (joint_trajectory_controller of ros2_control), "motoros2", or "linear".
-        tube: How far each number may be off the curve at any instant, rad and m.
+        controller: One of `RUNNERS`: "jtc" (joint_trajectory_controller of ros2_control), and so on.
+        tube: How far each number may be off the curve at any instant, rad and m: one number, or one a column.
+        start: (columns,) where the robot stands at 0 s, at rest, rad and m; None: at the first point.
 
     Returns:
         What is missing.
 
     Raises:
-        PlannercheckError: If the file can't be read, holds other joints or one point, or no controller runs it.
+        PlannercheckError: If the file can't be read, holds other joints or one point without `start`, no controller
+            runs it, or the tube or the start is malformed.
     """
     if controller not in RUNNERS:
         raise unknown_name("controller", controller, RUNNERS)
-    if not 0 <= tube < float("inf"):
-        raise PlannercheckError(f"tube must be a length of at least 0, not {tube!r}")
     model, names = proofs[0].model, column_names(proofs[0])
     if not isinstance(model, Model) or any(
         len(joint.columns) > 1 and max(joint.columns) >= 0 for joint in model.joints
@@ -57,42 +95,152 @@ def trajectory_proved(proofs: Sequence[ProofData], path: Any, controller: str = 
         raise PlannercheckError("a JointTrajectory is of joints of one number each, and the proof has others")
     if not names or len(names) != model.columns:
         raise PlannercheckError("the proof has no joints, or numbers that no joint takes")
-    points = message_reader()(path, names)
-    times = _instants(points.times.tolist(), controller)
-    count = len(times) - 1
-    if count < 1:
+    widths = _row("tube", [tube] * model.columns if isinstance(tube, int | float) else tube, model.columns)
+    if min(widths) < 0:
+        raise PlannercheckError(f"tube must be at least 0 in each number, not {float(min(widths))!r}")
+    stands = None if start is None else _row("start", start, model.columns)
+    pieces = _pieces(_message(path, names, controller), controller, stands, model.whole_turns, path)
+    missing = [k for k, piece in enumerate(pieces) if k >= len(proofs) or not _is_proved(proofs[k], piece, widths)]
+    return PathProved(len(pieces), tuple(missing), _sentence(missing, len(pieces), len(proofs), widths))
+
+
+def _row(name: str, given: Any, columns: int) -> Row:
+    """A number for each column."""
+    try:
+        numbers = [Fraction(float(x)) for x in given]  # the infinities and NaN are no fractions
+    except (TypeError, ValueError, OverflowError):
+        numbers = []
+    if len(numbers) != columns:
+        raise PlannercheckError(f"{name} must be {columns} finite numbers, rad and m, not {given!r:.80}")
+    return numbers
+
+
+def _message(path: Any, names: Sequence[str], controller: str) -> list[_Point]:
+    """The points of a file as a controller takes them: with the times and derivatives that it uses."""
+    read = message_reader()(path, names)
+    rows = zip(
+        *([_exact(row) for row in r] for r in (read.positions, read.velocities, read.accelerations)), strict=True
+    )
+    times = _instants(read.times.tolist(), controller)
+    points = [_Point(time, *row) for time, row in zip(times, rows, strict=True)]
+    still, without = [Fraction(0)] * len(names), [k for k, point in enumerate(points) if not point.velocities]
+    if controller == "linear":
+        return [replace(point, velocities=[], accelerations=[]) for point in points]
+    if controller == "motoros2":
+        if len(set(times)) < len(times):
+            raise PlannercheckError(
+                f"trajectory file {str(path)!r}: has points at the same ms, to which motoros2 cuts times"
+            )
+        if without:
+            raise PlannercheckError(f"trajectory file {str(path)!r}: point {without[0]} has no velocities for motoros2")
+        return [replace(point, accelerations=[]) for point in points]
+    if controller == "ur":
+        accelerated = [bool(point.accelerations) for point in points]
+        if 0 < len(without) < len(points) or 0 < sum(accelerated) < len(points) or (without and accelerated[0]):
+            raise PlannercheckError(
+                f"trajectory file {str(path)!r}: the UR driver runs points that all have velocities or none, and"
+                " accelerations likewise, but only with velocities"
+            )
+        points = [replace(point, velocities=point.velocities or still) for point in points]
+        if times[0] == 0:  # passed over: the robot stands there
+            points[0] = replace(points[0], velocities=still, accelerations=still if accelerated[0] else [])
+    return points
+
+
+def _pieces(
+    points: Sequence[_Point], controller: str, stands: Row | None, turning: Sequence[int], path: Any
+) -> list[_Piece]:
+    """The pieces between the points, and before them that from where the robot stands."""
+    still = [Fraction(0)] * len(points[0].positions)
+    run, off, unsure, before = list(points), still, still, list[_Piece]()
+    is_bare = not any(point.velocities or point.accelerations for point in points)
+    if controller == "jtc-upsampled" and is_bare and len(points) > 1:
+        run, off = _upsampled(points)
+    if stands is not None:
+        ends = list(zip(stands, run[0].positions, strict=True))
+        turns = turning if controller.startswith("jtc") else ()
+        ways = [_way(q, p, k in turns) for k, (q, p) in enumerate(ends)]
+        about = [_OFF_PI * (abs(q) + abs(p) + 1) if k in turns else Fraction(0) for k, (q, p) in enumerate(ends)]
+        if run[0].time > 0 and controller != "motoros2":
+            there = _Point(Fraction(0), [p - way for (_, p), way in zip(ends, ways, strict=True)], still, still)
+            before = [_piece(there, run[0], about, still, "start and point 0")]
+        else:
+            if any(abs(way) > (_TIE if k in turns else 0) for k, way in enumerate(ways)):
+                why = "motoros2 refuses it" if controller == "motoros2" else "the robot would jump"
+                raise PlannercheckError(f"trajectory file {str(path)!r}: does not begin at the start: {why}")
+            unsure = [abs(way) + each for way, each in zip(ways, about, strict=True)]
+    if len(run) + len(before) < 2:
         raise PlannercheckError(f"trajectory file {str(path)!r}: has one point, and no way between points")
-    if controller == "motoros2" and len(set(times)) <= count:
-        raise PlannercheckError(
-            f"trajectory file {str(path)!r}: has points at the same ms, to which motoros2 cuts times"
-        )
-    missing = [
-        k
-        for k in range(count)
-        if k >= len(proofs) or not _is_proved(proofs[k], _piece(points, k, times[k + 1] - times[k], controller), tube)
-    ]
-    return PathProved(count, tuple(missing), _sentence(missing, count, len(proofs), tube))
+    between = (
+        _piece(*pair, still if k else unsure, off, f"points {k} and {k + 1}") for k, pair in enumerate(pairwise(run))
+    )
+    return [*before, *between]
 
 
-def _is_proved(proof: ProofData, piece: Sequence[Control], tube: float) -> bool:
+def _way(q: Fraction, first: Fraction, turns: bool) -> Fraction:
+    """From where a joint stands to the first point: that without whole turns, of joints that turn without end."""
+    way = first - q
+    if not turns:
+        return way
+    shortest = way - 2 * _PI * round(way / (2 * _PI))
+    if abs(abs(shortest) - _PI) < _TIE:
+        return abs(shortest) if way > 0 else -abs(shortest)
+    return shortest
+
+
+def _upsampled(points: Sequence[_Point]) -> tuple[list[_Point], Row]:
+    """The points with the velocities of the spline that is at rest at both ends, and how far these are off at most.
+
+    Each row of the system, alpha before + 2 here + beta after with alpha + beta = 1, has a diagonal that exceeds the
+    rest by 1: so velocities are off by the largest residual at most.
+    """
+    steps = [b.time - a.time for a, b in pairwise(points)]
+    columns = [_spline(steps, list(column)) for column in zip(*(point.positions for point in points), strict=True)]
+    rows = zip(*(velocities for velocities, _ in columns), strict=True)
+    run = [replace(point, velocities=list(row)) for point, row in zip(points, rows, strict=True)]
+    return run, [residual for _, residual in columns]
+
+
+def _spline(steps: Row, q: Row) -> tuple[Row, Fraction]:
+    """The velocities of one column, and their largest residual."""
+    rows = []
+    for k, (h, after) in enumerate(pairwise(steps)):
+        alpha, slopes = after / (h + after), ((q[k + 1] - q[k]) / h, (q[k + 2] - q[k + 1]) / after)
+        rows.append((alpha, 1 - alpha, 3 * (alpha * slopes[0] + (1 - alpha) * slopes[1])))
+    swept = [(Fraction(0), Fraction(0))]  # a velocity is the second less the first times the next velocity
+    for alpha, beta, right in rows:
+        pivot = 2 - alpha * swept[-1][0]
+        swept.append((_rounded(beta / pivot), _rounded((right - alpha * swept[-1][1]) / pivot)))
+    v = [Fraction(0)] * len(q)
+    for k in range(len(rows), 0, -1):
+        v[k] = _rounded(swept[k][1] - swept[k][0] * v[k + 1])
+    residuals = (abs(a * v[k] + 2 * v[k + 1] + b * v[k + 2] - right) for k, (a, b, right) in enumerate(rows))
+    return v, max(residuals, default=Fraction(0))
+
+
+def _rounded(x: Fraction) -> Fraction:
+    return Fraction(round(x * _GRID), _GRID)
+
+
+def _is_proved(proof: ProofData, piece: _Piece, tube: Row) -> bool:
     motion = proof.motion
     if not isinstance(motion, Motion) or motion.end != motion.asked_end:
         return False
     own = [[Fraction(x) for x in column] for column in zip(*motion.control, strict=True)]
     widths = motion.tube or (0.0,) * len(own)
     return all(
-        _difference(given, asked) <= Fraction(width) - Fraction(tube)
-        for given, asked, width in zip(own, piece, widths, strict=True)
+        _difference(given, asked) + off <= Fraction(width) - within
+        for given, asked, off, width, within in zip(own, piece.control, piece.off, widths, tube, strict=True)
     )
 
 
-def _difference(a: Control, b: Control) -> Fraction:
+def _difference(a: Row, b: Row) -> Fraction:
     """The largest difference of control points, at one degree."""
     a, b = (_raised(control, max(len(a), len(b))) for control in (a, b))
     return max(abs(x - y) for x, y in zip(a, b, strict=True))
 
 
-def _raised(control: Control, count: int) -> Control:
+def _raised(control: Row, count: int) -> Row:
     """The same polynomial by as many control points."""
     while len(control) < count:
         n = len(control)
@@ -113,32 +261,44 @@ def _instants(times: Sequence[float], controller: str) -> list[Fraction]:
     return [Fraction(stamp, 10**9) for stamp in stamps] if is_message else [Fraction(time) for time in times]
 
 
-def _piece(points: Any, k: int, step: Fraction, controller: str) -> list[Control]:
-    """Control points by column of the way from a point to the next, which takes `step` s."""
-    p, v, a = (_exact(rows[k]) for rows in (points.positions, points.velocities, points.accelerations))
-    q, w, b = (_exact(rows[k + 1]) for rows in (points.positions, points.velocities, points.accelerations))
-    has_velocities, has_accelerations = bool(v and w), bool(a and b)
-    if controller == "linear" or not (has_velocities or has_accelerations):
-        return [list(column) for column in zip(p, q, strict=True)]
+def _piece(a: _Point, b: _Point, unsure: Row, off: Row, named: str) -> _Piece:
+    """The piece between two points.
+
+    Args:
+        a: The earlier one.
+        b: The later one.
+        unsure: How far each position of the earlier one may be off.
+        off: How far each velocity may be off: control points are off by a third of the duration times as much.
+        named: Both, for errors.
+    """
+    step, p, q = b.time - a.time, a.positions, b.positions
+    has_velocities, has_accelerations = bool(a.velocities and b.velocities), bool(a.accelerations and b.accelerations)
+    if has_accelerations and not has_velocities:
+        raise PlannercheckError(f"{named} have accelerations without velocities: a controller runs to 0")
     if not has_velocities:
-        raise PlannercheckError(f"points {k} and {k + 1} have accelerations without velocities: a controller runs to 0")
-    if controller == "motoros2" or not has_accelerations:
-        return [[x, x + y * step / 3, z - u * step / 3, z] for x, y, u, z in zip(p, v, w, q, strict=True)]
+        return _Piece([list(ends) for ends in zip(p, q, strict=True)], unsure)
+    ends = zip(p, a.velocities, b.velocities, q, strict=True)
+    if not has_accelerations:
+        control = [[x, x + y * step / 3, z - u * step / 3, z] for x, y, u, z in ends]
+        return _Piece(control, [x + y * step / 3 for x, y in zip(unsure, off, strict=True)])
     fifth, twentieth = step / 5, step * step / 20
-    return [
+    quintic = [
         [x, x + y * fifth, x + 2 * y * fifth + c * twentieth, z - 2 * u * fifth + d * twentieth, z - u * fifth, z]
-        for x, y, c, d, u, z in zip(p, v, a, b, w, q, strict=True)
+        for (x, y, u, z), c, d in zip(ends, a.accelerations, b.accelerations, strict=True)
     ]
+    return _Piece(quintic, unsure)
 
 
-def _exact(row: Any) -> Control:
+def _exact(row: Any) -> Row:
     """The numbers of a point; none if it has NaN, as rows have that a message leaves out."""
     return [] if row[0] != row[0] else [Fraction(x) for x in row.tolist()]
 
 
-def _sentence(missing: Sequence[int], count: int, proofs: int, tube: float) -> str | None:
+def _sentence(missing: Sequence[int], count: int, proofs: int, tube: Row) -> str | None:
     if missing:
-        within = f" within {tube:g} rad and m" if tube else ""
+        sizes = sorted({float(width) for width in tube})
+        shown = f"{sizes[0]:g}" if len(sizes) == 1 else f"{sizes[0]:g} to {sizes[-1]:g}"
+        within = f" within {shown} rad and m" if any(tube) else ""
         return f"{len(missing)} of the trajectory's {count} pieces are not proved{within}, piece {missing[0]} first"
     if proofs > count:
         return f"the trajectory has {count} pieces, and there are {proofs} proofs"

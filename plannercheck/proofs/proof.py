@@ -137,15 +137,21 @@ def verify_path(proofs: Sequence[Proof], path: str | Path | ArrayLike, robot: st
 
 
 def verify_trajectory(
-    proofs: Sequence[Proof], path: str | Path, controller: str = "jtc", tube: float = 0.0
+    proofs: Sequence[Proof],
+    path: str | Path,
+    controller: str = "jtc",
+    tube: float | Sequence[float] = 0.0,
+    start: Sequence[float] | None = None,
 ) -> Verification:
     """Confirms proofs, and that they prove a trajectory as a controller runs it, piece by piece.
 
     Args:
         proofs: Of one file, at least one.
         path: A file that `pc.Trajectory.load` reads.
-        controller: "jtc" (joint_trajectory_controller of ros2_control), "motoros2", or "linear".
-        tube: How far each number may be off the curve at any instant, rad and m.
+        controller: "jtc" (joint_trajectory_controller of ros2_control), "jtc-upsampled", "ur", "motoros2", or "linear".
+        tube: How far each number may be off the curve at any instant, rad and m: one number, or one a column.
+        start: (columns,) where the robot stands, at rest, rad and m: the first proof is then of the way from there to
+            the first point, unless this point is at 0 s. None: the first point.
 
     Returns:
         The verification, as of `verify_path`.
@@ -153,7 +159,7 @@ def verify_trajectory(
     Raises:
         PlannercheckError: If python-flint is not installed, or the file can't be read or is run by no controller.
     """
-    return _with_all(proofs, lambda: trajectory_proved(proofs, path, controller, tube).fault)
+    return _with_all(proofs, lambda: trajectory_proved(proofs, path, controller, tube, start).fault)
 
 
 def _with_all(proofs: Sequence[Proof], missing: Callable[[], str | None]) -> Verification:

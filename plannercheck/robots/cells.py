@@ -1,17 +1,17 @@
 """Several robots as one: a cell, in which each robot stands at its own pose.
 
-In: robots by name, each with the pose of its base. Out: the parts of one `Robot`, whose joints, links, bodies and held
-values are those of the robots, named "left/panda_joint1"; and `CellPart`, which says which columns of a configuration
-are whose. Every robot keeps its own pairs, and each body is tested against all bodies of the other robots, unless both
-are fixed to the world or an SRDF leaves a link out by default.
+In: the parts of robots by name, each with the pose of its base. Out: the parts of one `Robot`, whose joints, links,
+bodies and held values are those of the robots, named "left/panda_joint1". Every robot keeps its own pairs, and each
+body is tested against all bodies of the other robots, unless both are fixed to the world or an SRDF leaves a link out
+by default.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -20,90 +20,77 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import GeometryObject, checked_pose
 from plannercheck.common.array_types import Floats, Ints64
-from plannercheck.bodies.sizes import array_of
 from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.joint_values import own_joints
-from plannercheck.robots.loading import RobotParts
+from plannercheck.robots.loading import Member, RobotParts
+from plannercheck.robots.posed_robot import PosedRobot
 from plannercheck.robots.srdf import DisabledPair
 from plannercheck.robots.urdf import Mimic, link_tree
 
-if TYPE_CHECKING:
-    from plannercheck.robots.robot import Robot
-
 # A robot of a cell, at the origin, or with the pose (4, 4) of its base in m.
-Placed: TypeAlias = "Robot | tuple[Robot, ArrayLike | None]"
+Placed: TypeAlias = PosedRobot | tuple[PosedRobot, ArrayLike | None]
 
-
-@dataclass(frozen=True, eq=False)
-class Member:
-    """A robot of a cell.
-
-    Attributes:
-        robot: The robot alone. With a group if the cell has one.
-        pose: (4, 4) of its base in the world, m; read-only.
-    """
-
-    robot: Robot
-    pose: Floats
-
-
-@dataclass(frozen=True, eq=False)
-class CellPart:
-    """A robot of a cell, and its columns.
-
-    Attributes:
-        name: Its name in the cell.
-        robot: The robot alone, whose configurations are the columns; its base is at the origin.
-        pose: (4, 4) of its base in the cell, m; read-only.
-        joint_names: Its joints in the cell's group, as the cell names them.
-        columns: (k,) their columns in a configuration of the cell.
-    """
-
-    name: str
-    robot: Robot
-    pose: Floats
-    joint_names: tuple[str, ...]
-    columns: Ints64
+# The group of all joints of a cell.
+ALL = "all"
 
 
 def members_of(robots: Mapping[str, Placed]) -> dict[str, Member]:
-    """The robots of a cell by name, checked: two or more robots, names without a slash, rigid poses.
+    """The robots of a cell by name, checked.
 
-    If one robot has a planning group, all others get one of all their joints, since the columns of a cell are those of
-    one kind of configuration.
+    If one robot has a planning group, all others get one of all their joints, since a configuration of the cell has
+    one kind of columns: one a joint, or Pinocchio's.
+
+    Raises:
+        PlannercheckError: For a faulty name, something that is no robot, a pose that is not rigid, or several robots
+            without a pose.
     """
-    from plannercheck.robots.robot import Robot
-
     if not isinstance(robots, Mapping) or not robots:
-        raise PlannercheckError("Robot.together takes robots by name, e.g. {'left': robot, 'right': (robot, pose)}")
-    members = {}
+        raise PlannercheckError("Robot.together takes robots by name: {'left': robot, 'right': (robot, pose)}")
+    members, at_origin = {}, []
     for name, given in robots.items():
-        if not isinstance(name, str) or not name or "/" in name or name == "all":
-            raise PlannercheckError(f"a robot's name in a cell is a text without '/', and not 'all': {name!r}")
+        check_name(name)
         robot, pose = given if isinstance(given, tuple) and len(given) == 2 else (given, None)
-        if not isinstance(robot, Robot):
+        if not isinstance(robot, PosedRobot):
             raise PlannercheckError(f"robot {name!r} of a cell must be a Robot or (Robot, pose), not {given!r:.80}")
-        members[name] = Member(robot, checked_pose(pose, f"robot {name!r}"))
-    if any(each.robot.group is not None for each in members.values()):
-        members = {name: replace(each, robot=_with_group(each.robot)) for name, each in members.items()}
+        members[name] = Member(robot.parts_of_files, checked_pose(pose, f"robot {name!r}"))
+        at_origin += [name] if pose is None else []
+    check_places(at_origin)
+    if any(each.parts.joints is not None for each in members.values()):
+        return {name: replace(each, parts=_with_group(each.parts)) for name, each in members.items()}
     return members
+
+
+def check_name(name: object) -> None:
+    """Raises unless this may be the name of a robot in a cell."""
+    if not isinstance(name, str) or not name.isprintable() or not name or set(name) & set("/, ") or name == ALL:
+        raise PlannercheckError(
+            f"a robot's name in a cell is a text without slashes, commas and blanks, and not {ALL!r}: {name!r:.80}"
+        )
+
+
+def check_places(at_origin: list[str]) -> None:
+    """Raises if several robots of a cell, by name, have no pose."""
+    if len(at_origin) > 1:
+        raise PlannercheckError(
+            f"robots {', '.join(map(repr, at_origin))} of a cell have no pose: give the pose of each base in the "
+            "world, of all robots but one, which then stands at the origin"
+        )
 
 
 def cell_parts(members: Mapping[str, Member]) -> RobotParts:
     """The parts of the robot that all members are together."""
     model = pin.Model()
-    model.name = "+".join(each.robot.name for each in members.values())
+    model.name = "+".join(each.parts.name for each in members.values())
     for name, member in members.items():
-        append(model, member.robot.model, partial("{}/{}".format, name), pin.SE3(member.pose))
-    each_parts = {name: member.robot.parts_of_files for name, member in members.items()}
+        append(model, member.parts.model, partial("{}/{}".format, name), pin.SE3(member.pose))
+    each_parts = {name: member.parts for name, member in members.items()}
     bodies = tuple(
         replace(body, name=f"{name}/{body.name}", link=f"{name}/{body.link}")
         for name, parts in each_parts.items()
         for body in parts.bodies
     )
-    groups = [parts.joints for parts in each_parts.values()]
-    listed = [f"{name}/{joint}" for name, parts in each_parts.items() for joint in parts.joints or ()]
+    listed = tuple(f"{name}/{joint}" for name, parts in each_parts.items() for joint in parts.joints or ())
     default_links = _named(each_parts, lambda parts: parts.default_links)
     return RobotParts(
         name=model.name,
@@ -122,8 +109,8 @@ def cell_parts(members: Mapping[str, Member]) -> RobotParts:
             for joint, mimic in parts.mimics.items()
         },
         values={f"{name}/{joint}": v for name, parts in each_parts.items() for joint, v in parts.values.items()},
-        group=None if groups[0] is None else "all",
-        joints=None if groups[0] is None else tuple(listed),
+        group=ALL if listed else None,
+        joints=listed or None,
         carried=tuple(_carried(item, name) for name, parts in each_parts.items() for item in parts.carried),
         pieces={f"{name}/{body}": each for name, parts in each_parts.items() for body, each in parts.pieces.items()},
         open_links=_named(each_parts, lambda parts: parts.open_links),
@@ -132,55 +119,73 @@ def cell_parts(members: Mapping[str, Member]) -> RobotParts:
     )
 
 
-def parts_by_name(members: Mapping[str, Member], names: tuple[str, ...], starts: tuple[int, ...], width: int) -> dict[str, CellPart]:
-    """What each member is in a cell whose group has joints of these names, at these first columns."""
-    ends = (*starts[1:], width)
-    found = {}
-    for name, member in members.items():
-        own = [k for k, joint in enumerate(names) if joint.startswith(f"{name}/")]
+def member_parts(cell: RobotParts, name: str, joints: tuple[str, ...]) -> RobotParts:
+    """A robot of a cell alone, with the cell's held values and, of the cell's group, its joints.
+
+    Args:
+        cell: The cell's parts.
+        name: The robot's name in it.
+        joints: The robot's joints in the cell's group, as the cell names them; with none, it keeps its own group.
+    """
+    parts, first = cell.members[name].parts, len(name) + 1
+    values = {joint[first:]: value for joint, value in cell.values.items() if joint.startswith(f"{name}/")}
+    own = tuple(joint[first:] for joint in joints)
+    if cell.joints is None or not own or own == parts.joints:
+        return replace(parts, values=values)
+    return replace(parts, values=values, group=cell.group, joints=own)
+
+
+def columns_by_name(
+    members: Mapping[str, Member], joints: tuple[str, ...], starts: tuple[int, ...], width: int
+) -> dict[str, tuple[tuple[str, ...], Ints64]]:
+    """For each robot of a cell its joints in the cell's group, and their columns (k,) in a configuration.
+
+    Args:
+        members: The robots.
+        joints: The joints of the cell's group.
+        starts: The first column of each joint.
+        width: How many columns there are.
+    """
+    ends, found = (*starts[1:], width), {}
+    for name in members:
+        own = [k for k, joint in enumerate(joints) if joint.startswith(f"{name}/")]
         columns = [np.arange(starts[k], ends[k]) for k in own]
         listed = read_only(np.concatenate([np.zeros(0, dtype=np.int64), *columns]))
-        found[name] = CellPart(name, member.robot, member.pose, tuple(names[k] for k in own), listed)
+        found[name] = tuple(joints[k] for k in own), listed
     return found
 
 
-def joined(parts: Mapping[str, CellPart], configurations: Mapping[str, ArrayLike], width: int) -> Floats:
-    """Configurations (width,) or (n, width) of a cell from those of its robots, (k,) or (n, k), by name."""
-    moving = [name for name, part in parts.items() if len(part.columns)]
-    if not moving:
+def check_is_cell(members: Mapping[str, Member]) -> None:
+    """Raises unless a robot is made of several by name."""
+    if not members:
         raise PlannercheckError("join and split are of a cell, see Robot.together; this is a single robot")
-    for name in configurations:
+
+
+def check_joined(names: Mapping[str, object], moving: list[str]) -> None:
+    """Raises unless exactly the robots that a cell's group moves are given."""
+    for name in names:
         if name not in moving:
             raise unknown_name("robot of the cell's group", name, moving)
-    missing = [name for name in moving if name not in configurations]
+    missing = [name for name in moving if name not in names]
     if missing:
         raise PlannercheckError(f"join needs a configuration of each robot of the group; missing: {', '.join(missing)}")
-    given = {name: _rows(parts[name], configurations[name]) for name in moving}
-    counts = {len(rows) for rows in given.values() if rows.ndim == 2}
+
+
+def joined(rows: Mapping[str, Floats], columns: Mapping[str, Ints64], width: int) -> Floats:
+    """Configurations (width,) or (n, width) of a cell from those of its robots, (k,) or (n, k), by name."""
+    counts = {len(each) for each in rows.values() if each.ndim == 2}
     if len(counts) > 1:
         raise PlannercheckError(f"join takes as many configurations of each robot, not {sorted(counts)}")
     q = np.empty((*counts, width))
-    for name, rows in given.items():
-        q[..., parts[name].columns] = rows
+    for name, each in rows.items():
+        q[..., columns[name]] = each
     return q
 
 
-def _rows(part: CellPart, q: ArrayLike) -> Floats:
-    """Numbers (k,) or (n, k) of a part; of a robot without a group also one for each joint."""
-    what = f"configuration of robot {part.name!r}"
-    rows = array_of(q, what)
-    if rows.ndim in (1, 2) and len(part.columns) == part.robot.nq:
-        converted = part.robot.joint_values.configurations(rows)
-        return converted[0] if rows.ndim == 1 else converted
-    if rows.ndim not in (1, 2) or rows.shape[-1] != len(part.columns):
-        raise PlannercheckError(f"{what} must have shape ({len(part.columns)},) or (n, {len(part.columns)}), not {rows.shape}")
-    return rows
-
-
-def _with_group(robot: Robot) -> Robot:
-    if robot.group is not None:
-        return robot
-    return robot.with_group(own_joints(robot.model, robot.mimics), "all")
+def _with_group(parts: RobotParts) -> RobotParts:
+    """A robot with a group: its own, or one of all joints that follow no other; none if no joint moves."""
+    joints = own_joints(parts.model, parts.mimics)
+    return replace(parts, group=ALL, joints=joints) if parts.joints is None and joints else parts
 
 
 def append(model: pin.Model, part: pin.Model, named: Callable[[str], str], pose: pin.SE3) -> None:
@@ -204,7 +209,8 @@ def append(model: pin.Model, part: pin.Model, named: Callable[[str], str], pose:
             continue
         joint = int(frame.parentJoint)
         placement = frame.placement if joint else pose * frame.placement
-        copied = pin.Frame(named(frame.name), joint + shift if joint else 0, frames[frame.parentFrame], placement, frame.type)
+        above = joint + shift if joint else 0
+        copied = pin.Frame(named(frame.name), above, frames[frame.parentFrame], placement, frame.type)
         frames[k] = model.addFrame(copied)
 
 
@@ -224,7 +230,7 @@ def _pairs(
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
-def _named(each: Mapping[str, RobotParts], names: Any) -> tuple[str, ...]:
+def _named(each: Mapping[str, RobotParts], names: Callable[[RobotParts], tuple[str, ...]]) -> tuple[str, ...]:
     return tuple(f"{name}/{link}" for name, parts in each.items() for link in names(parts))
 
 

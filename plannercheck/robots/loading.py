@@ -38,10 +38,22 @@ from plannercheck.robots.urdf_file import MJCF_ROOT
 from plannercheck.robots.urdf_hints import warn_of_odd_numbers
 
 if TYPE_CHECKING:
-    from plannercheck.robots.cells import Member
     from plannercheck.robots.mjcf import MjcfRobot
 
 Reference: TypeAlias = Mapping[str, Any] | Sequence[float] | NDArray[np.float64] | str | None
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """A robot of a cell.
+
+    Attributes:
+        parts: The robot alone. With a group if the cell has one.
+        pose: (4, 4) of its base in the cell, m; read-only.
+    """
+
+    parts: RobotParts
+    pose: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

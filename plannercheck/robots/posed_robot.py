@@ -44,6 +44,11 @@ class PosedRobot:
         """The URDF's links in the order of Pinocchio's body frames."""
         return self._parts.tree.names
 
+    @property
+    def parts_of_files(self) -> RobotParts:
+        """What the robot is made of, as its files say it."""
+        return self._parts
+
     def link_index(self, name: str) -> int:
         """Index into link_names."""
         if name not in self._link_indices:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 import copy
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -22,14 +22,24 @@ from plannercheck.bodies.convex_decomposition import Decomposition
 from plannercheck.bodies.mesh_files import MeshUnits
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import DEFAULT_EXCESS
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.progress import reported
 from plannercheck.common.public_names import set_module
-from plannercheck.robots.cells import CellPart, Placed, cell_parts, joined, members_of, parts_by_name
 from plannercheck.robots.carried_objects import carried_pairs, check_objects
+from plannercheck.robots.cells import (
+    ALL,
+    Placed,
+    cell_parts,
+    check_is_cell,
+    check_joined,
+    columns_by_name,
+    joined,
+    member_parts,
+    members_of,
+)
 from plannercheck.robots.configurations import ConfigurationMap, followed
 from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.link_geometry import Geometry
@@ -42,6 +52,32 @@ from plannercheck.robots.posed_robot import PosedRobot
 from plannercheck.robots.reference_configuration import all_values, checked_values
 from plannercheck.robots.robot_table import robot_html
 from plannercheck.robots.urdf import Mimic
+
+
+@dataclass(frozen=True, eq=False)
+class CellPart:
+    """A robot of a cell, and its columns.
+
+    Attributes:
+        name: Its name in the cell.
+        robot: The robot alone, with its base at the origin: its configurations are the columns, and joints that the
+            cell holds are held at the same values. It carries what it carried before the cell was made.
+        pose: (4, 4) of its base in the cell, m; read-only.
+        joint_names: Its joints in the cell's group, as the cell names them.
+        columns: (k,) their columns in a configuration of the cell.
+    """
+
+    name: str
+    robot: Robot
+    pose: Floats
+    joint_names: tuple[str, ...]
+    columns: Ints64
+
+    def checked(self, q: ArrayLike) -> Floats:
+        """Its configurations (k,) or (n, k); of a robot without a group also one number for each joint."""
+        with error_context(f"robot {self.name!r}"):
+            rows = self.robot.joint_values.configurations(q)
+        return rows[0] if np.ndim(q) == 1 else rows
 
 
 @set_module("plannercheck")
@@ -169,44 +205,56 @@ class Robot(PosedRobot):
         of bodies of two robots are tested, unless both are fixed to the world.
 
         Args:
-            robots: A robot, or a robot and the pose (4, 4) of its base in m, by name; names have no slash.
+            robots: By name, a robot and the pose (4, 4) of its base in m; one robot may have no pose and stands at the
+                origin.
             group: The robot whose joints are the planning group, while the others are held; None or "all" for all.
 
         Returns:
             The cell. If one of the robots has a planning group, a robot without one gets a group of all its joints.
 
         Raises:
-            PlannercheckError: For a faulty name, something that is no robot, or a pose that is not rigid.
+            PlannercheckError: For a faulty name, something that is no robot, a pose that is not rigid, or several
+                robots without a pose.
         """
         cell = cls(cell_parts(members_of(robots)))
-        if group is None or group == "all":
+        if group is None or group == ALL:
             return cell
         if group not in cell.parts:
-            raise unknown_name("group of the cell", group, ("all", *cell.parts))
+            raise unknown_name("group of the cell", group, (ALL, *cell.parts))
         return cell.with_group(cell.parts[group].joint_names, group)
 
     @cached_property
     def parts(self) -> Mapping[str, CellPart]:
         """The robots of a cell, by name; none if this is a single robot."""
-        return parts_by_name(self._parts.members, self._map.joint_names, self._map.starts, self._map.width)
+        members = self._parts.members
+        columns = columns_by_name(members, self._map.joint_names, self._map.starts, self._map.width)
+        return {
+            name: CellPart(name, Robot(member_parts(self._parts, name, joints)), members[name].pose, joints, own)
+            for name, (joints, own) in columns.items()
+        }
 
     def join(self, configurations: Mapping[str, ArrayLike]) -> Floats:
         """The configuration of a cell from those of its robots.
 
         Args:
             configurations: (k,) or (n, k) of each robot that the group moves, by name, k as its `parts[name].columns`.
+                One of several robots may have one configuration (k,) that all rows share.
 
         Returns:
             (nq,) or (n, nq).
         """
-        return joined(self.parts, configurations, self.nq)
+        check_is_cell(self._parts.members)
+        columns = {name: part.columns for name, part in self.parts.items() if len(part.columns)}
+        check_joined(configurations, list(columns))
+        rows = {name: self.parts[name].checked(configurations[name]) for name in columns}
+        return joined(rows, columns, self.nq)
 
     def split(self, q: ArrayLike) -> dict[str, Floats]:
         """The configurations (k,) or (n, k) of a cell's robots, by name, from the cell's (nq,) or (n, nq)."""
+        check_is_cell(self._parts.members)
         rows = self.check_configurations(q)
-        single = np.ndim(q) == 1
         found = {name: rows[:, part.columns] for name, part in self.parts.items()}
-        return {name: each[0] for name, each in found.items()} if single else found
+        return {name: each[0] for name, each in found.items()} if np.ndim(q) == 1 else found
 
     @property
     def nq(self) -> int:
@@ -261,11 +309,6 @@ class Robot(PosedRobot):
     def configuration_map(self) -> ConfigurationMap:
         """Where the numbers in Pinocchio's q come from."""
         return self._map
-
-    @property
-    def parts_of_files(self) -> RobotParts:
-        """What the robot is made of, as its files say it."""
-        return self._parts
 
     @property
     def default_links(self) -> tuple[str, ...]:

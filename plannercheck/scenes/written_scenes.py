@@ -32,7 +32,6 @@ from plannercheck.scenes.files_beside import FilesBeside
 from plannercheck.scenes.scene_files import LINK_PAIRS, PAIRS, SIZED
 from plannercheck.scenes.sensed_shapes import sensed_kind, sensed_node
 
-
 # What is said of an object that moves; the default is not.
 _SAID = ("screw", "stand")
 

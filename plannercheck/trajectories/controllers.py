@@ -9,11 +9,12 @@ The rules are in the controllers' code, by name:
   ends have accelerations as well. A segment with accelerations but without velocities at both ends would be run at 0
   rad on every joint: it is refused.
 - "jtc-upsampled": the same controller with upsampling of messages without velocities: one cubic spline with continuous
-  accelerations, at rest at both ends (`fill_cubic_spline_velocities`).
+  accelerations, at rest at both ends (`is_positions_only`, `fill_cubic_spline_velocities`).
 - "ur": the UR driver's passthrough controller (external_control.urscript, `cubicSplineRun`, `quinticSplineRun`): cubic
-  or quintic as above; positions alone are cubic, at rest at each point. A first point at 0 s is passed at rest. A last
-  velocity that is not 0 is scaled down to 0 along the same path.
+  or quintic as above; positions alone are cubic, at rest at each point. A first point at 0 s is passed at rest, and the
+  way to a later one begins at rest. A last velocity that is not 0 is scaled down to 0 along the same path.
 - "motoros2": MotoROS2 (MotionControl.c): cubic by positions and velocities; accelerations are ignored, times cut to ms.
+  It begins at the first point, whatever its time, and refuses a trajectory if the robot stands elsewhere.
 - "linear": straight at constant speed, whatever else the points have.
 
 Before the first point, a controller runs from where the robot stands. "jtc" (`set_point_before_trajectory_msg`) sets
@@ -96,7 +97,7 @@ def curve_of(points: Points, controller: Controller, start: Points | None, conti
     message = _as_run(points, controller)
     _check(message, controller)
     turning = continuous if controller.startswith("jtc") and start is not None else ()
-    run = message if start is None else _approached(message, start, turning)
+    run = message if start is None else _approached(message, start, turning, controller)
     if len(run.times) < 2:
         raise PlannercheckError("a trajectory of one point needs start= (--start), where the robot comes from")
     steps = durations(run.times).tolist()
@@ -105,7 +106,7 @@ def curve_of(points: Points, controller: Controller, start: Points | None, conti
     check_size(run.times, pieces)
     by_jtc = controller.startswith("jtc")
     error = np.max([hermite_error(*each, h, by_jtc) for each, h in zip(ends, steps, strict=True)], axis=0)
-    if controller == "jtc-upsampled" and not points.has_velocities.any():
+    if _is_upsampled(points, controller):
         error += upsampled_error(message.times, durations(message.times), message.positions, message.velocities)
     if start is not None:
         error[list(turning)] += turned_error(start.positions[0], message.positions[0])[list(turning)]
@@ -124,9 +125,14 @@ def _as_run(points: Points, controller: Controller) -> Points:
         return replace(points, times=_whole_milliseconds(points.times), accelerations=none)
     if controller == "ur":
         return _as_ur_runs(points)
-    if controller == "jtc-upsampled" and not has.any() and len(points.times) > 1:
+    if _is_upsampled(points, controller):
         return replace(points, velocities=_spline_velocities(durations(points.times), points.positions))
     return points
+
+
+def _is_upsampled(points: Points, controller: Controller) -> bool:
+    bare = not (points.has_velocities.any() or points.has_accelerations.any())
+    return controller == "jtc-upsampled" and bare and len(points.times) > 1
 
 
 def _whole_milliseconds(times: Floats) -> Floats:
@@ -173,7 +179,7 @@ def _check(points: Points, controller: Controller) -> None:
         )
 
 
-def _approached(points: Points, start: Points, continuous: Sequence[int]) -> Points:
+def _approached(points: Points, start: Points, continuous: Sequence[int], controller: Controller) -> Points:
     """The points with the one before them, where the robot stands."""
     first = points.positions[0]
     from_there = start.positions[0].copy()
@@ -182,16 +188,18 @@ def _approached(points: Points, start: Points, continuous: Sequence[int]) -> Poi
         if abs(abs(way) - np.pi) < _TIE:
             way = abs(way) if first[joint] > from_there[joint] else -abs(way)
         from_there[joint] = first[joint] - way
-    if points.times[0] == 0.0:
+    if points.times[0] == 0.0 or controller == "motoros2":
         if not np.array_equal(from_there, first):
             joint = int(np.abs(from_there - first).argmax())
+            off = f"differs from start by {abs(from_there - first)[joint]:.3g} in {points.named(joint)}"
+            if controller == "motoros2":
+                raise PlannercheckError(f"the first point {off}: motoros2 refuses it; let the first point be start")
             raise PlannercheckError(
-                f"the first point is at 0 s and differs from start by {abs(from_there - first)[joint]:.3g} in"
-                f" {points.named(joint)}: the robot would jump; give the first point a later time"
+                f"the first point is at 0 s and {off}: the robot would jump; give the first point a later time"
             )
         return points
     zero = np.zeros_like(first)
-    velocities = start.velocities[0] if start.has_velocities[0] else zero
+    velocities = start.velocities[0] if start.has_velocities[0] and controller != "ur" else zero
     accelerations = start.accelerations[0] if start.has_accelerations[0] else zero
     before = (np.zeros(1), from_there[None], velocities[None], accelerations[None])
     after = (points.times, points.positions, points.velocities, points.accelerations)

@@ -34,8 +34,9 @@ class Curve(OwnsArrays):
     Attributes:
         breaks: (m + 1,) s, growing: piece k runs from breaks[k] to breaks[k + 1].
         pieces: (degree + 1, nq) each, the control points, rad and m.
-        error: (nq,) how far the pieces, and a known controller's own evaluation, are at most from the polynomials that
-            the numbers given define, rad and m (rounding.py).
+        error: (nq,) how far the pieces, and joint_trajectory_controller's own evaluation, are at most from the
+            polynomials that the numbers given define, rad and m (rounding.py). Of "ur" and "motoros2" the pieces alone:
+            the UR driver sends whole millionths and its robot adds up speeds, MotoROS2 commands whole pulses.
         units: (first, past) of columns that form a unit vector: cosine and sine, or a quaternion. They turn from the
             first control point of a piece to its last by slerp, the short way.
     """
@@ -86,19 +87,11 @@ class Curve(OwnsArrays):
             found[here] = _de_casteljau(control, s)
             for first, past in self.units:
                 a, b = self.pieces[k][[0, -1], first:past]
-                found[here, first:past] = _slerp(a, b, s, derivative) / (end - start) ** derivative
+                found[here, first:past] = slerp(a, b, s, derivative) / (end - start) ** derivative
         return found[0] if np.ndim(times) == 0 else found
 
-    def turned(self, k: int, s: float) -> Floats:
-        """(nq,) of piece k at a parameter from 0 to 1, of the columns of unit vectors; others are 0."""
-        found = np.zeros(self.nq)
-        for first, past in self.units:
-            a, b = self.pieces[k][[0, -1], first:past]
-            found[first:past] = _slerp(a, b, np.array([s]), 0)[0]
-        return found
 
-
-def _slerp(start: Floats, end: Floats, s: Floats, derivative: int) -> Floats:
+def slerp(start: Floats, end: Floats, s: Floats, derivative: int) -> Floats:
     """Unit vectors (n, 2) or (n, 4) on the way from one to another at s (n,) from 0 to 1, or derivatives by s."""
     a, b = start / np.linalg.norm(start), end / np.linalg.norm(end)
     if len(a) == 4 and a @ b < 0:  # quaternions of both signs turn alike

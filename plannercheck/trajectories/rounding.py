@@ -2,7 +2,8 @@
 
 In: points, or what a form of curve is made of. Out: bounds for each column, rad and m, of `Curve.error`: at the same
 fraction of a segment's time, the curve's doubles are at most this far from the message's polynomial in real numbers,
-and from the controller's own doubles where its code is known.
+and from the doubles of joint_trajectory_controller where it runs the points. What UR robots and MotoROS2 make of a
+polynomial is not bounded here: speeds added up from measured positions, and whole encoder pulses.
 
 The bounds count relative errors of u = 2⁻⁵³, one for each operation, by the size of the terms it acts on. A segment's
 duration h is within u of the message's (stamps.py). Products of such errors are below 2⁻⁴⁰ of a bound; `_bound` adds

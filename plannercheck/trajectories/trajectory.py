@@ -32,7 +32,7 @@ from plannercheck.trajectories.timing import Timing
 from plannercheck.trajectories.written_messages import write_message
 
 # How far control points of unit vectors may be off what is meant, as a part of their length.
-_MOST_OFF = 1e-10
+MOST_OFF = 1e-10
 
 
 @set_module("plannercheck")
@@ -84,11 +84,6 @@ class Trajectory:
     def of_curve(cls, curve: Curve) -> Trajectory:
         """A trajectory that is a curve, of pieces that meet."""
         check_curve(curve)
-        return cls.of_checked_curve(curve)
-
-    @classmethod
-    def of_checked_curve(cls, curve: Curve) -> Trajectory:
-        """A trajectory that is a curve, of pieces that are known to meet, of any duration."""
         made = cls.__new__(cls)
         made.points, made.controller, made.timing, made.curve = None, None, None, curve
         return made
@@ -176,7 +171,7 @@ class Trajectory:
                     f"columns {first} to {past - 1} turn by slerp between points: set their velocities to 0"
                 )
             off = float(self.curve.error[first:past].max())
-            if off > _MOST_OFF:  # no tube is around a unit vector, in which the error could count
+            if off > MOST_OFF:  # no tube is around a unit vector, in which the error could count
                 raise PlannercheckError(
                     f"columns {first} to {past - 1} form a unit vector, but are off by up to {off:.3g}: give pieces"
                     " that meet there, and coefficients that are not much larger than 1"

@@ -51,7 +51,7 @@ def test_verdicts_are_those_of_a_floating_link(tmp_path: Path, seed: int) -> Non
     q = robot.random_configurations(len(poses), seed)
     rows = np.concatenate([q, moving.rows], axis=1)
     free = oracle.check_states(rows)
-    assert 0.05 < free.mean() < 0.95
+    assert 0.02 < free.mean() < 0.98
     assert np.array_equal(checker.check_states(q, times=moving.times), free)
     assert np.array_equal(checker.check_states(q, 2, times=moving.times), free)
     assert np.array_equal(checker.first_colliding_pair(q, times=moving.times) < 0, free)
@@ -119,10 +119,11 @@ def test_beyond_its_data_an_object_is_refused_or_stands(tmp_path: Path) -> None:
     checker, standing = pc.Checker(robot, _scene()), pc.Checker(robot, _scene("stand"))
     with pytest.raises(pc.PlannercheckError, match=r"'pallet' moves from 2 to 4 s.*not at 4.5 s.*outside='stand'"):
         checker.check_states(robot.reference, times=[2.5, 4.5])
-    with pytest.raises(pc.PlannercheckError, match="not at 1.9 s"):
+    with pytest.raises(pc.PlannercheckError, match=r"not at 1\.9 s"):
         checker.is_valid(robot.reference, time=1.9)
     poses = standing.body_poses(robot.reference, times=[-9.0, 2.0, 4.0, 9.0])
-    assert np.array_equal(poses[0], poses[1]) and np.array_equal(poses[2], poses[3])
+    assert np.array_equal(poses[0], poses[1])
+    assert np.array_equal(poses[2], poses[3])
     for times in ([np.nan], [[2.0]], "soon", [2.0, np.inf]):
         with pytest.raises(pc.PlannercheckError, match="times must be"):
             standing.check_states(robot.reference, times=times)
@@ -136,7 +137,9 @@ def test_bodies_fixed_to_the_world_are_tested_against_what_moves(tmp_path: Path)
     checker = pc.Checker(robot, _scene(), self_collision=False)
     q, times = np.repeat(robot.reference[None], 41, axis=0), np.linspace(2, 4, 41)
     names = [checker.pair_names(k) for k in range(len(checker.pairs))]
-    assert ("base", "pallet") in names and ("base", "table") not in names and ("table", "pallet") not in names
+    assert ("base", "pallet") in names
+    assert ("base", "table") not in names
+    assert ("table", "pallet") not in names
     base = names.index(("base", "pallet"))
     expected = np.abs(times - 3) <= (0.3 + 0.2) / 2 + 1e-12
     assert np.array_equal(checker.colliding_pairs(q, times=times)[:, base], expected)
@@ -154,7 +157,8 @@ def test_objects_that_share_how_they_move_are_on_one_joint(tmp_path: Path) -> No
     scene.add("other", pc.Sphere(0.1), _crossing())
     checker = pc.Checker(robot, scene)
     assert checker._moving is not None
-    assert checker._moving.checker.robot.nq == robot.nq + 2 * 7 and checker.robot.nq == robot.nq
+    assert checker._moving.checker.robot.nq == robot.nq + 2 * 7
+    assert checker.robot.nq == robot.nq
     pairs = {frozenset(checker.pair_names(k)) for k in range(len(checker.pairs))}
     assert not pairs & {frozenset(("load", "pallet")), frozenset(("load", "other")), frozenset(("table", "load"))}
     scene.save(tmp_path / "scene.yaml")
@@ -197,7 +201,8 @@ def test_what_the_robot_carries_is_tested_against_what_moves(tmp_path: Path) -> 
     scene.add("pallet", pc.Box(_SIZE), pc.Moving([0.0, 1.0], far))
     checker = pc.Checker(robot, scene, self_collision=True)
     carrying = checker.attach("pole", pc.Box((0.02, 8, 0.02)), "base")
-    assert checker.is_valid(robot.reference, time=0.5) and carrying.is_valid(robot.reference, time=0.0)
+    assert checker.is_valid(robot.reference, time=0.5)
+    assert carrying.is_valid(robot.reference, time=0.0)
     verdict = carrying.explain(robot.reference, time=0.5)
     assert {"pole", "pallet"} in [set(pair.names) for pair in verdict.collisions]
     released = carrying.detach("pole", q=robot.reference)
@@ -284,7 +289,9 @@ def test_a_robot_without_a_group_keeps_its_columns_beside_one_with_held_joints(t
     q = whole.random_configurations(50, 0)
     poses = checker.body_poses(q, times=0.5)
     assert np.allclose(poses[:, -1], held.link_poses(trajectory.position(0.5))[held.link_index("l1")], atol=1e-12)
-    assert np.allclose(checker.check_states(np.zeros((3, 2)), times=0.5), checker.check_states([[1, 0, 1, 0]] * 3, times=0.5))
+    assert np.allclose(
+        checker.check_states(np.zeros((3, 2)), times=0.5), checker.check_states([[1, 0, 1, 0]] * 3, times=0.5)
+    )
 
 
 def test_names_of_links_are_refused(tmp_path: Path) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import itertools
 import re
+import subprocess
+import sys
 import time
 import warnings
 
@@ -45,7 +47,7 @@ FORMS = {
 
 
 @pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("planner", ["auto", "RRTConnect", "LBKPIECE1", "KPIECE1", "BITstar"])
+@pytest.mark.parametrize("planner", ["auto", "RRTConnect", "LBKPIECE1", "KPIECE1", "BITstar", "PRM"])
 def test_the_plan_says_which_goal_it_reached(checker, ends, form, planner, tmp_path):
     """The goals that collide or are beyond the limits are left out; of the two others, either will do."""
     start, goal = ends
@@ -59,14 +61,69 @@ def test_the_plan_says_which_goal_it_reached(checker, ends, form, planner, tmp_p
     assert Plan.load(tmp_path / "plan.json").goal == plan.goal
 
 
-def test_planners_whose_threads_ask_the_goal_take_one(checker, ends):
-    """PRM would wait for ever for Python's lock."""
-    start, goal = ends
-    for planner in ("PRM", "PRM*"):
-        with pytest.raises(pc.PlannercheckError, match=r"PRM.* takes one goal, not 2"):
-            pc.ompl.plan(checker, start, [goal, goal], planner)
-    plan = pc.ompl.plan(checker, start, [goal + 9.0, goal], "PRM", seed=1)
-    assert plan.goal == (1 if plan.solved else None)
+# Two walls: from the left part, one of three free goals can be reached. A planner that waits for its own thread holds
+# Python's lock for ever, so that only another process can end it.
+AMONG_WALLS = """
+import signal, sys
+import plannercheck as pc
+from plannercheck.common.progress import reported_to
+
+def alarm(number, frame):
+    raise KeyboardInterrupt
+
+planner, folder, is_heard, is_interrupted = sys.argv[1], sys.argv[2], *map(int, sys.argv[3:])
+scene = pc.Scene("walls")
+for x in (-0.2, 0.4):
+    scene.add_box(f"wall at {x}", [0.02, 0.5, 0.5], [[1, 0, 0, x], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+checker = pc.Checker(pc.Robot.load(folder + "/slider.urdf"), scene)
+heard = []
+with reported_to(lambda *report: heard.append(report) if is_heard else None):
+    if is_interrupted:
+        assert pc.ompl.plan(checker, [-0.9], [-0.4], planner, time_limit=0.1).solved  # all is imported
+        heard.clear()
+        signal.signal(signal.SIGALRM, alarm)
+        signal.setitimer(signal.ITIMER_REAL, 0.4)
+        try:
+            print(pc.ompl.plan(checker, [-0.9], [[0.1], [0.8], [0.9]], planner, time_limit=30.0, seed=1))
+        except KeyboardInterrupt:
+            print("interrupted")
+    else:
+        goals = [[0.1], [0.8], [-0.4]]
+        for given in (goals, goals[::-1], lambda: iter(goals)):
+            plan = pc.ompl.plan(checker, [-0.9], given, planner, time_limit=0.5, seed=1)
+            print(plan.goal, plan.path[-1, 0] if plan.solved else plan.reason)
+print("heard" if heard else "silent")
+"""
+
+
+def among_walls(tmp_path, *arguments):
+    (tmp_path / "slider.urdf").write_text(SLIDER)
+    command = [sys.executable, "-c", AMONG_WALLS, arguments[0], str(tmp_path), *(str(int(a)) for a in arguments[1:])]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+@pytest.mark.parametrize("is_heard", [False, True])
+@pytest.mark.parametrize("planner", ["PRM", "PRMstar", "RRTConnect", "auto"])
+def test_of_three_goals_the_one_that_can_be_reached_is_found(planner, is_heard, tmp_path):
+    """Whether or not somebody hears the progress: PRM's thread asks whether the time is over."""
+    lines = among_walls(tmp_path, planner, is_heard, False)
+    assert lines == ["2 -0.4", "0 -0.4", "2 -0.4", "heard" if is_heard else "silent"]
+
+
+@pytest.mark.parametrize("planner", ["PRM", "PRMstar", "RRTConnect", "auto"])
+def test_a_search_for_several_goals_can_be_interrupted(planner, tmp_path):
+    assert among_walls(tmp_path, planner, True, True) == ["interrupted", "heard"]
+
+
+def test_many_goals_of_a_planner_with_a_thread_of_its_own_end_in_time(checker, ends):
+    """Its goals are connected one after the other, before the search proper; the time counts."""
+    began = time.perf_counter()
+    q = checker.robot.random_configurations(3000, seed=4)
+    plan = pc.ompl.plan(checker, ends[0], q[checker.check_states(q)], "PRM", time_limit=0.5, seed=1)
+    assert time.perf_counter() - began < 5.0
+    assert plan.solved or "found no path in" in plan.reason
 
 
 def test_one_goal_is_number_0(checker, ends):

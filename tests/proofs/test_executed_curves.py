@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from fractions import Fraction
+from time import process_time
 
 import numpy as np
 import pytest
@@ -14,7 +15,9 @@ import plannercheck as pc
 from plannercheck.cli.main import main
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs import load_proofs, save_proofs, verify_path, verify_trajectory
+from plannercheck.proofs.data import Motion
 from plannercheck.proofs.executed_curves import trajectory_proved
+from plannercheck.trajectories import CONTROLLERS
 
 NAMES = [f"panda_joint{k}" for k in range(1, 8)]
 TUBE = 0.002
@@ -162,8 +165,157 @@ def test_motoros2_cuts_times_to_whole_ms(tmp_path):
         verify_trajectory(cut, path, "motoros2")
 
 
-def test_another_controller_runs_another_curve(proofs, traj):
-    assert trajectory_proved(proofs, traj, "motoros2", TUBE).missing == (0,)  # which leaves accelerations out
+CONTINUOUS = (2, 6)
+
+
+def claimed(proof, trajectory, tube=0.0):
+    """Proofs as they would be of a trajectory with a tube, whose entries nobody looks at here."""
+    widths = tuple((np.broadcast_to(tube, 7) + trajectory.curve.error).tolist())
+    rows = [[tuple(row) for row in piece.tolist()] for piece in trajectory.curve.pieces]
+    motions = (
+        Motion(points[0], points[-1], points[-1], "slerp", tuple(x for row in points[1:-1] for x in row), widths)
+        for points in rows
+    )
+    model = replace(proof.model, whole_turns=CONTINUOUS)
+    return [replace(proof, model=model, motion=motion) for motion in motions]
+
+
+def random_message(generator, controller):
+    """Times, positions, velocities and accelerations that a controller takes, and a start or none."""
+    count = int(generator.integers(2, 9))
+    times = np.cumsum(10.0 ** generator.uniform(-2, 0.5, count))
+    times = np.round(times, int(generator.choice([2, 9])))
+    times -= times[0] if generator.random() < 0.3 else 0.0
+    positions = generator.uniform(-3, 3, (count, 7))
+    velocities, accelerations = generator.uniform(-1, 1, (2, count, 7))
+    velocities[-1] = 0.0
+    start = positions[0] + 10.0 ** generator.uniform(-3, 1) * generator.uniform(-1, 1, 7)
+    if times[0] == 0 or controller == "motoros2":
+        start = positions[0].copy()
+    kind = int(generator.integers(3))
+    if controller == "motoros2" or kind:
+        return times, positions, velocities, accelerations if kind == 2 else None, start
+    return times, positions, None, None, start
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+@pytest.mark.parametrize("seed", range(25))
+def test_what_any_controller_runs_from_any_start_is_recognised(proofs, controller, seed, tmp_path):
+    """The curves that are judged, by their reader, against the verifier's own; forgeries of each part are refused."""
+    generator = np.random.default_rng([seed, CONTROLLERS.index(controller)])
+    *rows, start = random_message(generator, controller)
+    traj = written(tmp_path / "traj.json", message(*rows))
+    started = generator.random() < 0.7
+    given = start if started else None
+    trajectory = pc.Trajectory(*rows, controller, given, CONTINUOUS)
+    tube = generator.uniform(0, 0.01, 7)
+    made = claimed(proofs[0], trajectory, tube)
+    exact = tube * (1 - 1e-12)
+    assert not trajectory_proved(made, traj, controller, exact.tolist(), given).fault
+    # Another tube, in one joint alone.
+    joint = int(generator.integers(7))
+    wider = exact.copy()
+    wider[joint] += 1e-9 + 2 * trajectory.curve.error[joint]
+    assert trajectory_proved(made, traj, controller, wider.tolist(), given).missing
+    # Another start, or the start left out, or invented.
+    if started and rows[0][0] > 0 and controller != "motoros2":
+        elsewhere = start.copy()
+        elsewhere[joint] += 1e-6
+        assert trajectory_proved(made, traj, controller, tube.tolist(), elsewhere).fault
+        assert trajectory_proved(made, traj, controller, tube.tolist()).fault
+    elif started:
+        with pytest.raises(PlannercheckError, match="does not begin at the start"):
+            trajectory_proved(made, traj, controller, tube.tolist(), start + 1e-6)
+    # Another controller, where it runs another curve.
+    for other in CONTROLLERS:
+        try:
+            curve = pc.Trajectory(*rows, other, given, CONTINUOUS).curve
+        except PlannercheckError:
+            with pytest.raises(PlannercheckError):
+                trajectory_proved(made, traj, other, tube.tolist(), given)
+            continue
+        spans = np.array([curve.breaks[[0, -1]], trajectory.curve.breaks[[0, -1]]])
+        at = np.linspace(spans[:, 0].max(), spans[:, 1].min(), 7)
+        if len(curve.pieces) == len(made) and np.abs(curve.at(at) - trajectory.position(at)).max() > 0.1:
+            assert trajectory_proved(made, traj, other, tube.tolist(), given).missing
+
+
+@pytest.mark.parametrize("turns", [-2, -1, 0, 1, 2])
+def test_whole_turns_are_taken_off_joints_that_turn_without_end_alone(proofs, turns, tmp_path):
+    q = np.array([0.1, -0.7, 0.2, -2.1, 0.1, 1.6, 0.7])
+    traj = written(tmp_path / "traj.json", message([1.0, 2.0], [q, q + 0.1]))
+    for column in (2, 3):
+        start = q - 0.3
+        start[column] += 2 * np.pi * turns
+        for controller in ("jtc", "jtc-upsampled", "ur", "linear"):
+            made = claimed(
+                proofs[0], pc.Trajectory([1.0, 2.0], [q, q + 0.1], None, None, controller, start, CONTINUOUS)
+            )
+            assert not trajectory_proved(made, traj, controller, 0.0, start).fault
+            wraps = controller.startswith("jtc") and column == 2
+            assert wraps == (abs(made[0].motion.start[column] - (q - 0.3)[column]) < 1e-9) or turns == 0
+            # The same curve does not count if the model says that the joint does not turn without end.
+            other = [replace(proof, model=replace(proof.model, whole_turns=())) for proof in made]
+            assert bool(trajectory_proved(other, traj, controller, 0.0, start)) == (not wraps or turns == 0)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_half_a_turn_to_the_first_point_goes_as_the_controller_goes(proofs, way, tmp_path):
+    first, start = np.zeros(7), np.zeros(7)
+    first[6] = way * np.pi
+    rows = [1.0, 2.0], [first, first]
+    traj = written(tmp_path / "traj.json", message(*rows))
+    made = claimed(proofs[0], pc.Trajectory(*rows, None, None, "jtc", start, CONTINUOUS))
+    assert not trajectory_proved(made, traj, "jtc", 0.0, start).fault
+    assert abs(made[0].motion.start[6]) < 1e-9
+
+
+def test_a_long_upsampled_message_is_compared_in_time(proofs, tmp_path):
+    generator = np.random.default_rng(1)
+    times, positions = np.cumsum(generator.uniform(0.01, 1.0, 600)).round(9), generator.uniform(-1, 1, (600, 7))
+    traj = written(tmp_path / "traj.json", message(times, positions))
+    made = claimed(proofs[0], pc.Trajectory(times, positions, None, None, "jtc-upsampled"))
+    began = process_time()
+    assert not trajectory_proved(made, traj, "jtc-upsampled").fault
+    assert process_time() - began < 10
+
+
+def test_points_with_accelerations_alone_are_not_upsampled(rows):
+    times, positions, _, accelerations = rows
+    with pytest.raises(PlannercheckError, match="accelerations without velocities"):
+        pc.Trajectory(times, positions, None, np.nan_to_num(accelerations), "jtc-upsampled")
+
+
+def test_the_command_takes_a_start_and_a_tube_a_joint(checker, rows, traj, tmp_path, capsys):
+    start, tube = rows[1][0] + 0.01, "0.002,0.001,0.001,0.001,0.001,0.001,0.003"
+    listed = ",".join(map(repr, start.tolist()))
+    common = ["--robot", "panda", "--path", str(traj), "--controller", "ur"]
+    messaged = message(rows[0], rows[1], np.nan_to_num(rows[2]))
+    written(traj, messaged)
+    proof = str(tmp_path / "x.json")
+    judged = ["validate", *common, "--tube", tube, f"--start={listed}", "--certify", "--proof", proof]
+    assert main(judged) == 0, capsys.readouterr()
+    verify = ["verify", proof, *common]
+    assert main([*verify, "--tube", tube, f"--start={listed}"]) == 0, capsys.readouterr().out
+    assert "all 4 motions proved" in capsys.readouterr().out
+    assert main([*verify, "--tube", tube.replace("0.002", "0.0021"), f"--start={listed}"]) == 1
+    assert "within 0.001 to 0.003 rad and m" in capsys.readouterr().out
+    assert main([*verify, "--tube", tube]) == 1
+    assert main([*verify, f"--start={listed[:-1]}9"]) in (0, 1)
+    assert main([*verify, "--start=0,0"]) == 2
+    assert "start must be 7 finite numbers" in capsys.readouterr().err
+    assert main([*verify, "--tube", "0.1,0.2"]) == 2
+    assert main([*verify, "--tube=-1"]) == 2
+    assert main(["verify", proof, "--path", str(traj), f"--start={listed}"]) == 2
+    assert "--start counts only with --controller" in capsys.readouterr().err
+
+
+def test_another_controller_runs_another_curve(proofs, rows, traj, tmp_path):
+    with pytest.raises(PlannercheckError, match="point 3 has no velocities for motoros2"):
+        trajectory_proved(proofs, traj, "motoros2", TUBE)
+    times, positions, velocities, accelerations = rows
+    moving = written(tmp_path / "moving.json", message(times, positions, np.nan_to_num(velocities), accelerations))
+    assert trajectory_proved(proofs, moving, "motoros2", TUBE).missing == (0, 2)  # which leaves accelerations out
     assert trajectory_proved(proofs, traj, "linear", TUBE).missing == (0, 1)
     with pytest.raises(PlannercheckError, match="jtc"):
         trajectory_proved(proofs, traj, "jct")

@@ -30,7 +30,8 @@ def test_a_saved_scene_moves_alike(tmp_path: Path) -> None:
     assert [item.name for item in read.moving] == ["pallet", "load"]
     for name in ("pallet", "load"):
         given, found = scene.object(name).moving, read.object(name).moving
-        assert np.array_equal(given.times, found.times) and np.array_equal(given.poses, found.poses)
+        assert np.array_equal(given.times, found.times)
+        assert np.array_equal(given.poses, found.poses)
         assert (given.outside, given.path, given.carrier) == (found.outside, found.path, found.carrier)
     assert "Moving(3 poses, 0 to 4 s)" in read._repr_html_()
     assert [item.name for item in pickle.loads(pickle.dumps(scene)).moving] == ["pallet", "load"]
@@ -38,7 +39,7 @@ def test_a_saved_scene_moves_alike(tmp_path: Path) -> None:
 
 def test_moveits_text_has_no_motions(tmp_path: Path) -> None:
     """It names the object."""
-    with pytest.raises(pc.PlannercheckError, match="'pallet'.*it moves"):
+    with pytest.raises(pc.PlannercheckError, match=r"'pallet'.*it moves"):
         _scene().save(tmp_path / "belt.scene")
 
 
@@ -91,9 +92,10 @@ def test_an_object_that_moves_is_not_moved_otherwise() -> None:
         lambda: scene.add("floor", pc.HalfSpace((0, 0, 1)), pc.Moving([0, 1], [np.eye(4)] * 2)),
     ]
     for deed in deeds:
-        with pytest.raises(pc.PlannercheckError, match="moves|move|updated"):
+        with pytest.raises(pc.PlannercheckError, match=r"move|updated"):
             deed()
-    assert scene.object_names == ("pallet", "load", "table") and not scene.attached
+    assert scene.object_names == ("pallet", "load", "table")
+    assert not scene.attached
     assert len(scene.moving) == 2
 
 

@@ -22,7 +22,7 @@ from plannercheck.evaluation.stress_motions.curve_numbers import unit_columns
 from plannercheck.motions.motion_ends import Curves
 from plannercheck.motions.trajectory_checks import TrajectoryChecks
 from plannercheck.proofs import Proof
-from plannercheck.proofs.executed_curves import RUNNERS, trajectory_proved
+from plannercheck.proofs.executed_curves import trajectory_proved
 
 MOST_DEGREE, PIECES = 7, (1, 1, 1, 2, 3)
 # How far control points are apart, rad and m, as powers of ten.
@@ -61,7 +61,7 @@ def certified(
             continue
         outcomes["proved"] += 1
         proofs += found
-        if trajectory.points is not None and trajectory.controller in RUNNERS:
+        if trajectory.points is not None:
             outcomes["messages proved as run" if _is_proved_as_run(found, trajectory, tube) else NOT_AS_RUN] += 1
     return Certified(proofs, outcomes)
 
@@ -71,7 +71,7 @@ def _is_proved_as_run(proofs: Sequence[Proof], trajectory: pc.Trajectory, tube: 
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "message.json"
         trajectory.save(file)
-        return bool(trajectory_proved(proofs, file, str(trajectory.controller), float(tube.min())))
+        return bool(trajectory_proved(proofs, file, str(trajectory.controller), tube.tolist()))
 
 
 def _why_not(checker: pc.Checker, trajectory: pc.Trajectory, tube: Floats, tolerance: float, said: str) -> str:

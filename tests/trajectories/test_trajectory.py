@@ -121,6 +121,15 @@ def test_a_first_point_at_once_is_where_the_robot_stands():
         pc.Trajectory(*at_once, start=[0.1])
 
 
+def test_motoros2_begins_at_the_first_point_and_ur_at_rest():
+    found = pc.Trajectory(TIMES + 1.0, Q, V, None, "motoros2", Q[0])
+    assert len(found.curve.pieces) == 2  # MotoROS2 waits for nothing
+    with pytest.raises(pc.PlannercheckError, match=r"differs from start by 0\.1 .* motoros2 refuses it"):
+        pc.Trajectory(TIMES + 1.0, Q, V, None, "motoros2", Q[0] - [0.1, 0.0])
+    moving = pc.Trajectory(TIMES + 1.0, Q, V, None, "ur", (Q[0] - 0.1, [0.3, 0.0]))
+    np.testing.assert_array_equal(moving.velocity(0), 0.0)
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
