@@ -25,7 +25,7 @@ _MARKED = re.compile(r"(<!-- table: (?P<name>\w+) -->\n).*?(<!-- end of table --
 TABLES: dict[str, Callable[[], str]] = {
     make.__name__: make
     for make in (
-        *(peers.overview, peers.summary, peers.states, peers.pairs),
+        *(peers.summary, peers.states, peers.pairs),
         *(planning.motions, planning.plans, planning.plan_sampling, planning.waiting, planning.changing_scenes),
         planning.rounded_plans,
         *(inside.clearance_of_motions, inside.hierarchies, inside.stages),

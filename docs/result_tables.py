@@ -25,13 +25,7 @@ PAIR_METHODS |= {FCL: "FCL from Python", "MuJoCo, mj_geomDistance": "MuJoCo from
 
 def summary() -> str:
     """README's table: µs on two machines, ours and how many times as long the others take."""
-    return table(("", "AVX2 (AMD)", "AVX-512 (Intel)"), [(what, old, new) for what, old, new in _lines() if new])
-
-
-def overview() -> str:
-    """The same with more rows; the tables of each subject say where the first column is from."""
-    lines = [(*line[:2], line[2] or "–") for line in _lines()]
-    return table(("", "AVX2 (AMD)", "AVX-512 (Intel)"), lines) + "\n" + provenance(record("avx512"))
+    return table(("", "AVX2 (AMD)", "AVX-512 (Intel)"), _lines())
 
 
 def _lines() -> list[tuple[str, str, str]]:
@@ -60,8 +54,7 @@ def _lines() -> list[tuple[str, str, str]]:
 
 
 def _longer(newer: dict[tuple[str, str, str], Row]) -> list[tuple[str, str, str]]:
-    """Pairs, searches and set-up."""
-    pairs = {row["method"]: row for row in record("pairs")["rows"] if row["vertices"] == 150 and row["gap"] == 1e-4}
+    """Searches and set-up."""
     plans = {row["planner"]: row for row in record("plans")["rows"] if row["set"] == "all"}
     searched = {name: {"spent": row["median_ms"]} for name, row in plans.items()}
     steps = {
@@ -73,7 +66,6 @@ def _longer(newer: dict[tuple[str, str, str], Row]) -> list[tuple[str, str, str]
     files, shelf = median(row["total"] for row in record("from_files")["rows"]), "panda, bookshelf"
     ready = newer[shelf, "checker until the first proved motion", "plannercheck"]["microseconds"]
     return [
-        ("pair of hulls, 150 vertices, near contact, µs", _cell(pairs, "plannercheck, oracle", coal=AT_BEST), ""),
         (
             "search by RRTConnect, median, ms",
             _cell(searched, "plannercheck", coal="Pinocchio + coal", VAMP="VAMP"),
@@ -84,7 +76,6 @@ def _longer(newer: dict[tuple[str, str, str], Row]) -> list[tuple[str, str, str]
             _cell(steps, "Checker(...)", coal=tree, VAMP=spheres),
             number(1e-3 * ready),
         ),
-        ("one box more, until the first proved motion, ms", _cell(steps, "with_scene, one box more", coal=tree), ""),
         (
             "scene file and request to a proved path, ms",
             number(files),

@@ -47,6 +47,7 @@ CHECKED = [
     "inner_shapes",
     "inner_shape_search",
     "motion_check",
+    "motion_pairs",
     "motion_rounding",
     "motion_filters",
     "motion_bounds",

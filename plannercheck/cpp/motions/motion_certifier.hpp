@@ -91,6 +91,7 @@ class MotionCertifier {
   void states(const Segment& motion, const double* t, std::size_t n, double* q) const;
 
  private:
+  friend class MotionPairs;
   friend class MotionRun;
 
   MotionModel model_;

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress_motions.curve_numbers import numbers_of, rows_of, unit_columns
 from plannercheck.evaluation.stress_motions.draws import Draw
 from plannercheck.evaluation.stress_motions.outcomes import (
@@ -20,6 +21,7 @@ from plannercheck.evaluation.stress_motions.outcomes import (
     UNREASONED,
     Answers,
     Judged,
+    declined,
     valid,
 )
 from plannercheck.evaluation.stress_motions.reasons import least_clearance, refused_within
@@ -44,7 +46,11 @@ def relatives(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: 
         parts = _cut(draw, used, row, place)
         for how, pieces in (("raised", [raised(points)]), ("cut", parts if 0 < place < 1 else [points])):
             breaks = np.arange(len(pieces) + 1.0)
-            answer = used.checker.check_trajectory(used.of_pieces(breaks, pieces), tube, draw.tolerance)
+            try:
+                answer = used.checker.check_trajectory(used.of_pieces(breaks, pieces), tube, draw.tolerance)
+            except PlannercheckError as error:
+                declined(error, row, judged)  # rounding is a larger part of it than of the curve itself
+                continue
             _alike(draw, used, row, answers[row] == FREE, answer, how, judged)
     for row in rng.permutation(known)[:_EXPLAINED].tolist():
         _explained(draw, used, row, answers[row] == FREE, judged, rng)
