@@ -78,15 +78,39 @@ class TrajectoryChecks:
         starts = [0, *accumulate(len(each.curve.pieces) for each in trajectories[:-1])]
         return np.logical_and.reduceat(free, starts)
 
+    def free_pieces(self, trajectory: Trajectory, wider: Floats | None = None) -> Bools:
+        """Which pieces of a trajectory are proved free; `wider`: (pieces, nq) what each has besides the tube."""
+        return self._free_pieces([trajectory], self.tube, wider=wider)
+
+    def near_instants(self, trajectory: Trajectory, pieces: Sequence[int]) -> list[float]:
+        """Where pairs came so near on pieces that are not free that these were refused, s."""
+        breaks, tubes = trajectory.curve.breaks, self._tubes([trajectory.curve], self.tube, 0.0)
+        found = []
+        for k in pieces:
+            result = self._certifier.result(Curves(trajectory.curve.pieces[k][None], tubes), self._tolerance)
+            if not result.free:
+                found.append(float(min(breaks[k] + (breaks[k + 1] - breaks[k]) * result.near, breaks[k + 1])))
+        return found
+
     def _free_pieces(
-        self, trajectories: Sequence[Trajectory], tube: Floats, room: float = 0.0, threads: int = 1
+        self,
+        trajectories: Sequence[Trajectory],
+        tube: Floats,
+        room: float = 0.0,
+        threads: int = 1,
+        wider: Floats | None = None,
     ) -> Bools:
-        """Which pieces of all trajectories, one after the other, are proved free; `room`: how far bodies stay apart."""
+        """Which pieces of all trajectories, one after the other, are proved free.
+
+        `room`: how far bodies stay apart; `wider`: (pieces, nq) what the tube of each piece has besides.
+        """
         for trajectory in trajectories:
             check_trajectory_of(self._checker.robot, trajectory)
         curves = [each.curve for each in trajectories]
         counts = [len(curve.pieces) for curve in curves]
         tubes = self._tubes(curves, tube, room).repeat(counts, axis=0)
+        if wider is not None:
+            tubes[:, :-1] = (tubes[:, :-1] + wider) * (1 + 2.0**-52)
         starts = accumulate(counts[:-1], initial=0)
         by_count: dict[int, list[tuple[Ints64, Floats]]] = {}
         for start, curve in zip(starts, curves, strict=True):
