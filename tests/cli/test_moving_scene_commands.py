@@ -21,7 +21,7 @@ objects:
     box: {size: [0.2, 0.2, 0.2]}
     moving:
       times: [0, 8]
-      poses: [{position: [0.5, -2, 0.6]}, {position: [0.5, 2, 0.6]}]
+      poses: [{position: [0.4, -2, 0.5]}, {position: [0.4, 2, 0.5]}]
 """
 
 
