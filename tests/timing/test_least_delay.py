@@ -102,7 +102,7 @@ def check_refutations(found: pc.LeastDelay, collide) -> None:
             assert there or along
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_every_free_delay_is_free(tmp_path, seed):
     """Intervals of delays that are called free, judged one by one, against many delays in each by numbers."""
     rng, found = np.random.default_rng(4000 + seed), 0
@@ -111,14 +111,18 @@ def test_every_free_delay_is_free(tmp_path, seed):
     for _ in range(8):
         runs = {"a": random_way(rng), "b": random_way(rng)}
         judge = _Judge(checker, runs, ("b",), {}, 5.0, 0.0, 1e-4)
-        for start in rng.uniform(0, 4, 20):
-            width = 10.0 ** rng.uniform(-3, 0)
+        grid = np.linspace(0, 4, 41)
+        hit = [meet({"a": at(runs["a"], times), "b": at(runs["b"], times, d)}).any() for d in grid]
+        ends = 0.05 + grid[np.flatnonzero(np.diff(hit))]  # where delays begin or cease to collide
+        near = [max(0.0, end + share - 0.15) for end in ends for share in (-0.1, 0.1)]
+        for start in [*near, *rng.uniform(0, 4, 5)]:
+            width = 0.3
             settled, _ = judge.settled(start, start + width)
             if settled.settled == "free":
                 found += 1
                 for delay in np.linspace(start, start + width, 9):
                     assert not meet({"a": at(runs["a"], times), "b": at(runs["b"], times, delay)}).any()
-    assert found > 20
+    assert found > 4
 
 
 @pytest.mark.parametrize("seed", range(20))
