@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from plannercheck.bodies.height_fields import HeightField as HeightField
     from plannercheck.bodies.intersection import certify as certify
     from plannercheck.bodies.intersection import intersects as intersects
+    from plannercheck.bodies.moving import Moving as Moving
     from plannercheck.bodies.objects import Part as Part
     from plannercheck.bodies.octrees import Octree as Octree
     from plannercheck.bodies.part_certificates import PartSeparation as PartSeparation
@@ -72,6 +73,7 @@ _HOMES = {
     "HalfSpace": "bodies.half_spaces",
     "HeightField": "bodies.height_fields",
     "Hull": "bodies.shapes",
+    "Moving": "bodies.moving",
     "Octree": "bodies.octrees",
     "Part": "bodies.objects",
     "PartSeparation": "bodies.part_certificates",

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.ellipsoids import ELLIPSOID_EXCESS, Ellipsoid
 from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.mesh_files import MESH_SUFFIXES, MeshUnits
+from plannercheck.bodies.moving import Moving
 from plannercheck.bodies.objects import Part
 from plannercheck.bodies.octomap_files import OCTREE_SUFFIXES
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Shape, Sphere, checked_pose
@@ -141,9 +143,9 @@ def _add_object(scene: SceneContents, node: Node, index: int, find_file: FindFil
     with error_context(f"object {index}"):
         name = text(required(node, "name"), "name")
     with error_context(f"object {name!r}"):
-        check_keys(node, ("name", "parts", *_SHAPE_KEYS, *_POSE_KEYS))
-        parts, pose = _parts(node, find_file), _pose(node)
-    scene.add(name, parts, pose)
+        check_keys(node, ("name", "parts", *_SHAPE_KEYS, *_POSE_KEYS, "moving"))
+        parts, place = _parts(node, find_file), _moving(node) if "moving" in node else _pose(node)
+    scene.add(name, parts, place)
 
 
 def _attach_object(scene: SceneContents, node: Node, index: int, find_file: FindFile) -> None:
@@ -235,6 +237,24 @@ def _pose(node: Node) -> NDArray[np.float64]:
     if "rpy" in node:
         return pose_of(position, rotation_of_rpy(numbers(node["rpy"], "rpy", 3)))
     return pose_of(position)
+
+
+def _moving(node: Node) -> Moving:
+    """How an object moves, as its mapping says."""
+    if any(key in node for key in _POSE_KEYS):
+        raise PlannercheckError("'moving' says where it is: leave out position, quaternion, rpy and matrix")
+    with error_context("moving"):
+        values = mapping(node["moving"], "it")
+        check_keys(values, ("times", "poses", "path", "outside"))
+        poses = []
+        for k, item in enumerate(sequence(required(values, "poses"), "'poses'")):
+            with error_context(f"pose {k}"):
+                pose = mapping(item, "it")
+                check_keys(pose, _POSE_KEYS)
+                poses.append(_pose(pose))
+        words: dict[str, Any] = {key: text(values[key], key) for key in ("path", "outside") if key in values}
+        times = [number(item, "times") for item in sequence(required(values, "times"), "'times'")]
+        return Moving(times, np.array(poses).reshape(-1, 4, 4), **words)
 
 
 def _read_allowed(scene: SceneContents, document: Node) -> None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.ellipsoids import ELLIPSOID_EXCESS, Ellipsoid
 from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.moving import Moving
 from plannercheck.bodies.objects import Part, SceneObject, unplaced
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.shapes import Box, Hull, Shape, checked_pose
@@ -30,6 +31,9 @@ from plannercheck.scenes.declared_states import DeclaredStates
 from plannercheck.scenes.files_beside import FilesBeside
 from plannercheck.scenes.scene_files import LINK_PAIRS, PAIRS, SIZED
 from plannercheck.scenes.sensed_shapes import sensed_kind, sensed_node
+
+# What is said of an object that moves; the default is not.
+_SAID = ("screw", "stand")
 
 
 def write_scene(scene: SceneContents, path: Path) -> None:
@@ -59,12 +63,20 @@ def _yaml_text(scene: SceneContents, beside: FilesBeside) -> str:
 def _object_node(item: SceneObject, beside: FilesBeside) -> Node:
     if item.pose_frame is not None:
         raise unplaced(item)
+    place = _pose_node(item.pose) if item.moving is None else {"moving": _moving_node(item.name, item.moving)}
     if len(item.parts) == 1 and item.parts[0].pose is None:
-        return {"name": item.name, **_shape_node(item.parts[0], item.name, beside), **_pose_node(item.pose)}
+        return {"name": item.name, **_shape_node(item.parts[0], item.name, beside), **place}
     nodes = [
         _shape_node(part, item.name, beside) | _pose_node(checked_pose(part.pose, item.name)) for part in item.parts
     ]
-    return {"name": item.name, **_pose_node(item.pose), "parts": nodes}
+    return {"name": item.name, **place, "parts": nodes}
+
+
+def _moving_node(name: str, moving: Moving) -> Node:
+    if moving.ride is not None:
+        raise PlannercheckError(f"object {name!r} rides on a robot's link, which no scene file says: leave it out")
+    words = {key: value for key, value in (("path", moving.path), ("outside", moving.outside)) if value in _SAID}
+    return {"times": moving.times.tolist(), "poses": [_pose_node(pose) for pose in moving.poses], **words}
 
 
 def _attached_node(item: SceneObject, beside: FilesBeside) -> Node:
