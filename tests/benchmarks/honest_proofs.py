@@ -31,7 +31,8 @@ from plannercheck.evaluation.stress_motions.curves import curved
 from plannercheck.evaluation.stress_motions.draws import FAMILIES
 from plannercheck.evaluation.stress_motions.judges import together
 from plannercheck.evaluation.stress_motions.outcomes import FREE, Judged
-from plannercheck.evaluation.stress_motions.subjects import CurveSubject, subject_of
+from plannercheck.evaluation.stress_motions.any_subject import subject_of
+from plannercheck.evaluation.stress_motions.subjects import CurveSubject
 from plannercheck.proofs import Proof, load_proofs, save_proofs
 from plannercheck.proofs.verify import model_confirmed
 

@@ -19,7 +19,8 @@ from plannercheck.evaluation.stress_motions.curves import curved
 from plannercheck.evaluation.stress_motions.draws import tree_draw
 from plannercheck.evaluation.stress_motions.outcomes import COLLISION, HISTORY, UNREASONED
 from plannercheck.evaluation.stress_motions.relatives import cut, raised
-from plannercheck.evaluation.stress_motions.subjects import CurveSubject, subject_of
+from plannercheck.evaluation.stress_motions.any_subject import subject_of
+from plannercheck.evaluation.stress_motions.subjects import CurveSubject
 from plannercheck.trajectories.trajectory import Trajectory
 
 SAMPLE = 1500  # curves

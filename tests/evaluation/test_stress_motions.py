@@ -38,7 +38,8 @@ from plannercheck.evaluation.stress_motions.outcomes import (
 )
 from plannercheck.evaluation.stress_motions.planar_draws import planar_draw
 from plannercheck.evaluation.stress_motions.recipes import robot_of, shape_of, space_checker
-from plannercheck.evaluation.stress_motions.subjects import PlaneSubject, SpaceSubject, subject_of
+from plannercheck.evaluation.stress_motions.any_subject import subject_of
+from plannercheck.evaluation.stress_motions.subjects import PlaneSubject, SpaceSubject
 from plannercheck.evaluation.stress_motions.tangents import tangents_of
 from plannercheck.evaluation.stress_motions.trees import Wishes, random_states, random_tree
 

@@ -22,7 +22,8 @@ from plannercheck.evaluation.stress_motions.mesh_states import MeshStates
 from plannercheck.evaluation.stress_motions.outcomes import COLLISION, FREE, UNREASONED, Judged
 from plannercheck.evaluation.stress_motions.planned_draws import PLANNED, planned_draw, refused_by_others
 from plannercheck.evaluation.stress_motions.solid_draws import SETTINGS, solid_draw, stage_of
-from plannercheck.evaluation.stress_motions.subjects import SpaceSubject, subject_of
+from plannercheck.evaluation.stress_motions.any_subject import subject_of
+from plannercheck.evaluation.stress_motions.subjects import SpaceSubject
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*open meshes")
 

@@ -51,7 +51,7 @@ def relatives(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: 
             except PlannercheckError as error:
                 declined(error, row, judged)  # rounding is a larger part of it than of the curve itself
                 continue
-            _alike(draw, used, row, answers[row] == FREE, answer, how, judged)
+            alike(draw, used, row, answers[row] == FREE, answer, how, judged)
     for row in rng.permutation(known)[:_EXPLAINED].tolist():
         _explained(draw, used, row, answers[row] == FREE, judged, rng)
 
@@ -69,7 +69,7 @@ def _straight(draw: Draw, used: CurveSubject, answers: Answers, judged: Judged) 
             judged.add(HISTORY, row, f"as a motion {bool(free)}, as a curve {answers[row]}")
 
 
-def _alike(draw: Draw, used: CurveSubject, row: int, first: bool, other: bool, how: str, judged: Judged) -> None:
+def alike(draw: Draw, used: Subject, row: int, first: bool, other: bool, how: str, judged: Judged) -> None:
     """The answer to the same states; what is refused has to be near enough."""
     if other and draw.motions.touching[row]:
         judged.add(COLLISION, row, f"{how}, it is free though it touches by construction")
