@@ -15,6 +15,7 @@ that the robot's own message defines:
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -22,6 +23,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.sizes import array_of
 from plannercheck.common.array_types import Floats, Ints64
+from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.robot import CellPart, Robot
 from plannercheck.trajectories.curve import Curve, slerp
@@ -37,6 +39,9 @@ _SAME_KNOT = 0.9e-9
 
 # Roundings of a knot, of the share of a piece, and of a duration, in u of the largest time.
 _TIMES = 8
+
+# Curves of which the largest speeds are kept: those of what moves in a scene are asked for with every trajectory.
+_KEPT = 64
 
 # Roundings of a slerp's numbers, in u: of lengths, the angle, sines and cosines, and sums.
 _SLERPED = 64
@@ -284,7 +289,7 @@ def _cut_units(points: Floats, ends: Floats, cuts: _Cuts, degrees: Ints64) -> No
     """
     for k, (a, b) in enumerate(ends):
         s = np.array([cuts.start[k], cuts.end[k]])
-        first, last = slerp(a, b, s, 0)
+        first, last = (a, b) if s[0] == 0.0 and s[1] == 1.0 else slerp(a, b, s, 0)
         points[k] = a if s[0] == 0.0 else first
         points[k, degrees[k]] = b if s[1] == 1.0 else last
 
@@ -302,7 +307,7 @@ def _error(clocked: Clocked, cuts: _Cuts, breaks: Floats, degree: int) -> Floats
     error = error + np.max([blossom_error(piece, steps) for piece in curve.pieces], axis=0)
     for a, b in curve.units:
         if is_cut.any():
-            error[a:b] += _SLERPED * UNIT * max(_condition(piece[0, a:b], piece[-1, a:b]) for piece in curve.pieces)
+            error[a:b] += _SLERPED * UNIT * _largest_condition(curve, a, b)
         if float(error[a:b].max()) > MOST_OFF:
             raise PlannercheckError(
                 f"columns {a} to {b - 1} of a robot form a unit vector, which is off by up to {error[a:b].max():.3g} on"
@@ -311,12 +316,19 @@ def _error(clocked: Clocked, cuts: _Cuts, breaks: Floats, degree: int) -> Floats
     return np.asarray(error)
 
 
+@lru_cache(maxsize=_KEPT)
+def _largest_condition(curve: Curve, first: int, past: int) -> float:
+    """Of all pieces, for the unit vector of some columns."""
+    return max(_condition(piece[0, first:past], piece[-1, first:past]) for piece in curve.pieces)
+
+
 def _condition(start: Floats, end: Floats) -> float:
     """By how much the rounding of a slerp grows: near half a turn of a cosine and sine, sideways is hardly known."""
     angle = float(np.linalg.norm(slerp(start, end, np.zeros(1), 1)[0]))
     return 1.0 if angle <= 2.0 else 1 / max(float(np.sin(angle)), 2.0**-53)
 
 
+@lru_cache(maxsize=_KEPT)
 def speeds(curve: Curve) -> Floats:
     """(pieces, nq) the largest speed of each number on each piece, from above; rad/s and m/s."""
     steps = durations(curve.breaks)
@@ -330,4 +342,4 @@ def speeds(curve: Curve) -> Floats:
         for k, piece in enumerate(curve.pieces):
             turn = np.abs(slerp(piece[0, a:b], piece[-1, a:b], np.zeros(1), 1)[0])
             found[k, a:b] = float(np.linalg.norm(turn)) / steps[k]
-    return np.asarray(found * (1 + 2.0**-40))
+    return read_only(found * (1 + 2.0**-40))

@@ -21,6 +21,7 @@ from plannercheck.evaluation.campaign.campaign import run
 from plannercheck.evaluation.campaign.cases import load, save
 from plannercheck.evaluation.campaign.tallies import Tally, total
 from plannercheck.evaluation.stress_motions import campaign as motion_campaign
+from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.campaign import FAMILY_NAMES, campaign
 from plannercheck.evaluation.stress_motions.cases import MotionCase, shrunk
 from plannercheck.evaluation.stress_motions.contacts import Closeness, extent_of, random_contact
@@ -38,7 +39,6 @@ from plannercheck.evaluation.stress_motions.outcomes import (
 )
 from plannercheck.evaluation.stress_motions.planar_draws import planar_draw
 from plannercheck.evaluation.stress_motions.recipes import robot_of, shape_of, space_checker
-from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.subjects import PlaneSubject, SpaceSubject
 from plannercheck.evaluation.stress_motions.tangents import tangents_of
 from plannercheck.evaluation.stress_motions.trees import Wishes, random_states, random_tree

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from plannercheck.evaluation.campaign.tallies import EXCEPTION, Column, Entry, Tally, table, total
+from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.cases import MotionCase, case_of, shrunk
 from plannercheck.evaluation.stress_motions.cell_draws import CELL_WEIGHTS, cell_draw
 from plannercheck.evaluation.stress_motions.curves import curved
@@ -34,7 +35,6 @@ from plannercheck.evaluation.stress_motions.planar_draws import PLANAR_FAMILIES,
 from plannercheck.evaluation.stress_motions.planned_draws import PLANNED, planned_draw
 from plannercheck.evaluation.stress_motions.recipes import Recipe, cell_of, geometry_of, planar_robot_of, robot_of
 from plannercheck.evaluation.stress_motions.solid_draws import SETTINGS, solid_draw
-from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.subjects import Subject
 from plannercheck.evaluation.stress_motions.unposed_robots import UNPOSED, judge_unposed
 

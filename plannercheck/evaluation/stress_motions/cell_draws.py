@@ -14,8 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from plannercheck.bodies.shapes import Shape
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.transforms import rotation_of_quaternion
 from plannercheck.evaluation.stress.contact_poses import random_directions
 from plannercheck.evaluation.stress_motions.aims import Aim, Motions, joined, through
@@ -42,9 +41,9 @@ FAMILIES: dict[str, Wishes] = {
 }
 CELL_WEIGHTS: dict[str, float] = {"cell": 0.4, "arms": 0.3, "gantries": 0.15, "bases": 0.15}
 # Trajectories of a cell; so many times as many are made as are taken, those first that are free at both ends.
-CELL_MOTIONS, _CANDIDATES = 25, 3
-# Robots, bodies that move and obstacles of a cell: least, and one more than the most.
-_ROBOTS, _MOVING, _OBSTACLES = (2, 5), (0, 6), (0, 4)
+CELL_MOTIONS, _CANDIDATES = 40, 2
+# How often a cell has so many robots, bodies that move, and obstacles: each more takes longer.
+_ROBOTS, _MOVING, _OBSTACLES = (0.0, 0.0, 0.6, 0.25, 0.15), (0.3, 0.3, 0.15, 0.1, 0.1, 0.05), (0.4, 0.3, 0.2, 0.1)
 _WHOLE, _SELF, _CLOUDS, _PADDED, _STANDS_OUTSIDE = 0.2, 0.5, 0.2, 0.1, 0.5
 # Contacts of a moving body: how many, how far apart, and how long before and after each it has another pose, s.
 _CONTACTS, _APART, _BESIDE = (1, 3), 20.0, (0.05, 3.0)
@@ -55,7 +54,7 @@ _ENDS = 5000.0
 # How long the curve through the contact takes, s, as powers of ten, or one of these lengths, so that knots coincide.
 _LENGTHS, _EVEN, _LENGTH_IS_EVEN = (-1.5, 1.0), (0.5, 1.0, 2.0), 0.5
 # Pieces before and after it; their size, rad and m; robots that stand; curves as controllers have them.
-_BEFORE, _SIZES, _STANDING, _CONTROLLED = 0.5, (-2.0, 0.3), 0.15, 0.5
+_BEFORE, _SIZES, _STANDING, _CONTROLLED = 0.3, (-2.0, 0.3), 0.15, 0.5
 _CONTROLLERS: dict[int, Controller] = {1: "linear", 3: "jtc", 5: "jtc"}
 # Where the own clock of a curve begins, s; how long the clock runs before the first robot starts, as powers of ten.
 _BEGINS, _NOT_AT_ONCE, _LATE = (0.0, 0.0, 0.25, 1.3), 0.5, (-2.0, 3.0)
@@ -76,21 +75,27 @@ def cell_draw(family: str, rng: np.random.Generator) -> Draw:
     """A random cell among contacts."""
     recipe: CellRecipe = {"kind": "cell", "robots": {}, "moving": [], "obstacles": [], "padding": 0.0}
     is_whole = rng.random() < _WHOLE
-    for name in "abcd"[: int(rng.integers(*_ROBOTS))]:
+    for name in "abcd"[: _count(_ROBOTS, rng)]:
         recipe["robots"][name] = {"robot": _robot(FAMILIES[family], is_whole, rng), "pose": np.eye(4).tolist()}
     if rng.random() < _PADDED:
         recipe["padding"] = float(10.0 ** rng.uniform(-4, -2))
     robots = {name: part.robot for name, part in cell_of(recipe).parts.items()}
     touches = [_base(recipe, robots, name, rng) for name in list(robots)[1:]]
-    for _ in range(int(rng.integers(*_MOVING))):
+    for _ in range(_count(_MOVING, rng)):
         touches += _moving(recipe, robots, rng)
-    for _ in range(int(rng.integers(*_OBSTACLES))):
+    for _ in range(_count(_OBSTACLES, rng)):
         shape = random_shape(rng)
         touches.append(_touch(recipe, robots, shape, rng))
         pose = touches[-1].contact.pose.tolist()
         recipe["obstacles"].append({"link": "", "shape": _scattered(shape, rng), "pose": pose})
     cell = cell_of(recipe)
-    return Draw(family, recipe, _motions(CellSubject(recipe, cell), touches, rng), float(rng.choice([1e-4, 1e-4, 1e-3])))
+    return Draw(
+        family, recipe, _motions(CellSubject(recipe, cell), touches, rng), float(rng.choice([1e-4, 1e-4, 1e-3]))
+    )
+
+
+def _count(weights: Sequence[float], rng: np.random.Generator) -> int:
+    return int(rng.choice(len(weights), p=weights))
 
 
 # ----- robots, and what they touch
@@ -202,15 +207,16 @@ def _motions(subject: CellSubject, touches: Sequence[_Touch], rng: np.random.Gen
     times = np.repeat([touch.time for touch in touches], each)
     motions = joined(passed)
 
-    def check(q: Floats) -> Any:
-        return subject.check_states(np.column_stack([q, times if len(q) == len(times) else times[0]]))
+    def check(q: Floats) -> Bools:
+        return subject.check_states(np.column_stack([q, times]))
 
     tube, middle = tube_around(check, motions.through, units, rng)
     parts = np.split(np.arange(len(times)), len(touches))
-    rows, at = zip(*(found for part in parts for found in _rows(subject.robot, motions, middle, times, part, rng)))
-    width = max(map(len, rows))
-    q0 = np.array([np.pad(row, (0, width - len(row))) for row in rows])
-    made = Motions(q0, np.tile(tube, (len(q0), 1)), np.array(at), np.column_stack([motions.through, times]), motions.touching)
+    found = [each for part in parts for each in _rows(subject.robot, motions, middle, times, part, rng)]
+    width, at = max(len(row) for row, _ in found), np.array([instant for _, instant in found])
+    q0 = np.array([np.pad(row, (0, width - len(row))) for row, _ in found])
+    states = np.column_stack([motions.through, times])
+    made = Motions(q0, np.tile(tube, (len(q0), 1)), at, states, motions.touching)
     first, last = subject.ends(made.q0, made.q1)
     return made.of(sharpest_rows(subject.check_states(first) & subject.check_states(last), CELL_MOTIONS, rng))
 
@@ -242,7 +248,13 @@ def _rows(
 
 def _curves(part: CellPart, motions: Motions, middle: Floats, rng: np.random.Generator) -> list[tuple[Run, float]]:
     """Curves of one robot through its part of states, and when they pass it, s of their own clock."""
-    own = Motions(motions.q0[:, part.columns], motions.q1[:, part.columns], motions.at, motions.through[:, part.columns], motions.touching)
+    own = Motions(
+        motions.q0[:, part.columns],
+        motions.q1[:, part.columns],
+        motions.at,
+        motions.through[:, part.columns],
+        motions.touching,
+    )
     units = unit_columns(part.robot)
     at = own.at if units.any() else instants(own.at, rng)
     degree = int(rng.integers(1, MOST_DEGREE + 1))
@@ -286,7 +298,10 @@ def _controlled(run: Run, through: int, rng: np.random.Generator) -> Run:
     q = np.array([run.pieces[0][0], *(piece[-1] for piece in run.pieces)])
     v, a = (rng.normal(size=q.shape) for _ in range(2))
     v[-1] = a[-1] = 0.0
-    velocity, acceleration = np.diff(points, axis=0) * degree / length, np.diff(points, 2, axis=0) * degree * (degree - 1)
+    velocity, acceleration = (
+        np.diff(points, axis=0) * degree / length,
+        np.diff(points, 2, axis=0) * degree * (degree - 1),
+    )
     v[[through, through + 1]] = velocity[[0, -1]]
     if degree == 5:
         a[[through, through + 1]] = acceleration[[0, -1]] / length**2

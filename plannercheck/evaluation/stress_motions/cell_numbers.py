@@ -46,7 +46,7 @@ class Run(NamedTuple):
     def given(self, units: tuple[tuple[int, int], ...]) -> Trajectory | Floats:
         """As `on_one_clock` takes it."""
         if not len(self.breaks):
-            return self.pieces[0][0]
+            return np.asarray(self.pieces[0][0])
         return Trajectory.of_curve(Curve(self.breaks, self.pieces, self.error, units))
 
 

@@ -8,6 +8,7 @@ own curve is.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -26,8 +27,8 @@ from plannercheck.trajectories.trajectory import Trajectory
 
 # Trajectories of a draw that are asked in other ways, and instants at which merged ones are looked at.
 _LIKE, _INSTANTS = 2, 8
-# The part of what saves work that is off.
-_OFF = 0.5
+# Cells whose robots are asked in another order, the part of others' switches that are off.
+_TURNED, _OFF = 0.5, 0.5
 # Merged states are where the robots' own are up to this, per largest number.
 _SAME_STATE = 1e-9
 # Switches of what saves work.
@@ -39,19 +40,22 @@ def cell_relatives(draw: Draw, used: Subject, answers: Answers, judged: Judged, 
     assert isinstance(used, CellSubject)
     assert draw.recipe["kind"] == "cell"
     known = rng.permutation(np.flatnonzero((answers == FREE) | (answers == REFUSED)))
-    names = [str(name) for name in rng.permutation(list(draw.recipe["robots"]))]
-    other = CellSubject({**draw.recipe, "robots": {name: draw.recipe["robots"][name] for name in names}})
-    off = [switch for switch in _SWITCHES if rng.random() < _OFF]
-    plain = CellSubject(draw.recipe, used.robot, DEFAULT_TUNING.without(*off))
+    names, off = list(draw.recipe["robots"]), list[str]()
+    if rng.random() < _TURNED:
+        names = [str(name) for name in rng.permutation(names)]
+    else:
+        off = [switch for switch in _SWITCHES if rng.random() < _OFF]
+    how_other = f"without {', '.join(off)}" if off else f"in the order {', '.join(names)}"
+    robots = {name: draw.recipe["robots"][name] for name in names}
+    other = CellSubject({**draw.recipe, "robots": robots}, None, DEFAULT_TUNING.without(*off))
     columns = np.concatenate([used.robot.parts[name].columns for name in names])
     for row in known[:_LIKE].tolist():
         q0, q1 = draw.motions.q0[row], draw.motions.q1[row]
         _is_where_robots_are(used, q0, q1, row, judged, rng)
-        turned = reordered(used.robot, q0, names)
-        first = bool(answers[row] == FREE)
+        turned, first = reordered(used.robot, q0, names), bool(answers[row] == FREE)
         ways: dict[str, Callable[[], bool]] = {
-            "with the robots in another order": lambda: other.check_one(turned, q1[columns], draw.tolerance),
-            "split in two": lambda: _split(used, q0, q1, draw.tolerance, rng),
+            "split in two": partial(_split, used, q0, q1, draw.tolerance, rng),
+            how_other: partial(other.check_one, turned, q1[columns], draw.tolerance),
         }
         for how, ask in ways.items():
             try:
@@ -60,8 +64,8 @@ def cell_relatives(draw: Draw, used: Subject, answers: Answers, judged: Judged, 
                 declined(error, row, judged)  # rounding is a larger part of it
                 continue
             alike(draw, used, row, first, answer, how, judged)
-        if plain.check_one(q0, q1, draw.tolerance) != first:
-            judged.add(HISTORY, row, f"without {', '.join(off)} {not first}, with these {first}")
+            if how.startswith("without") and answer != first:
+                judged.add(HISTORY, row, f"{how} {answer}, with these {first}")
 
 
 def _is_where_robots_are(

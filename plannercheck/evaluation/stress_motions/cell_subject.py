@@ -160,7 +160,8 @@ class CellSubject(Subject):
         return run.given(self._units(name))
 
     def _units(self, name: str) -> tuple[tuple[int, int], ...]:
-        return self.robot.parts[name].robot.configuration_map.units
+        robot: Robot = self.robot
+        return robot.parts[name].robot.configuration_map.units
 
     @property
     def _moves(self) -> bool:

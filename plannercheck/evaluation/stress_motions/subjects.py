@@ -245,5 +245,3 @@ class CurveSubject(SpaceSubject):
     @cached_property
     def _tube_reach(self) -> TubeReach:
         return TubeReach(self.checker)
-
-
