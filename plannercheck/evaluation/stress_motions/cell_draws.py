@@ -9,7 +9,7 @@ controller and start, or it stands.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -70,6 +70,10 @@ class _Touch:
     other: str  # the link of another robot, or empty
     contact: Contact
 
+    def unless(self, are_fixed: bool) -> _Touch:
+        """It touches nothing if both bodies are fixed: such pairs are not tested."""
+        return replace(self, contact=replace(self.contact, touches=self.contact.touches and not are_fixed))
+
 
 def cell_draw(family: str, rng: np.random.Generator) -> Draw:
     """A random cell among contacts."""
@@ -85,8 +89,9 @@ def cell_draw(family: str, rng: np.random.Generator) -> Draw:
         touches += _moving(recipe, robots, rng)
     for _ in range(_count(_OBSTACLES, rng)):
         shape = random_shape(rng)
-        touches.append(_touch(recipe, robots, shape, rng))
-        pose = touches[-1].contact.pose.tolist()
+        found = _touch(recipe, robots, shape, rng)
+        touches.append(found.unless(_is_fixed(robots, found.link)))
+        pose = found.contact.pose.tolist()
         recipe["obstacles"].append({"link": "", "shape": _scattered(shape, rng), "pose": pose})
     cell = cell_of(recipe)
     return Draw(
@@ -129,13 +134,19 @@ def _touch(
     """A shape laid upon a body of a robot, one that moves if some do."""
     name = str(rng.choice(among if among is not None else list(robots)))
     states, robot, bodies = _states(robots, rng), robots[name], recipe["robots"][name]["robot"]["bodies"]
-    poses = robot.link_poses(random_states(robot, 2, rng))
-    moves = (poses[0] != poses[1]).any(axis=(1, 2))
-    some = [body for body in bodies if moves[robot.link_index(body["link"])]] or bodies
+    some = [body for body in bodies if not _is_fixed(robots, f"{name}/{body['link']}")] or bodies
     body = some[int(rng.integers(len(some)))]
     pose = _body_pose(recipe, robots, name, body, states[name])
     contact = random_contact(extent_of(shape_of(body["shape"])), pose, shape, rng)
     return _Touch(states, float(rng.uniform(0, 60)), f"{name}/{body['link']}", "", contact)
+
+
+def _is_fixed(robots: Mapping[str, Robot], link: str) -> bool:
+    """Whether no joint of the group moves a link, "robot/link"."""
+    name, own = link.split("/")
+    q = random_states(robots[name], 2, np.random.default_rng(0))
+    first, second = robots[name].link_poses(q)[:, robots[name].link_index(own)]
+    return bool((first == second).all())
 
 
 def _body_pose(recipe: CellRecipe, robots: Mapping[str, Robot], name: str, body: Any, state: Floats) -> Floats:
@@ -152,7 +163,9 @@ def _base(recipe: CellRecipe, robots: Mapping[str, Robot], name: str, rng: np.ra
     found = _touch(recipe, robots, body["shape"], rng, earlier)
     own = _body_pose(recipe, robots, name, body, found.states[name])
     recipe["robots"][name]["pose"] = (found.contact.pose @ np.linalg.inv(own)).tolist()
-    return _Touch(found.states, found.time, found.link, f"{name}/{body['link']}", found.contact)
+    other = f"{name}/{body['link']}"
+    are_fixed = _is_fixed(robots, found.link) and _is_fixed(robots, other)
+    return replace(found, other=other).unless(are_fixed)
 
 
 def _moving(recipe: CellRecipe, robots: Mapping[str, Robot], rng: np.random.Generator) -> list[_Touch]:
