@@ -142,7 +142,12 @@ def _matrix(description: RobotDescription, options: argparse.Namespace) -> Colli
 def _declared(description: RobotDescription) -> list[DisabledPair]:
     """The pairs that SRDF and YAML disable one by one; links that are disabled by default are no claim about pairs."""
     from_srdf = disabled_collisions(description.semantics.root) if description.semantics else []
-    return [*from_srdf, *description.disabled_pairs]
+    of_robots = [
+        DisabledPair(f"{name}/{pair.link_a}", f"{name}/{pair.link_b}", pair.reason)
+        for name in description.robots
+        for pair in _declared(description.of_robot(name))
+    ]
+    return [*from_srdf, *description.disabled_pairs, *of_robots]
 
 
 def _show_proposal(matrix: CollisionMatrix) -> None:

@@ -15,13 +15,13 @@ from plannercheck.bodies.mesh_files import MeshUnits
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_folder
 from plannercheck.planar.robot_files import is_planar
-from plannercheck.robots.description import RobotDescription, description_of
+from plannercheck.robots.description import ALL, RobotDescription, description_of
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.srdf import group_names
 
 # What --robot takes.
 ROBOT_HELP = (
-    "a shipped robot's name, a file (a robot's YAML, a URDF, a .xacro, an MJCF .xml) or a name of the "
+    "a shipped robot's name, a file (a robot's or a cell's YAML, a URDF, a .xacro, an MJCF .xml) or a name of the "
     "robot_descriptions package"
 )
 
@@ -106,8 +106,10 @@ def _argument(text: str) -> tuple[str, str]:
 
 
 def _group(text: str, description: RobotDescription) -> Mapping[str, Any]:
-    """The SRDF's group of that name, else these joints."""
+    """The SRDF's group of that name, or a robot of a cell, else these joints."""
     if description.semantics is not None and text in group_names(description.semantics.root):
+        return {"group": text, "joints": None}
+    if text in description.robots or (description.robots and text == ALL):
         return {"group": text, "joints": None}
     joints = tuple(name.strip() for name in text.split(",") if name.strip())
     if len(joints) == 1 and description.semantics is not None and "," not in text:

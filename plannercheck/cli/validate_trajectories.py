@@ -157,8 +157,9 @@ def judge_trajectory(
         checker_of: The checker for a robot that holds other joints, by their values.
         options: Of the command.
     """
-    trajectory = trajectory_of(path, robot, options.controller, options.start, options.message)
     held = read_robot_path(path, robot).others if path.suffix.lower() in _MESSAGES else {}
+    posed = robot.holding(held) if held else robot
+    trajectory = trajectory_of(path, posed, options.controller, options.start, options.message)
     began = time.perf_counter()
     with error_context(f"trajectory file {str(path)!r}"):
         checker = checker_of(held)

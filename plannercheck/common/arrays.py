@@ -132,6 +132,14 @@ def contiguous(values: ArrayLike) -> NDArray[np.float64]:
     return array if array.flags.aligned else array.copy()
 
 
+def named_numbers(values: ArrayLike, what: str) -> NDArray[np.float64]:
+    """`contiguous`, or an error that names what holds no numbers."""
+    try:
+        return contiguous(values)
+    except (TypeError, ValueError, OverflowError):
+        raise PlannercheckError(f"{what} must be numbers, not {shown_array(values)}") from None
+
+
 def real_numbers(values: ArrayLike) -> NDArray[Any]:
     """What NumPy makes of numbers, also of another library's array: by `__array__` or, for want of that, by DLPack.
 

@@ -101,6 +101,15 @@ def parse_yaml(text: bytes | str) -> Node:
     return mapping(document, "the document")
 
 
+def keys_given_twice(text: bytes | str, key: str) -> list[str]:
+    """The keys that the mapping under a key of a valid document has more than once; of them YAML takes the last."""
+    document = yaml.compose(_without_last_dashes(text), Loader=YAML_LOADER)
+    pairs = document.value if isinstance(document, yaml.MappingNode) else []
+    inner = [value.value for name, value in pairs if name.value == key and isinstance(value, yaml.MappingNode)]
+    names = [str(name.value) for entries in inner for name, _ in entries]
+    return [name for name in dict.fromkeys(names) if names.count(name) > 1]
+
+
 def _without_last_dashes(text: bytes | str) -> bytes | str:
     """The text without a last line of dashes; at the start of a line they end a document whatever is before them."""
     stripped = text.rstrip()

@@ -19,6 +19,23 @@ from plannercheck.common.errors import PlannercheckError
 FREE, REFUSED, IMPRECISE = 0, 1, 2
 
 
+class ImpreciseError(PlannercheckError):
+    """Rounding is too large a part of the tolerance.
+
+    Attributes:
+        row: Number of the motion or piece.
+        reason: The sentence without it.
+    """
+
+    def __init__(self, name: str, row: int, tolerance: float) -> None:
+        self.row = row
+        self.reason = (
+            "lengths and angles are so large that rounding is no small part of the tolerance of "
+            f"{tolerance:g} m; choose a larger tolerance, or smaller numbers"
+        )
+        super().__init__(f"{name}: {self.reason}")
+
+
 class Proof(NamedTuple):
     """The proof that a pair is apart on an interval of a motion.
 
@@ -76,19 +93,19 @@ def verdicts(
         is_curve: Whether they are pieces of trajectories.
 
     Raises:
-        PlannercheckError: If rounding is too large a part of the tolerance for one of them.
+        ImpreciseError: If rounding is too large a part of the tolerance for one of them.
     """
     if (answers == IMPRECISE).any():
         first = int(np.argmax(answers == IMPRECISE))
-        name = f"motion {first if rows is None else int(rows[first])}"
-        raise _imprecise("a piece of a trajectory" if is_curve else name, tolerance)
+        row = first if rows is None else int(rows[first])
+        raise ImpreciseError(f"{'piece' if is_curve else 'motion'} {row}", row, tolerance)
     return np.asarray(answers == FREE)
 
 
 def motion_result_of(answer: int, until: float, near: float, pair: int, tolerance: float) -> MotionResult:
     """The result of one motion without proofs, or an error; only a refused one has the core's numbers."""
     if answer == IMPRECISE:
-        raise _imprecise("motion 0", tolerance)
+        raise ImpreciseError("motion 0", 0, tolerance)
     return MotionResult(True, 1.0, -1.0, -1) if answer == FREE else MotionResult(False, until, near, pair)
 
 
@@ -109,11 +126,3 @@ def check_tolerance(tolerance: float) -> None:
         is_length = False
     if not is_length:
         raise PlannercheckError(f"tolerance must be a positive length in m, not {tolerance!r}")
-
-
-def _imprecise(name: str, tolerance: float) -> PlannercheckError:
-    """The error for a motion whose rounding exceeds a part of the tolerance."""
-    return PlannercheckError(
-        f"{name}: lengths and angles are so large that rounding is no small part of the tolerance of "
-        f"{tolerance:g} m; choose a larger tolerance, or smaller numbers"
-    )

@@ -17,6 +17,7 @@ from plannercheck.checking.state_checker import StateChecker
 from plannercheck.checking.verdicts import MotionVerdict
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import Configuration
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.compiled_first import compiled_first
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath, check_path
@@ -28,7 +29,7 @@ from plannercheck.motions.joint_drives import split_joints
 from plannercheck.motions.motion_ends import Motions, checked_ends, with_given_ends
 from plannercheck.motions.proof_builder import Builder
 from plannercheck.motions.sampling import MotionSampler
-from plannercheck.motions.trajectory_checks import TrajectoryChecks, check_several, check_trajectory_of
+from plannercheck.motions.trajectory_checks import TrajectoryChecks, check_several, check_trajectory_of, named_piece
 from plannercheck.motions.trajectory_verdict import TrajectoryVerdict
 from plannercheck.proofs.proof import Proof
 from plannercheck.trajectories.trajectory import Trajectory
@@ -317,7 +318,10 @@ class Checker(StateChecker):
         if not checks.are_free([judged])[0]:
             return None
         around = checks.tube_of(judged)
-        proofs = [checker._prover.curve_proof(points, around, tolerance) for points in judged.curve.pieces]
+        proofs = list[Proof | None]()
+        for k, points in enumerate(judged.curve.pieces):
+            with error_context(named_piece(judged, k)):
+                proofs.append(checker._prover.curve_proof(points, around, tolerance))
         found = tuple(proof for proof in proofs if proof is not None)
         return found if len(found) == len(proofs) else None
 

@@ -3,16 +3,18 @@
 In: a proof, a robot, a scene. Out: nothing, or an `UnprovedError` that names the first difference.
 
 The joints, their placements, axes and who follows whom are compared by `urdf_trees.py` with the exact numbers of the
-URDF, or of what a xacro expands to, and the links' bodies by `urdf_shapes.py` with its elements and meshes. Bodies, the
-pair table, and the joint of each column are compared bit for bit with what plannercheck itself loads, since SRDFs,
-groups and scenes have many rules; so are the joints of an MJCF file, of which there is no second reader. So
-plannercheck's loader is trusted for these; its kinematics and its verdicts are not. The values of joints outside the
-group are part of the claim: they are in the proof, not in the URDF.
+URDF, or of what a xacro expands to, and the links' bodies by `urdf_shapes.py` with its elements and meshes. The robots
+of a cell are compared one by one, each at the pose that `cell_places.py` reads. Bodies, the pair table, and the joint
+of each column are compared bit for bit with what plannercheck itself loads, since SRDFs, groups and scenes have many
+rules; so are the joints of an MJCF file, of which there is no second reader. So plannercheck's loader is trusted for
+these; its kinematics and its verdicts are not. The values of joints outside the group are part of the claim: they are
+in the proof, not in the URDF.
 """
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -21,10 +23,12 @@ from plannercheck.bodies.mesh_files import MeshUnits
 from plannercheck.common.package_files import folders_above, package_file
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.proof_model import space_model
+from plannercheck.proofs.cell_places import base_placements
 from plannercheck.proofs.data import WORLD, Joint, Model, PosedBody
+from plannercheck.proofs.exact_placements import enough_digits
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.urdf_shapes import MeshFiles, confirm_shapes
-from plannercheck.proofs.urdf_trees import confirm_tree
+from plannercheck.proofs.urdf_trees import ALONE, RobotPlace, confirm_tree
 from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.link_geometry import Geometry
 from plannercheck.robots.robot import Robot
@@ -63,25 +67,20 @@ def confirm_model(
         description = dataclasses.replace(description, geometry=geometry)
     if mesh_units is not None:
         description = dataclasses.replace(description, mesh_units=mesh_units)
-    file = description.file
-    compared = []
-    if file.kind != MJCF_ROOT:
-        whole = description.joints is None and description.group is None
-        compared += [confirm_tree(model, description.urdf, file.mended, description.floating, whole)]
-        above = folders_above(file.path)
-        find = partial(package_file, folders=description.package_dirs, above=above)
-        compared += confirm_shapes(
-            model, file.mended, MeshFiles(str(description.urdf), find, description.mesh_units != "file")
-        )
     loaded = Robot.from_description(description)
-    obstacles = (
-        Scene("empty")
-        if scene is None
-        else Scene.load(scene, description.package_dirs, meshes=meshes, mesh_units=mesh_units)
-    )
+    robots = tuple(_placed_robots(description))
+    _check_all_are_of(model, tuple(place.prefix for _, place in robots))
+    compared, of_mjcf = list[str](), list[str]()
+    for each, place in robots:
+        if each.file.kind == MJCF_ROOT:
+            of_mjcf.append(place.prefix)
+        else:
+            compared += _confirm_urdf(model, each, place, whole=loaded.group is None)
+    folders = tuple(folder for each, _ in robots for folder in each.package_dirs)
+    obstacles = Scene("empty") if scene is None else Scene.load(scene, folders, meshes=meshes, mesh_units=mesh_units)
     known = space_model(Checker(loaded, obstacles))
-    if file.kind == MJCF_ROOT:
-        _compare_trees(model, known)
+    for prefix in of_mjcf:
+        _compare_trees(model, known, prefix)
     _compare_columns(model, known)
     _compare_bodies(model, known)
     where = "the empty scene" if scene is None else f"the scene {scene!r}"
@@ -89,13 +88,46 @@ def confirm_model(
     return (*compared, f"bodies, pairs and columns, bit for bit, with what plannercheck loads of {loaded_from}")
 
 
-def _compare_trees(model: Model, loaded: Model) -> None:
-    """Checks that links and joints are those of the checker, but for the values at which joints are held."""
-    if model.links != loaded.links:
-        given, known = ({link.name for link in each.links} for each in (model, loaded))
-        raise UnprovedError(f"links of the proof and of the MJCF differ: {sorted(given ^ known)[:3] or 'in place'}")
+def _placed_robots(
+    description: RobotDescription, place: RobotPlace = ALONE
+) -> Iterator[tuple[RobotDescription, RobotPlace]]:
+    """The robots of a description, one unless it is of a cell, whose poses the verifier reads by itself."""
+    if not description.robots:
+        yield description, place
+        return
+    bases = base_placements(description.urdf)
+    if bases.keys() != description.robots.keys():
+        raise UnprovedError(f"the cell {str(description.urdf)!r} has other robots for the verifier: {list(bases)}")
+    for name, base in bases.items():
+        with enough_digits():
+            whole = base if place.base is None else place.base.times(base)
+        yield from _placed_robots(description.of_robot(name), RobotPlace(f"{place.prefix}{name}/", whole))
+
+
+def _check_all_are_of(model: Model, prefixes: tuple[str, ...]) -> None:
+    """Raises for a link or joint of a robot that the files do not have."""
+    for name in (*(link.name for link in model.links), *(joint.name for joint in model.joints)):
+        if not name.startswith(prefixes):
+            raise UnprovedError(f"{name!r} is of no robot of the files, which have {', '.join(prefixes)}")
+
+
+def _confirm_urdf(model: Model, description: RobotDescription, place: RobotPlace, whole: bool) -> Iterator[str]:
+    """Compares one robot with its URDF."""
+    file = description.file
+    yield confirm_tree(model, description.urdf, file.mended, description.floating, whole, place)
+    find = partial(package_file, folders=description.package_dirs, above=folders_above(file.path))
+    meshes = MeshFiles(str(description.urdf), find, description.mesh_units != "file")
+    yield from confirm_shapes(model, file.mended, meshes, place.prefix)
+
+
+def _compare_trees(model: Model, loaded: Model, prefix: str) -> None:
+    """Checks that links and joints of a robot are those of the checker, but for the values at which joints are held."""
+    given, known = ([link for link in each.links if link.name.startswith(prefix)] for each in (model, loaded))
+    if given != known:
+        names = sorted({link.name for link in given} ^ {link.name for link in known})[:3]
+        raise UnprovedError(f"links of the proof and of the MJCF differ: {names or 'in place'}")
     for joint, other in zip(model.joints, loaded.joints, strict=False):  # their number is compared with the columns
-        if _as_moved(joint) != _as_moved(other):
+        if joint.name.startswith(prefix) and _as_moved(joint) != _as_moved(other):
             raise UnprovedError(f"joint {joint.name!r} is not as the MJCF has it")
 
 

@@ -17,10 +17,11 @@ from numpy.typing import ArrayLike
 
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Bools, Floats, Ints64
-from plannercheck.common.arrays import contiguous
+from plannercheck.common.arrays import named_numbers
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.certifier import MotionCertifier
+from plannercheck.motions.certifier_answers import ImpreciseError
 from plannercheck.motions.explanation import explained_motion
 from plannercheck.motions.motion_ends import Curves
 from plannercheck.motions.trajectory_verdict import Stop, TrajectoryVerdict
@@ -66,7 +67,7 @@ class TrajectoryChecks:
         self._checker, self._tolerance = checker, tolerance
         self._certifier = checker.certifier_of("slerp")
         self._units, self._own = checker.robot.configuration_map.units, checker.robot.own_width
-        self.tube = self._checked_tube(contiguous(tube))
+        self.tube = self._checked_tube(named_numbers(tube, "tube"))
 
     def are_free(self, trajectories: Sequence[Trajectory], threads: int = 1) -> Bools:
         """Which of n trajectories are proved free (n,), on a number of threads."""
@@ -77,15 +78,39 @@ class TrajectoryChecks:
         starts = [0, *accumulate(len(each.curve.pieces) for each in trajectories[:-1])]
         return np.logical_and.reduceat(free, starts)
 
+    def free_pieces(self, trajectory: Trajectory, wider: Floats | None = None) -> Bools:
+        """Which pieces of a trajectory are proved free; `wider`: (pieces, nq) what each has besides the tube."""
+        return self._free_pieces([trajectory], self.tube, wider=wider)
+
+    def near_instants(self, trajectory: Trajectory, pieces: Sequence[int]) -> list[float]:
+        """Where pairs came so near on pieces that are not free that these were refused, s."""
+        breaks, tubes = trajectory.curve.breaks, self._tubes([trajectory.curve], self.tube, 0.0)
+        found = []
+        for k in pieces:
+            result = self._certifier.result(Curves(trajectory.curve.pieces[k][None], tubes), self._tolerance)
+            if not result.free:
+                found.append(float(min(breaks[k] + (breaks[k + 1] - breaks[k]) * result.near, breaks[k + 1])))
+        return found
+
     def _free_pieces(
-        self, trajectories: Sequence[Trajectory], tube: Floats, room: float = 0.0, threads: int = 1
+        self,
+        trajectories: Sequence[Trajectory],
+        tube: Floats,
+        room: float = 0.0,
+        threads: int = 1,
+        wider: Floats | None = None,
     ) -> Bools:
-        """Which pieces of all trajectories, one after the other, are proved free; `room`: how far bodies stay apart."""
+        """Which pieces of all trajectories, one after the other, are proved free.
+
+        `room`: how far bodies stay apart; `wider`: (pieces, nq) what the tube of each piece has besides.
+        """
         for trajectory in trajectories:
             check_trajectory_of(self._checker.robot, trajectory)
         curves = [each.curve for each in trajectories]
         counts = [len(curve.pieces) for curve in curves]
         tubes = self._tubes(curves, tube, room).repeat(counts, axis=0)
+        if wider is not None:
+            tubes[:, :-1] = (tubes[:, :-1] + wider) * (1 + 2.0**-52)
         starts = accumulate(counts[:-1], initial=0)
         by_count: dict[int, list[tuple[Ints64, Floats]]] = {}
         for start, curve in zip(starts, curves, strict=True):
@@ -94,7 +119,10 @@ class TrajectoryChecks:
         free = np.empty(sum(counts), dtype=bool)
         for some in by_count.values():
             rows, joined = (np.concatenate(arrays) for arrays in zip(*some, strict=True))
-            free[rows] = self._certifier.check_curves(Curves(joined, tubes[rows]), self._tolerance, threads)
+            try:
+                free[rows] = self._certifier.check_curves(Curves(joined, tubes[rows]), self._tolerance, threads)
+            except ImpreciseError as error:
+                raise PlannercheckError(f"{_named(trajectories, int(rows[error.row]))}: {error.reason}") from None
         return free
 
     def tube_of(self, trajectory: Trajectory) -> Floats:
@@ -216,6 +244,22 @@ def check_trajectory_of(robot: Robot, trajectory: Trajectory) -> None:
         raise PlannercheckError(
             f"columns of {robot.name!r} form unit vectors, which turn by slerp: give trajectory.of_robot(robot)"
         )
+
+
+def _named(trajectories: Sequence[Trajectory], piece: int) -> str:
+    """A piece of trajectories in words, by its number among those of all."""
+    for k, trajectory in enumerate(trajectories):
+        if piece < len(trajectory.curve.pieces):
+            of = f"trajectory {k}, " if len(trajectories) > 1 else ""
+            return of + named_piece(trajectory, piece)
+        piece -= len(trajectory.curve.pieces)
+    raise IndexError(piece)
+
+
+def named_piece(trajectory: Trajectory, piece: int) -> str:
+    """A piece in words, with the time it takes."""
+    start, end = trajectory.curve.breaks[piece : piece + 2].tolist()
+    return f"piece {piece} of the trajectory, {start:.6g} to {end:.6g} s"
 
 
 def _largest(is_free: Callable[[float], bool], smallest: float, largest: float) -> float:

@@ -48,6 +48,12 @@ class Placement:
         """This placement and then another, in its frame."""
         return Placement(self.matrix * other.matrix, self.count + other.count, self.shift + other.shift)
 
+    @classmethod
+    def of_rows(cls, rows: Sequence[Sequence[Fraction]]) -> Placement:
+        """The placement whose matrix has these 4 rows."""
+        numbers = [number for row in rows for number in row]
+        return cls(arb_mat(4, 4, balls(numbers)), 1, math.hypot(*(float(row[3]) for row in rows[:3])))
+
     @property
     def allowance(self) -> float:
         """How far doubles may be off."""
@@ -108,10 +114,19 @@ def origin_of(element: Element) -> Placement:
     origin = element.find("origin")
     given = {} if origin is None else origin.attrib
     shift = decimals(given.get("xyz", "0 0 0"), 3, "xyz of <origin>")
-    if "quat_xyzw" in given:
-        turn = _of_quaternion(decimals(given["quat_xyzw"], 4, "quat_xyzw of <origin>"))
-    else:
-        turn = _of_angles(balls(decimals(given.get("rpy", "0 0 0"), 3, "rpy of <origin>")))
+    if "quat_xyzw" not in given:
+        return placed(shift, decimals(given.get("rpy", "0 0 0"), 3, "rpy of <origin>"))
+    quaternion = decimals(given["quat_xyzw"], 4, "quat_xyzw of <origin>")
+    if not 0.25 <= sum(x * x for x in quaternion) <= 4:
+        raise ValueError(f"quat_xyzw of <origin>, {[*map(float, quaternion)]}, must have length 1")
+    return placed(shift, (), quaternion)
+
+
+def placed(
+    shift: Sequence[Fraction], angles: Sequence[Fraction], quaternion: Sequence[Fraction] | None = None
+) -> Placement:
+    """A shift in m, and a turn by roll, pitch and yaw in rad, or by a quaternion x, y, z, w of any length but 0."""
+    turn = _of_angles(balls(angles)) if quaternion is None else _of_quaternion(quaternion)
     x, y, z = balls(shift)
     matrix = linear(turn) + arb_mat(4, 4, [0, 0, 0, x, 0, 0, 0, y, 0, 0, 0, z, 0, 0, 0, 1])
     return Placement(matrix, 1, math.hypot(*map(float, shift)))
@@ -136,8 +151,8 @@ def _of_angles(angles: Sequence[Any]) -> list[Any]:
 
 def _of_quaternion(numbers: Sequence[Fraction]) -> list[Any]:
     """Turned by a quaternion, which is made a unit one: 9 entries."""
-    if not 0.25 <= sum(x * x for x in numbers) <= 4:
-        raise ValueError(f"quat_xyzw of <origin>, {[*map(float, numbers)]}, must have length 1")
+    if not any(numbers):
+        raise ValueError("a quaternion of zeros has no direction")
     x, y, z, w = unit(numbers)
     return [
         *(1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),

@@ -23,7 +23,7 @@ from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.model_comparisons import message_reader
 from plannercheck.proofs.claims import column_names
 from plannercheck.proofs.data import Model, Motion, ProofData
-from plannercheck.proofs.paths import PathProved
+from plannercheck.proofs.paths import PathProved, held_elsewhere
 
 Runner: TypeAlias = Literal["jtc", "jtc-upsampled", "ur", "motoros2", "linear"]
 RUNNERS: tuple[Runner, ...] = get_args(Runner)
@@ -99,7 +99,11 @@ def trajectory_proved(
     if min(widths) < 0:
         raise PlannercheckError(f"tube must be at least 0 in each number, not {float(min(widths))!r}")
     stands = None if start is None else _row("start", start, model.columns)
-    pieces = _pieces(_message(path, names, controller), controller, stands, model.whole_turns, path)
+    read = message_reader()(path, names)
+    pieces = _pieces(_message(read, path, controller), controller, stands, model.whole_turns, path)
+    other = held_elsewhere(proofs[0], read.held)
+    if other:
+        return PathProved(len(pieces), tuple(range(len(pieces))), other)
     missing = [k for k, piece in enumerate(pieces) if k >= len(proofs) or not _is_proved(proofs[k], piece, widths)]
     return PathProved(len(pieces), tuple(missing), _sentence(missing, len(pieces), len(proofs), widths))
 
@@ -115,15 +119,17 @@ def _row(name: str, given: Any, columns: int) -> Row:
     return numbers
 
 
-def _message(path: Any, names: Sequence[str], controller: str) -> list[_Point]:
+def _message(read: Any, path: Any, controller: str) -> list[_Point]:
     """The points of a file as a controller takes them: with the times and derivatives that it uses."""
-    read = message_reader()(path, names)
     rows = zip(
         *([_exact(row) for row in r] for r in (read.positions, read.velocities, read.accelerations)), strict=True
     )
     times = _instants(read.times.tolist(), controller)
     points = [_Point(time, *row) for time, row in zip(times, rows, strict=True)]
-    still, without = [Fraction(0)] * len(names), [k for k, point in enumerate(points) if not point.velocities]
+    still, without = (
+        [Fraction(0)] * read.positions.shape[1],
+        [k for k, point in enumerate(points) if not point.velocities],
+    )
     if controller == "linear":
         return [replace(point, velocities=[], accelerations=[]) for point in points]
     if controller == "motoros2":

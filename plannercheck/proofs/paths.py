@@ -8,7 +8,7 @@ joint through its numbers as given, no end may be other than it was asked for.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -77,7 +77,7 @@ def path_proved(proofs: Sequence[ProofData], path: Any, straight: bool = False, 
                 f"path file {str(path)!r}: its {' and '.join(file.bent_by)} are not zero, so a controller runs splines "
                 "between its points: --controller says which, --straight says that straight motions are meant"
             )
-        other = _held_elsewhere(proof, file.others) or _moved_otherwise(proofs, file.motion_path)
+        other = held_elsewhere(proof, file.others) or _moved_otherwise(proofs, file.motion_path)
         states, as_given = file.states, file.as_given
         if states.shape[1] != columns:
             raise PlannercheckError(
@@ -106,7 +106,7 @@ def _configurations(path: ArrayLike, columns: int) -> Floats:
     return states
 
 
-def _held_elsewhere(proof: ProofData, others: dict[str, float]) -> str | None:
+def held_elsewhere(proof: ProofData, others: Mapping[str, float]) -> str | None:
     """The first joint that a path holds at another value than the proof."""
     held = held_joints(proof)
     known = {} if isinstance(proof.model, PlanarModel) else {joint.name: joint for joint in proof.model.joints}

@@ -60,13 +60,14 @@ class MeshFiles:
 
 
 @enough_digits()
-def confirm_shapes(model: Model, content: str | None, files: MeshFiles) -> tuple[str, ...]:
+def confirm_shapes(model: Model, content: str | None, files: MeshFiles, prefix: str = "") -> tuple[str, ...]:
     """Compares the bodies on links with a URDF.
 
     Args:
         model: The well-formed model of a proof.
         content: What to read in place of the file: what a xacro expands to.
         files: The URDF, and where its meshes are.
+        prefix: What names of the robot's links begin with in a model of several robots; others are not compared.
 
     Returns:
         What was compared, and what was not.
@@ -75,16 +76,17 @@ def confirm_shapes(model: Model, content: str | None, files: MeshFiles) -> tuple
         UnprovedError: If a body differs from its element.
     """
     root = ElementTree.parse(files.urdf).getroot() if content is None else ElementTree.fromstring(content)
-    elements = {f"{link.get('name')}_{k}": (link, each) for link in root.findall("link") for k, each in _numbered(link)}
-    on_links = [body for body in model.bodies if body.link != WORLD]
+    links = {f"{prefix}{link.get('name')}": link for link in root.findall("link")}
+    elements = {f"{name}_{k}": (name, each) for name, link in links.items() for k, each in _numbered(link)}
+    on_links = [body for body in model.bodies if body.link != WORLD and _link(model, body).startswith(prefix)]
     same, not_read, unknown, most = list[str](), dict[str, list[str]](), list[str](), 0.0
     for body in on_links:
         if body.name not in elements:
             unknown.append(body.name)
             continue
         link, element = elements[body.name]
-        if model.links[body.link].name != link.get("name"):
-            raise UnprovedError(f"body {body.name!r} is on link {model.links[body.link].name!r}, not on its own")
+        if _link(model, body) != link:
+            raise UnprovedError(f"body {body.name!r} is on link {_link(model, body)!r}, not on its own")
         most = max(most, _check_pose(body, element))
         try:
             _check_shape(body, element, files)
@@ -94,6 +96,10 @@ def confirm_shapes(model: Model, content: str | None, files: MeshFiles) -> tuple
             same.append(body.name)
     unpaired = sorted(set(elements) - {body.name for body in on_links})
     return tuple(_sentences(files.urdf, same, most, not_read, unknown, unpaired))
+
+
+def _link(model: Model, body: PosedBody) -> str:
+    return model.links[body.link].name
 
 
 def _sentences(

@@ -8,10 +8,14 @@ size for each joint that is followed.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
+from operator import itemgetter
 from pathlib import Path
+from typing import TypeAlias
 
-from plannercheck.proofs.data import JOINTS, WORLD, Joint, Model
+from plannercheck.proofs.data import JOINTS, WORLD, Joint, Link, Model
 from plannercheck.proofs.exact_placements import (
     ROUNDING,
     Placement,
@@ -33,16 +37,43 @@ _KINDS = {
 }
 
 
+Named: TypeAlias = Joint | Link
+
+
+@dataclass(frozen=True, eq=False)
+class RobotPlace:
+    """A robot of a cell in a model.
+
+    Attributes:
+        prefix: What the names of its links and joints begin with; empty if the model has one robot.
+        base: Where its base stands in the world; None for the origin.
+    """
+
+    prefix: str = ""
+    base: Placement | None = None
+
+    def named(self, items: Sequence[Named]) -> dict[str, int]:
+        """By name without the prefix, which of some links or joints are the robot's."""
+        found = ((k, item.name) for k, item in enumerate(items))
+        return {name[len(self.prefix) :]: k for k, name in found if name.startswith(self.prefix)}
+
+
+ALONE = RobotPlace()
+
+
 @enough_digits()
-def confirm_tree(model: Model, urdf: str | Path, content: str | None, floating: bool, whole: bool) -> str:
+def confirm_tree(
+    model: Model, urdf: str | Path, content: str | None, floating: bool, whole: bool, place: RobotPlace = ALONE
+) -> str:
     """Compares the links and joints of a model with those of a URDF.
 
     Args:
         model: The well-formed model of a proof.
         urdf: The file.
         content: What to read in its place: what a xacro expands to.
-        floating: Whether the model's first joint, which is not the URDF's, moves the root freely.
+        floating: Whether the robot's first joint, which is not the URDF's, moves the root freely.
         whole: Whether no joint follows another one.
+        place: Which links and joints of the model are compared: those of one robot, and where it stands.
 
     Returns:
         What was compared.
@@ -51,46 +82,50 @@ def confirm_tree(model: Model, urdf: str | Path, content: str | None, floating: 
         UnprovedError: If they differ.
         PlannercheckError: If the file can't be read.
     """
-    comparison = _TreeComparison(model, read_tree(urdf, content), floating, whole)
+    comparison = _TreeComparison(model, read_tree(urdf, content), floating, whole, place)
     comparison.run()
+    of_robot = f" of {place.prefix!r}" if place.prefix else ""
     return (
-        f"links and joints with {str(urdf)!r}, read by itself in exact numbers, from which the proof's are at most "
-        f"{comparison.most:.2g} away"
+        f"links and joints{of_robot} with {str(urdf)!r}, read by itself in exact numbers, from which the proof's are "
+        f"at most {comparison.most:.2g} away"
     )
 
 
 class _TreeComparison:
     """The joints and links of a model beside those of a URDF."""
 
-    def __init__(self, model: Model, tree: UrdfTree, floating: bool, whole: bool) -> None:
+    def __init__(self, model: Model, tree: UrdfTree, floating: bool, whole: bool, place: RobotPlace) -> None:
         self._model, self._tree, self._floating, self._whole = model, tree, floating, whole
-        self._joints = {joint.name: k for k, joint in enumerate(model.joints)}
+        self._links, self._joints = place.named(model.links), place.named(model.joints)
+        self._base = at_rest() if place.base is None else place.base
+        self._root = min(self._joints.items(), key=itemgetter(1), default=("", WORLD))  # the joint of a floating root
         self._places = self._placed()
         self.most = 0.0  # how far any number is off
 
     def run(self) -> None:
         """Raises at the first difference."""
-        names = {link.name for link in self._model.links}
-        if names != set(self._tree.links):
-            raise UnprovedError(
-                f"links of the proof and of the URDF differ: {sorted(names ^ set(self._tree.links))[:3]}"
-            )
-        for link in self._model.links:
-            self._compare(f"link {link.name!r}", link.joint, link.placement, *self._places[link.name])
+        if self._links.keys() != set(self._tree.links):
+            names = sorted(self._links.keys() ^ set(self._tree.links))[:3]
+            raise UnprovedError(f"links of the proof and of the URDF differ: {names}")
+        for name, k in self._links.items():
+            link = self._model.links[k]
+            self._compare(f"link {link.name!r}", link.joint, link.placement, *self._places[name])
         moving = {joint.name for joint in self._tree.above.values() if joint.kind != "fixed"}
-        known = moving | ({self._model.joints[0].name} if self._floating and self._model.joints else set())
-        if set(self._joints) != known:
-            raise UnprovedError(f"joints of the proof and of the URDF differ: {sorted(set(self._joints) ^ known)[:3]}")
+        known = moving | ({self._root[0]} if self._floating and self._joints else set())
+        if self._joints.keys() != known:
+            names = sorted(self._joints.keys() ^ known)[:3]
+            raise UnprovedError(f"joints of the proof and of the URDF differ: {names}")
         if self._floating:
-            root = self._model.joints[0]
-            self._compare(f"joint {root.name!r}", root.parent, root.placement, WORLD, at_rest())
+            root = self._model.joints[self._root[1]]
+            self._compare(f"joint {root.name!r}", root.parent, root.placement, WORLD, self._base)
         for found in self._tree.above.values():
             if found.kind != "fixed":
                 self._compare_joint(self._model.joints[self._joints[found.name]], found)
 
     def _placed(self) -> dict[str, tuple[int, Placement]]:
         """By link, the moving joint that it is on, by index, and its placement there."""
-        places = {self._tree.root: (0 if self._floating else WORLD, at_rest())}
+        on = (self._root[1], at_rest()) if self._floating else (WORLD, self._base)
+        places = {self._tree.root: on}
         for link, above in self._tree.above.items():
             if above.kind == "fixed":
                 joint, placement = places[above.parent]

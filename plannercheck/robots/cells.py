@@ -21,18 +21,20 @@ from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import GeometryObject, checked_pose
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import read_only
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.robots.description import ALL, RobotDescription
 from plannercheck.robots.joint_values import own_joints
-from plannercheck.robots.loading import Member, RobotParts
+from plannercheck.robots.loading import Member, RobotParts, group_of
+from plannercheck.robots.planning_groups import explicit_group
 from plannercheck.robots.posed_robot import PosedRobot
-from plannercheck.robots.srdf import DisabledPair
+from plannercheck.robots.reference_configuration import given_values
+from plannercheck.robots.self_pairs import without_links
+from plannercheck.robots.srdf import DisabledPair, warn_about_ignored_elements
 from plannercheck.robots.urdf import Mimic, link_tree
 
 # A robot of a cell, at the origin, or with the pose (4, 4) of its base in m.
 Placed: TypeAlias = PosedRobot | tuple[PosedRobot, ArrayLike | None]
-
-# The group of all joints of a cell.
-ALL = "all"
 
 
 def members_of(robots: Mapping[str, Placed]) -> dict[str, Member]:
@@ -56,9 +58,68 @@ def members_of(robots: Mapping[str, Placed]) -> dict[str, Member]:
         members[name] = Member(robot.parts_of_files, checked_pose(pose, f"robot {name!r}"))
         at_origin += [name] if pose is None else []
     check_places(at_origin)
-    if any(each.parts.joints is not None for each in members.values()):
-        return {name: replace(each, parts=_with_group(each.parts)) for name, each in members.items()}
-    return members
+    return _alike(members)
+
+
+def described_cell(description: RobotDescription, load: Callable[[RobotDescription], RobotParts]) -> RobotParts:
+    """The parts of a cell that a file describes; equal robots are read once.
+
+    Args:
+        description: The cell's.
+        load: Reads one robot.
+    """
+    _check_of_cell(description)
+    known: list[tuple[RobotDescription, RobotParts]] = []
+    members, at_origin = {}, []
+    for name, placed in description.robots.items():
+        check_name(name)
+        own = description.of_robot(name)
+        parts = next((parts for other, parts in known if other == own), None)
+        if parts is None:
+            with error_context(f"robot {name!r}"):
+                parts = load(own)
+            known.append((own, parts))
+        members[name] = Member(parts, checked_pose(placed.pose, f"robot {name!r}"))
+        at_origin += [name] if placed.pose is None else []
+    check_places(at_origin)
+    return _as_described(cell_parts(_alike(members), description.name), description)
+
+
+def _check_of_cell(description: RobotDescription) -> None:
+    """Raises for what can only be said of one robot."""
+    given = {"floating": description.floating, "xacro_args": description.xacro_args}
+    for key in (key for key, value in given.items() if value):
+        raise PlannercheckError(f"{key} is said of one robot, not of a cell: give it to a robot in the cell's file")
+
+
+def _as_described(cell: RobotParts, description: RobotDescription) -> RobotParts:
+    """A cell with the group, the held values and the disabled pairs of its file."""
+    srdf = description.semantics
+    if srdf is not None:
+        warn_about_ignored_elements(srdf, cell.tree)
+    disabled = description.disabled_pairs
+    group, joints = _described_group(cell, description)
+    return replace(
+        cell,
+        description=description,
+        values={**cell.values, **given_values(cell.model, description.values)},
+        pairs=without_links(cell.pairs, cell.bodies, srdf, cell.tree, disabled),
+        disabled_pairs=(*cell.disabled_pairs, *disabled),
+        group=group,
+        joints=joints,
+    )
+
+
+def _described_group(cell: RobotParts, description: RobotDescription) -> tuple[str | None, tuple[str, ...] | None]:
+    """Name and joints of the group that a cell's file asks for: all joints, a robot's, or as for one robot."""
+    group = description.group
+    if group is None:
+        return cell.group, cell.joints
+    if description.joints is not None or group not in (ALL, *cell.members):
+        return group, group_of(description, cell.model, cell.tree, cell.mimics)
+    every = cell.joints or own_joints(cell.model, cell.mimics)
+    own = tuple(joint for joint in every if group == ALL or joint.startswith(f"{group}/"))
+    return group, explicit_group(cell.model, own, cell.mimics)
 
 
 def check_name(name: object) -> None:
@@ -78,12 +139,12 @@ def check_places(at_origin: list[str]) -> None:
         )
 
 
-def cell_parts(members: Mapping[str, Member]) -> RobotParts:
-    """The parts of the robot that all members are together."""
+def cell_parts(members: Mapping[str, Member], name: str = "") -> RobotParts:
+    """The parts of the robot that all members are together, called by a name, or after all of them."""
     model = pin.Model()
-    model.name = "+".join(each.parts.name for each in members.values())
-    for name, member in members.items():
-        append(model, member.parts.model, partial("{}/{}".format, name), pin.SE3(member.pose))
+    model.name = name or "+".join(each.parts.name for each in members.values())
+    for key, member in members.items():
+        append(model, member.parts.model, partial("{}/{}".format, key), pin.SE3(member.pose))
     each_parts = {name: member.parts for name, member in members.items()}
     bodies = tuple(
         replace(body, name=f"{name}/{body.name}", link=f"{name}/{body.link}")
@@ -158,7 +219,7 @@ def columns_by_name(
 def check_is_cell(members: Mapping[str, Member]) -> None:
     """Raises unless a robot is made of several by name."""
     if not members:
-        raise PlannercheckError("join and split are of a cell, see Robot.together; this is a single robot")
+        raise PlannercheckError("this is a single robot, and join, split and save are of a cell: see Robot.together")
 
 
 def check_joined(names: Mapping[str, object], moving: list[str]) -> None:
@@ -180,6 +241,13 @@ def joined(rows: Mapping[str, Floats], columns: Mapping[str, Ints64], width: int
     for name, each in rows.items():
         q[..., columns[name]] = each
     return q
+
+
+def _alike(members: dict[str, Member]) -> dict[str, Member]:
+    """The robots, all with a group if one of them has one."""
+    if all(each.parts.joints is None for each in members.values()):
+        return members
+    return {name: replace(each, parts=_with_group(each.parts)) for name, each in members.items()}
 
 
 def _with_group(parts: RobotParts) -> RobotParts:

@@ -22,21 +22,35 @@ In: a name or a path. Out: `RobotDescription`, all that `Robot` is built from, w
     disabled_pairs:            # optional, links that are not tested against each other, and why
       - reason: adjacent
         pairs: [[link1, link2], ...]
+
+or, of a cell, several robots as one:
+
+    robots:                    # by name; a robot also takes the keys above but name and urdf
+      left: {load: panda}      # a name or a file, as for `Robot.load`; one robot may have no pose
+      right: {load: other.yaml, pose: {position: [0, 1, 0], rpy: [0, 0, 3.14]}}   # as in scenes
+    group: all                 # optional: a robot's name, or as above
+
+and of the keys above name, srdf, package_dirs, group, reference, held, geometry, mesh_units and disabled_pairs, whose
+names of links and joints begin with the robot's: left/joint1.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from plannercheck.bodies.convex_decomposition import Decomposition
 from plannercheck.bodies.mesh_files import MeshUnits, checked_units
+from plannercheck.bodies.written_poses import POSE_KEYS, pose_of_node
+from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import (
+    Node,
     check_keys,
     error_context,
+    keys_given_twice,
     mapping,
     number,
     parse_yaml,
@@ -53,24 +67,30 @@ from plannercheck.robots.robot_descriptions import files_by_name
 from plannercheck.robots.srdf import DisabledPair, Srdf, read_srdf
 from plannercheck.robots.urdf_file import UrdfFile
 
+# The group of all joints of a cell.
+ALL = "all"
+
 # What a URDF's name ends with.
 URDF_SUFFIXES = (".urdf", ".xml", ".xacro", ".mjcf", ".sdf")
 
-_KEYS = (
-    "name",
-    "urdf",
-    "srdf",
-    "package_dirs",
-    "xacro_args",
-    "floating",
-    "group",
-    "reference",
-    "held",
-    "geometry",
-    "mesh_units",
-    "convex_decomposition",
-    "disabled_pairs",
-)
+# Keys of one robot that a cell does not have, and those that a robot of a cell does not have.
+_OF_ONE = ("urdf", "xacro_args", "floating", "convex_decomposition")
+_OF_ALL = ("name", "srdf", "package_dirs", "group", "reference", "held", "geometry", "mesh_units", "disabled_pairs")
+_KEYS = (*_OF_ONE, *_OF_ALL)
+_MEMBER_KEYS = ("load", "pose", *(key for key in _KEYS if key not in ("name", "urdf", "disabled_pairs")))
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedDescription:
+    """A robot of a cell.
+
+    Attributes:
+        description: The robot's.
+        pose: (4, 4) of its base in the cell, m; None if the file gives none.
+    """
+
+    description: RobotDescription
+    pose: Floats | None
 
 
 @dataclass(frozen=True)
@@ -93,6 +113,7 @@ class RobotDescription:
         mesh_units: How mesh files are read; None for MoveIt's way, with a warning where the format says otherwise.
         xacro_args: Values of the arguments of a URDF that is a xacro, by name.
         source: The YAML file; None if there is none.
+        robots: Of a cell, its robots by name; the cell's `urdf` is its YAML file.
     """
 
     name: str
@@ -109,6 +130,7 @@ class RobotDescription:
     mesh_units: MeshUnits | None = None
     xacro_args: Mapping[str, str] = field(default_factory=dict)
     source: Path | None = None
+    robots: Mapping[str, PlacedDescription] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "geometry", checked_geometry(self.geometry))
@@ -123,6 +145,24 @@ class RobotDescription:
     def semantics(self) -> Srdf | None:
         """The SRDF, parsed once; None if there is none."""
         return None if self.srdf is None else Srdf(self.srdf, read_srdf(self.srdf))
+
+    def of_robot(self, name: str) -> RobotDescription:
+        """The description of a cell's robot, with what the cell says of all robots."""
+        own, changes = self.robots[name].description, dict[str, Any]()
+        if self.package_dirs:
+            changes["package_dirs"] = tuple(dict.fromkeys((*self.package_dirs, *own.package_dirs)))
+        if self.mesh_units is not None:
+            changes["mesh_units"] = self.mesh_units
+        if self.geometry is not None or self.decomposition is not None:
+            changes |= {"geometry": _of_links(self.geometry, f"{name}/"), "decomposition": self.decomposition}
+        return replace(own, **changes) if changes else own
+
+
+def _of_links(geometry: Geometry | None, prefix: str) -> Geometry | None:
+    """What the links of a cell's robot are taken as."""
+    if geometry is None or isinstance(geometry, str):
+        return geometry
+    return {link.removeprefix(prefix): kind for link, kind in geometry.items() if link.startswith(prefix)}
 
 
 def shipped_robots() -> list[str]:
@@ -148,8 +188,13 @@ def find_description(name_or_path: str | Path) -> Path:
     return shipped
 
 
-def description_of(name_or_path: str | Path | RobotDescription) -> RobotDescription:
-    """The description in a robot's YAML, or one of a URDF alone; a description is returned as it is."""
+def description_of(name_or_path: str | Path | RobotDescription, above: tuple[Path, ...] = ()) -> RobotDescription:
+    """The description in a robot's YAML, or one of a URDF alone; a description is returned as it is.
+
+    Args:
+        name_or_path: As for `Robot.load`.
+        above: The cells that load it, the outermost first.
+    """
     if isinstance(name_or_path, RobotDescription):
         return name_or_path
     named = None if is_file(shipped_folder("robots") / f"{name_or_path}.yaml") else files_by_name(str(name_or_path))
@@ -165,40 +210,96 @@ def description_of(name_or_path: str | Path | RobotDescription) -> RobotDescript
     if path.suffix in URDF_SUFFIXES:
         return RobotDescription(name="", urdf=path, package_dirs=(example_robot_data(),))
     with error_context(f"robot file {path}"):
-        return read_description(path)
+        return read_description(path, above)
 
 
-def read_description(path: Path) -> RobotDescription:
-    """Reads a robot's YAML file.
+def read_description(path: Path, above: tuple[Path, ...] = ()) -> RobotDescription:
+    """Reads a robot's YAML file, or a cell's.
 
     Args:
         path: The file.
+        above: The cells that load it, the outermost first.
 
     Returns:
         The description.
     """
-    content = parse_yaml(read_bytes(path))
+    text_of_file = read_bytes(path)
+    content = parse_yaml(text_of_file)
     if "objects" in content:
         raise PlannercheckError("is a scene, not a robot")
+    if "robots" in content:
+        twice = keys_given_twice(text_of_file, "robots")
+        if twice:
+            raise PlannercheckError(f"'robots' has the name {twice[0]!r} twice: give each robot a name of its own")
+        return _read_cell(path, content, above)
     check_keys(content, _KEYS)
-    folders = (example_robot_data(), path.parent)
-    group, joints = _group(content.get("group"))
+    fields = _fields(content, path.parent)
     return RobotDescription(
         name=text(content.get("name", path.stem), "name"),
-        urdf=_resolve(text(required(content, "urdf"), "urdf"), folders),
-        srdf=_resolve(text(content["srdf"], "srdf"), folders) if content.get("srdf") else None,
-        package_dirs=(*_package_dirs(content, path.parent), example_robot_data()),
-        floating=_switch(content.get("floating", False)),
-        group=group,
-        joints=joints,
-        values={**mapping(content.get("reference"), "reference"), **mapping(content.get("held"), "held")},
-        disabled_pairs=_disabled_pairs(content.get("disabled_pairs")),
-        decomposition=_decomposition(content.get("convex_decomposition")),
-        geometry=content.get("geometry"),
-        mesh_units=content.get("mesh_units"),
+        urdf=_resolve(text(required(content, "urdf"), "urdf"), path.parent),
         source=path,
-        xacro_args={key: str(value) for key, value in mapping(content.get("xacro_args"), "xacro_args").items()},
+        **{**fields, "package_dirs": (*fields.get("package_dirs", ()), example_robot_data())},
     )
+
+
+def _read_cell(path: Path, content: Node, above: tuple[Path, ...]) -> RobotDescription:
+    """The description of a cell."""
+    check_keys(content, ("robots", *_OF_ALL))
+    above = (*above, path.resolve())
+    robots = {}
+    for name, node in mapping(content["robots"], "'robots'").items():
+        with error_context(f"robot {name!r}"):
+            robots[name] = _member(mapping(node, "it"), path.parent, above)
+    if not robots:
+        raise PlannercheckError("'robots' must name at least one robot, as in robots: {left: {load: panda}}")
+    name = text(content.get("name", path.stem), "name")
+    return RobotDescription(name=name, urdf=path, source=path, robots=robots, **_fields(content, path.parent))
+
+
+def _member(node: Node, folder: Path, above: tuple[Path, ...]) -> PlacedDescription:
+    """A robot of a cell: what its own file says, and what the cell's file says besides."""
+    check_keys(node, _MEMBER_KEYS)
+    named = text(required(node, "load"), "load")
+    file = folder / named
+    is_named_file = is_file(file) or file.suffix in (".yaml", ".yml", *URDF_SUFFIXES)
+    if is_named_file and file.resolve() in above:
+        chain = " > ".join(each.name for each in (*above[above.index(file.resolve()) :], file))
+        raise PlannercheckError(f"load: {named} loads itself ({chain}): load the file of one robot")
+    own = description_of(file if is_named_file else named, above)
+    fields = _fields(node, folder)
+    fields["package_dirs"] = (*fields.get("package_dirs", ()), *own.package_dirs)
+    fields["values"] = {**own.values, **fields.get("values", {})}
+    given = mapping(node.get("pose"), "pose") if node.get("pose") is not None else None
+    if given is None:
+        return PlacedDescription(replace(own, **fields), None)
+    with error_context("pose"):
+        check_keys(given, POSE_KEYS)
+        return PlacedDescription(replace(own, **fields), pose_of_node(given))
+
+
+def _fields(content: Node, folder: Path) -> dict[str, Any]:
+    """The fields of a description that keys give; paths start in a folder."""
+    fields: dict[str, Any] = {}
+    if content.get("srdf"):
+        fields["srdf"] = _resolve(text(content["srdf"], "srdf"), folder)
+    if "package_dirs" in content:
+        names = sequence(content["package_dirs"], "package_dirs")
+        fields["package_dirs"] = tuple(folder / text(name, "package_dirs") for name in names)
+    if "xacro_args" in content:
+        given = mapping(content["xacro_args"], "xacro_args")
+        fields["xacro_args"] = {key: str(value) for key, value in given.items()}
+    if "floating" in content:
+        fields["floating"] = _switch(content["floating"])
+    if "group" in content:
+        fields["group"], fields["joints"] = _group(content["group"])
+    if "reference" in content or "held" in content:
+        values = (mapping(content.get(key), key) for key in ("reference", "held"))
+        fields["values"] = {joint: value for each in values for joint, value in each.items()}
+    if "disabled_pairs" in content:
+        fields["disabled_pairs"] = _disabled_pairs(content["disabled_pairs"])
+    if "convex_decomposition" in content:
+        fields["decomposition"] = _decomposition(content["convex_decomposition"])
+    return fields | {key: content[key] for key in ("geometry", "mesh_units") if key in content}
 
 
 def _decomposition(value: Any) -> Decomposition | None:
@@ -213,15 +314,10 @@ def _decomposition(value: Any) -> Decomposition | None:
         return Decomposition(None if links is None else tuple(links), **sizes, **counts)  # type: ignore[arg-type]
 
 
-def _resolve(name: str, folders: tuple[Path, Path]) -> Path:
+def _resolve(name: str, folder: Path) -> Path:
     """A file beside the YAML, else in example-robot-data; errors name the first."""
-    shared, beside = (folder / name for folder in folders)
+    shared, beside = example_robot_data() / name, folder / name
     return shared if is_file(shared) and not is_file(beside) else beside
-
-
-def _package_dirs(content: dict[str, Any], folder: Path) -> list[Path]:
-    names = sequence(content.get("package_dirs"), "package_dirs")
-    return [folder / text(name, "package_dirs") for name in names]
 
 
 def _switch(value: Any) -> bool:

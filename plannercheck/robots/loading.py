@@ -76,6 +76,7 @@ class RobotParts:
         open_links: Links that are solids of open meshes: capped, or their triangles alone.
         default_links: Links that the SRDF leaves out of tests by default (<disable_default_collisions>).
         members: The robots of a cell, by name.
+        description: What it was read by; None if it is made of others in memory.
         memory: What has been computed of robots with these files.
     """
 
@@ -94,6 +95,7 @@ class RobotParts:
     open_links: tuple[str, ...] = ()
     default_links: tuple[str, ...] = ()
     members: Mapping[str, Member] = field(default_factory=dict)
+    description: RobotDescription | None = None
     memory: RobotMemory = field(default_factory=RobotMemory)
 
 
@@ -152,7 +154,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         warn_about_ignored_elements(srdf, tree)
     if isinstance(reference, str):
         reference = group_state(None if srdf is None else srdf.root, reference, model.names)
-    joints = _group(description, model, tree, mimics)
+    joints = group_of(description, model, tree, mimics)
     disabled = description.disabled_pairs
     if mjcf is not None:
         pairs = mjcf.allowed_pairs(srdf, disabled)
@@ -179,6 +181,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         values={**(mjcf.initial if mjcf else {}), **given_values(model, description.values or reference)},
         group=description.group,
         joints=joints,
+        description=description,
     )
 
 
@@ -190,6 +193,9 @@ def _mjcf_robot(description: RobotDescription) -> MjcfRobot:
 
 def collision_meshes(description: RobotDescription) -> dict[str, MeshFile]:
     """The meshes of a robot's links by name of the body, read anew, without the warnings of loading the robot."""
+    if description.robots:
+        of_robots = {name: collision_meshes(description.of_robot(name)) for name in description.robots}
+        return {f"{name}/{body}": mesh for name, meshes in of_robots.items() for body, mesh in meshes.items()}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         file = description.file
@@ -202,7 +208,7 @@ def collision_meshes(description: RobotDescription) -> dict[str, MeshFile]:
     return {body.name: mesh for body, mesh in pairs if mesh is not None}
 
 
-def _group(
+def group_of(
     description: RobotDescription, model: pin.Model, tree: LinkTree, mimics: Mapping[str, Mimic]
 ) -> tuple[str, ...] | None:
     """The joints of the planning group, in order; None for the whole robot."""

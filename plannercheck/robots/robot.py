@@ -30,18 +30,19 @@ from plannercheck.common.progress import reported
 from plannercheck.common.public_names import set_module
 from plannercheck.robots.carried_objects import carried_pairs, check_objects
 from plannercheck.robots.cells import (
-    ALL,
     Placed,
     cell_parts,
     check_is_cell,
     check_joined,
     columns_by_name,
+    described_cell,
     joined,
     member_parts,
     members_of,
 )
 from plannercheck.robots.configurations import ConfigurationMap, followed
-from plannercheck.robots.description import RobotDescription, description_of
+from plannercheck.robots.description import ALL, RobotDescription, description_of
+from plannercheck.robots.description_files import write_cell
 from plannercheck.robots.link_geometry import Geometry
 from plannercheck.robots.link_points import LinkPoints, checked_points
 from plannercheck.robots.link_tree import LinkTree
@@ -127,7 +128,7 @@ class Robot(PosedRobot):
 
         Args:
             name_or_path: A name from robots/ such as "panda", one of the package robot_descriptions such as
-                "panda_description", or the path of a YAML description, of a URDF or of a .xacro.
+                "panda_description", or the path of a YAML description, also of a cell, of a URDF or of a .xacro.
             decomposition: How to split concave links into convex pieces, with CoACD; None follows the YAML.
             geometry: What meshes are taken as: "hull"; convex "pieces"; "solid", whose open meshes are closed by caps;
                 "triangles", where open meshes are their triangles alone; or a mapping of links to these; None
@@ -192,7 +193,9 @@ class Robot(PosedRobot):
 
     @classmethod
     def from_description(cls, description: RobotDescription, reference: Reference = None) -> Robot:
-        """Builds a robot from a description; `reference` as for `from_urdf`, where the description has none."""
+        """Builds a robot from a description; `reference` as for `from_urdf`, where the description of one has none."""
+        if description.robots:
+            return cls(described_cell(description, lambda each: cls.from_description(each).parts_of_files))
         with reported(f"loading robot {description.name or description.urdf.stem}"):
             return cls(robot_parts(description, reference))
 
@@ -400,6 +403,19 @@ class Robot(PosedRobot):
         """The bodies of all links, prepared for tests with points; `excess` as for `Checker`."""
         links = [self.link_index(str(body.link)) for body in self.bodies]
         return self.remembered(("points", excess), lambda: LinkPoints(self.bodies, links, excess))
+
+    def save(self, path: str | Path) -> None:
+        """Writes a cell as YAML, which `load` reads: where each robot's file is, and its pose, to the same doubles.
+
+        Args:
+            path: Ends in .yaml or .yml.
+
+        Raises:
+            PlannercheckError: If this is a single robot, if a robot is from no file or carries objects, or if the file
+                can't be written.
+        """
+        check_is_cell(self._parts.members)
+        write_cell(self._parts, Path(path))
 
     def _carry(self, objects: tuple[SceneObject, ...]) -> None:
         own, pairs = self._parts.bodies, self._parts.pairs

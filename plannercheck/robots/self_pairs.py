@@ -52,6 +52,21 @@ def self_pairs(
     return np.stack([first[kept], second[kept]], axis=1)
 
 
+def without_links(
+    pairs: NDArray[np.int64],
+    bodies: tuple[GeometryObject, ...],
+    srdf: Srdf | None,
+    tree: LinkTree,
+    disabled: Iterable[DisabledPair],
+) -> NDArray[np.int64]:
+    """The pairs (k, 2) of bodies that neither an SRDF nor a YAML disables."""
+    links = _disabled_links(disabled, tree)
+    if srdf is not None:
+        links |= {frozenset((pair.link_a, pair.link_b)) for pair in untested_pairs(srdf.root, tree.names)}
+    first, second = pairs.T
+    return np.asarray(pairs[~_of_links(first, second, bodies, links)])
+
+
 def _of_links(
     first: NDArray[np.int64],
     second: NDArray[np.int64],

@@ -325,7 +325,7 @@ class SceneContents(DeclaredStates):
 
     @property
     def bodies(self) -> tuple[GeometryObject, ...]:
-        """All parts of all obstacles, with `link` None and their pose in the world; those that move as `SceneObject` has.
+        """All parts of all obstacles, in the world with `link` None, or if they move as in `SceneObject`.
 
         Raises:
             PlannercheckError: If an object is posed in a link's frame, which only a robot can place.

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +16,10 @@ from numpy.typing import NDArray
 from plannercheck.bodies.ellipsoids import ELLIPSOID_EXCESS, Ellipsoid
 from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.mesh_files import MESH_SUFFIXES, MeshUnits
-from plannercheck.bodies.moving import Moving
 from plannercheck.bodies.objects import Part
 from plannercheck.bodies.octomap_files import OCTREE_SUFFIXES
-from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Shape, Sphere, checked_pose
+from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Shape, Sphere
+from plannercheck.bodies.written_poses import POSE_KEYS, pose_of_node
 from plannercheck.common.checked_yaml import (
     Node,
     check_keys,
@@ -37,12 +36,12 @@ from plannercheck.common.checked_yaml import (
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.file_kinds import is_mjcf
 from plannercheck.common.package_data import is_file, is_folder
-from plannercheck.common.transforms import pose_of, rotation_of_quaternion, rotation_of_rpy
 from plannercheck.scenes import moveit_scene as moveit
 from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
 from plannercheck.scenes.mjcf_scene import read_mjcf_scene
+from plannercheck.scenes.moving_nodes import MOVING, moving_of_node
 from plannercheck.scenes.scene_meshes import read_hull, read_mesh_node, read_solid_node
 from plannercheck.scenes.scene_paths import FindFile, MeshKind
 from plannercheck.scenes.sensed_shapes import SENSED_KEYS, SensedSource, read_sensed
@@ -53,7 +52,6 @@ LINK_PAIRS = ("allowed_links", "forbidden_links")
 PAIRS = {"allowed": True, "forbidden": False, "allowed_links": True, "forbidden_links": False}
 _SCENE_KEYS = ("name", "objects", "attached", *PAIRS, "allowed_geometries", "allowed_by_default", "states")
 _STATE_KEYS = ("start", "goal", "samples")
-_POSE_KEYS = ("position", "quaternion", "rpy", "matrix")
 
 # The keys of a shape's mapping, by the shape's key in a file; meshes, hulls and sensed shapes have their own readers.
 SIZED: dict[str, tuple[Callable[..., Shape], tuple[str, ...]]] = {
@@ -143,8 +141,8 @@ def _add_object(scene: SceneContents, node: Node, index: int, find_file: FindFil
     with error_context(f"object {index}"):
         name = text(required(node, "name"), "name")
     with error_context(f"object {name!r}"):
-        check_keys(node, ("name", "parts", *_SHAPE_KEYS, *_POSE_KEYS, "moving"))
-        parts, place = _parts(node, find_file), _moving(node) if "moving" in node else _pose(node)
+        check_keys(node, ("name", "parts", *_SHAPE_KEYS, *POSE_KEYS, MOVING))
+        parts, place = _parts(node, find_file), moving_of_node(node) if MOVING in node else pose_of_node(node)
     scene.add(name, parts, place)
 
 
@@ -152,10 +150,10 @@ def _attach_object(scene: SceneContents, node: Node, index: int, find_file: Find
     with error_context(f"attached object {index}"):
         name = text(required(node, "name"), "name")
     with error_context(f"attached object {name!r}"):
-        check_keys(node, ("name", "link", "touch_links", "parts", *_SHAPE_KEYS, *_POSE_KEYS))
+        check_keys(node, ("name", "link", "touch_links", "parts", *_SHAPE_KEYS, *POSE_KEYS))
         link = text(required(node, "link"), "link")
         touched = [text(item, "touch_links") for item in sequence(node.get("touch_links"), "'touch_links'")]
-        parts, pose = _parts(node, find_file), _pose(node)
+        parts, pose = _parts(node, find_file), pose_of_node(node)
     scene.attach(name, link, pose, touched, parts)
 
 
@@ -168,8 +166,8 @@ def _parts(node: Node, find_file: FindFile) -> list[Part]:
     for k, item in enumerate(sequence(node["parts"], "'parts'")):
         with error_context(f"part {k}"):
             part = mapping(item, "it")
-            check_keys(part, (*_SHAPE_KEYS, *_POSE_KEYS))
-            parts += _parts_of_shape(part, find_file, _pose(part))
+            check_keys(part, (*_SHAPE_KEYS, *POSE_KEYS))
+            parts += _parts_of_shape(part, find_file, pose_of_node(part))
     return parts
 
 
@@ -221,40 +219,6 @@ def _shape(kind: str, values: Node, find_file: FindFile) -> tuple[Shape, None, S
 def _three(values: Node, key: str) -> tuple[float, float, float]:
     x, y, z = numbers(required(values, key), key, 3)
     return x, y, z
-
-
-def _pose(node: Node) -> NDArray[np.float64]:
-    """The pose (4, 4) that a mapping's pose keys give, by default the identity."""
-    if "matrix" in node:
-        if any(key in node for key in _POSE_KEYS[:-1]):
-            raise PlannercheckError("'matrix' stands alone: leave out position, quaternion and rpy")
-        return checked_pose([numbers(row, "matrix row", 4) for row in sequence(node["matrix"], "'matrix'")], "matrix")
-    position = numbers(node["position"], "position", 3) if "position" in node else [0.0, 0.0, 0.0]
-    if "quaternion" in node and "rpy" in node:
-        raise PlannercheckError("'quaternion' and 'rpy' say the same: leave one out")
-    if "quaternion" in node:
-        return pose_of(position, rotation_of_quaternion(numbers(node["quaternion"], "quaternion", 4)))
-    if "rpy" in node:
-        return pose_of(position, rotation_of_rpy(numbers(node["rpy"], "rpy", 3)))
-    return pose_of(position)
-
-
-def _moving(node: Node) -> Moving:
-    """How an object moves, as its mapping says."""
-    if any(key in node for key in _POSE_KEYS):
-        raise PlannercheckError("'moving' says where it is: leave out position, quaternion, rpy and matrix")
-    with error_context("moving"):
-        values = mapping(node["moving"], "it")
-        check_keys(values, ("times", "poses", "path", "outside"))
-        poses = []
-        for k, item in enumerate(sequence(required(values, "poses"), "'poses'")):
-            with error_context(f"pose {k}"):
-                pose = mapping(item, "it")
-                check_keys(pose, _POSE_KEYS)
-                poses.append(_pose(pose))
-        words: dict[str, Any] = {key: text(values[key], key) for key in ("path", "outside") if key in values}
-        times = [number(item, "times") for item in sequence(required(values, "times"), "'times'")]
-        return Moving(times, np.array(poses).reshape(-1, 4, 4), **words)
 
 
 def _read_allowed(scene: SceneContents, document: Node) -> None:

@@ -12,28 +12,24 @@ from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
 from plannercheck.bodies.ellipsoids import ELLIPSOID_EXCESS, Ellipsoid
 from plannercheck.bodies.half_spaces import HalfSpace
-from plannercheck.bodies.moving import Moving
 from plannercheck.bodies.objects import Part, SceneObject, unplaced
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.shapes import Box, Hull, Shape, checked_pose
 from plannercheck.bodies.solids import Solid
+from plannercheck.bodies.written_poses import node_of_pose
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.checked_yaml import Node, error_context
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.transforms import quaternion_of_rotation, rotation_of_quaternion
 from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
 from plannercheck.scenes.files_beside import FilesBeside
+from plannercheck.scenes.moving_nodes import node_of_moving
 from plannercheck.scenes.scene_files import LINK_PAIRS, PAIRS, SIZED
 from plannercheck.scenes.sensed_shapes import sensed_kind, sensed_node
-
-# What is said of an object that moves; the default is not.
-_SAID = ("screw", "stand")
 
 
 def write_scene(scene: SceneContents, path: Path) -> None:
@@ -63,20 +59,13 @@ def _yaml_text(scene: SceneContents, beside: FilesBeside) -> str:
 def _object_node(item: SceneObject, beside: FilesBeside) -> Node:
     if item.pose_frame is not None:
         raise unplaced(item)
-    place = _pose_node(item.pose) if item.moving is None else {"moving": _moving_node(item.name, item.moving)}
+    place = node_of_pose(item.pose) if item.moving is None else node_of_moving(item.name, item.moving)
     if len(item.parts) == 1 and item.parts[0].pose is None:
         return {"name": item.name, **_shape_node(item.parts[0], item.name, beside), **place}
     nodes = [
-        _shape_node(part, item.name, beside) | _pose_node(checked_pose(part.pose, item.name)) for part in item.parts
+        _shape_node(part, item.name, beside) | node_of_pose(checked_pose(part.pose, item.name)) for part in item.parts
     ]
     return {"name": item.name, **place, "parts": nodes}
-
-
-def _moving_node(name: str, moving: Moving) -> Node:
-    if moving.ride is not None:
-        raise PlannercheckError(f"object {name!r} rides on a robot's link, which no scene file says: leave it out")
-    words = {key: value for key, value in (("path", moving.path), ("outside", moving.outside)) if value in _SAID}
-    return {"times": moving.times.tolist(), "poses": [_pose_node(pose) for pose in moving.poses], **words}
 
 
 def _attached_node(item: SceneObject, beside: FilesBeside) -> Node:
@@ -116,17 +105,6 @@ def _file_node(shape: Shape, file: Path, more: Mapping[str, Any], folder: Path) 
 def _open(solid: Solid) -> Node:
     """What an open mesh is taken as, unless that is the default."""
     return {} if solid.open == "cap" else {"open": solid.open}
-
-
-def _pose_node(pose: NDArray[np.float64]) -> Node:
-    """Position and quaternion where they give the same doubles, else the matrix itself."""
-    position = pose[:3, 3].tolist()
-    if np.array_equal(pose[:3, :3], np.eye(3)):
-        return {"position": position} if any(position) else {}
-    quaternion = quaternion_of_rotation(pose[:3, :3])
-    if np.array_equal(rotation_of_quaternion(quaternion), pose[:3, :3]):
-        return {"position": position, "quaternion": quaternion}
-    return {"matrix": pose.tolist()}
 
 
 def _allowed_nodes(scene: SceneContents) -> Node:

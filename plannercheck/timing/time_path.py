@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from numpy.typing import ArrayLike
 from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.common.angles import nearest_turns
 from plannercheck.common.array_types import Bools, Floats
-from plannercheck.common.arrays import contiguous, shown_array
+from plannercheck.common.arrays import named_numbers, shown_array
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
@@ -107,12 +108,14 @@ def time_path(
         PlannercheckError: If an argument is malformed, a joint that moves has no acceleration limit, or some segment of
             the path is not proved.
     """
+    if not isinstance(checker, Checker):
+        raise PlannercheckError(f"checker must be a pc.Checker, not {checker!r:.80}")
     robot = checker.robot
     waypoints = _waypoints(robot, path)
     legs = Legs.through(waypoints)
     if len(legs.points) < 2:
         raise PlannercheckError(f"the path of {len(waypoints)} configurations stays where it is: there is no motion")
-    if not blend >= 0:
+    if not isinstance(blend, Real) or not blend >= 0:
         raise PlannercheckError(f"blend must be at least 0, not {blend!r:.40}")
     limits = _limits(robot, velocity, acceleration, np.ptp(legs.points, axis=0) > 0)
     wanted = legs.blends(blend)
@@ -171,7 +174,7 @@ def _limits(
 
 
 def _row(robot: Robot, values: ArrayLike, name: str) -> Floats:
-    row = contiguous(values)
+    row = named_numbers(values, name)
     if row.shape not in ((1,), (robot.nq,)) or not (row > 0).all():
         raise PlannercheckError(
             f"{name} must be a number more than 0, or {robot.nq}, one a joint, not {shown_array(values)}"

@@ -24,8 +24,8 @@ turns of continuous joints only there (`wraparound_joint`).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -57,6 +57,7 @@ class Points(OwnsArrays):
         velocities: (n, nq) rad/s and m/s; rows of points without velocities are NaN.
         accelerations: (n, nq) rad/s² and m/s²; likewise.
         joint_names: Of the columns; empty if they are not known.
+        held: Values, by name, of joints outside the planning group that the message has, and that stand still.
     """
 
     times: Floats
@@ -64,6 +65,7 @@ class Points(OwnsArrays):
     velocities: Floats
     accelerations: Floats
     joint_names: tuple[str, ...] = ()
+    held: Mapping[str, float] = field(default_factory=dict)
 
     def named(self, column: int) -> str:
         """A column in words."""

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import OwnsArrays, contiguous
+from plannercheck.common.arrays import OwnsArrays, named_numbers
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.configurations import LARGEST_VALUE
 
@@ -71,7 +71,7 @@ class Curve(OwnsArrays):
         Raises:
             PlannercheckError: If a time is not a number, or is before the first break or after the last.
         """
-        asked = np.atleast_1d(contiguous(times))
+        asked = np.atleast_1d(named_numbers(times, "times"))
         outside = ~((asked >= self.breaks[0]) & (asked <= self.breaks[-1]))  # NaN as well
         if outside.any():
             raise PlannercheckError(

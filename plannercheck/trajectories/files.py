@@ -13,7 +13,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.bags import read_bag
 from plannercheck.trajectories.controllers import Points
-from plannercheck.trajectories.joint_columns import Joints, check_plain_joints
+from plannercheck.trajectories.joint_columns import Joints, check_held, check_plain_joints
 from plannercheck.trajectories.messages import joint_trajectories, points_of, read_document, warn_of_start
 from plannercheck.trajectories.tables import read_csv, read_npz
 
@@ -24,21 +24,28 @@ _BAGS = (".db3", ".mcap", ".bag")
 _MOST_LISTED = 20
 
 
-def read_points(path: Path, robot: Robot, message: int | None = None) -> Points:
+def read_points(path: str | Path, robot: Robot, message: int | None = None) -> Points:
     """Reads the points of one trajectory.
 
     Args:
         path: A file, or the folder of a bag.
-        robot: Its joints, which take one number each; the file must have them all and no others.
+        robot: Its joints, which take one number each; the file must have them all. A message may have joints outside
+            the group, too, which stand still where the robot holds them.
         message: Which JointTrajectory of several, counted from 0; None: the file must hold one.
     """
     with error_context(f"trajectory file {str(path)!r}"):
         check_plain_joints(robot)
-    return read_points_of(path, robot, message)
+        points = read_points_of(path, robot, message)
+        check_held(robot, points.held)
+    return points
 
 
 def read_points_of(file: str | Path, robot: Joints, message: int | None = None) -> Points:
     """The same of joints that are known to take one number each."""
+    if not isinstance(file, str | Path):
+        raise PlannercheckError(f"path must be a file, not {file!r:.80}")
+    if message is not None and not isinstance(message, int):
+        raise PlannercheckError(f"message must be a whole number, not {message!r:.80}")
     path = Path(file)
     suffix = path.suffix.lower()
     with error_context(f"trajectory file {str(path)!r}"):

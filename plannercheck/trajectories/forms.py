@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import contiguous
+from plannercheck.common.arrays import named_numbers
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.trajectories.curve import MOST_DEGREE, Curve, bernstein, check_size
 from plannercheck.trajectories.rounding import UNIT, blossom_error, powers_error
@@ -133,7 +133,7 @@ def _check_degree(degree: int) -> None:
 
 
 def _checked(values: ArrayLike, name: str, shape: tuple[str, ...]) -> Floats:
-    array = contiguous(values)
+    array = named_numbers(values, name)
     if array.ndim != len(shape) or 0 in array.shape:
         raise PlannercheckError(f"{name} must be ({', '.join(shape)}), not {array.shape}")
     if not np.isfinite(array).all():

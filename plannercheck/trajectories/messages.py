@@ -82,10 +82,10 @@ def _check_base(node: Node) -> None:
 
 
 def points_of(message: Node, robot: Joints) -> Points:
-    """The points of a JointTrajectory in the order of a robot's joints, which must be the message's."""
+    """The points of a JointTrajectory in the order of a robot's joints; other joints have to stand still."""
     check_keys(message, TRAJECTORY_KEYS)
     names = [text(name, "joint_names") for name in sequence(required(message, "joint_names"), "'joint_names'")]
-    order = columns_of(names, robot)
+    order = columns_of(names, robot, may_hold=True)
     if not sequence(required(message, "points"), "'points'"):
         raise PlannercheckError("has no points")
     times: list[float] = []
@@ -100,11 +100,24 @@ def points_of(message: Node, robot: Joints) -> Points:
             for key, found in rows.items():
                 found.append(numbers(point[key], key, len(names)) if point.get(key) else [np.nan] * len(names))
     columns = {key: _ordered(found, order) for key, found in rows.items()}
-    return Points(np.array(times), joint_names=robot.joint_names, **columns)
+    return Points(np.array(times), joint_names=robot.joint_names, held=_held(names, rows, robot), **columns)
+
+
+def _held(names: list[str], rows: dict[str, list[Any]], robot: Joints) -> dict[str, float]:
+    """Where the joints outside the planning group stand still."""
+    others = [k for k, name in enumerate(names) if name not in robot.joint_names]
+    positions, *derivatives = (np.array(found, dtype=np.float64)[:, others] for found in rows.values())
+    moves = (positions != positions[0]).any(axis=0)
+    for found in derivatives:
+        moves |= (np.nan_to_num(found) != 0).any(axis=0)
+    if moves.any():
+        moving = ", ".join(names[others[k]] for k in np.flatnonzero(moves).tolist())
+        raise PlannercheckError(f"moves {moving}, outside the planning group: choose a group with them")
+    return {names[k]: float(value) for k, value in zip(others, positions[0].tolist(), strict=True)}
 
 
 def _ordered(rows: list[list[float]], order: list[int]) -> Floats:
-    return np.array(rows, dtype=np.float64).reshape(-1, len(order))[:, order]
+    return np.array(rows, dtype=np.float64).reshape(len(rows), -1)[:, order]
 
 
 def _seconds(duration: Any) -> float:

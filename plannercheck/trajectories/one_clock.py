@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.sizes import array_of
 from plannercheck.common.array_types import Floats, Ints64
-from plannercheck.common.arrays import read_only
+from plannercheck.common.arrays import contiguous, read_only
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.robot import CellPart, Robot
 from plannercheck.trajectories.curve import Curve, slerp
@@ -73,7 +73,9 @@ class _Cuts(NamedTuple):
     end: Floats
 
 
-def on_one_clock(cell: Robot, trajectories: Mapping[str, Run], starts: Mapping[str, float] | None = None) -> Trajectory:
+def on_one_clock(
+    cell: Robot, trajectories: Mapping[str, Run], starts: Mapping[str, float] | None = None, knots: ArrayLike = ()
+) -> Trajectory:
     """The trajectory of a cell whose robots run their own, each from its start on.
 
     Before its first point a robot stands at it, and after its last point at that.
@@ -82,6 +84,7 @@ def on_one_clock(cell: Robot, trajectories: Mapping[str, Run], starts: Mapping[s
         cell: What `Robot.together` gives.
         trajectories: By robot, of all robots that the group moves; or the configuration (k,) at which a robot stands.
         starts: By robot, when its trajectory's own 0 s is on the clock, s; 0 if not named.
+        knots: (m,) s, of at least 0: where pieces are cut as well; the clock runs to the last one at least.
 
     Returns:
         A trajectory from 0 s to the end of the longest; its error covers all rounding.
@@ -96,7 +99,8 @@ def on_one_clock(cell: Robot, trajectories: Mapping[str, Run], starts: Mapping[s
         for name, run in trajectories.items()
         if isinstance(run, Trajectory)
     }
-    breaks = _common_knots(np.concatenate([each.knots for each in clocked.values()]), 0.0)
+    listed = [contiguous(knots).ravel(), *(each.knots for each in clocked.values())]
+    breaks = _common_knots(np.concatenate(listed), 0.0)
     cuts = {name: _cuts(each, breaks) for name, each in clocked.items()}
     degrees = np.max([_degrees(clocked[name].curve, cuts[name]) for name in clocked], axis=0)
     shape, error = (len(degrees), int(degrees.max()) + 1, cell.nq), np.zeros(cell.nq)
@@ -300,7 +304,7 @@ def _error(clocked: Clocked, cuts: _Cuts, breaks: Floats, degree: int) -> Floats
     late = np.abs(_rounded(knots, breaks) - knots).max()
     largest = max(float(np.abs(breaks).max()), float(np.abs(curve.breaks).max()), float(np.abs(knots).max()))
     shift = (late + _TIMES * UNIT * largest) * (1 + 2.0**-40)
-    error = (curve.error + shift * speeds(curve).max(axis=0)) * (1 + 2.0**-40)
+    error = (curve.error + shift * _largest_speeds(curve)) * (1 + 2.0**-40)
     is_cut = (cuts.start > 0) | (cuts.end < 1)
     highest = max(len(piece) - 1 for piece in curve.pieces)
     steps = (highest if is_cut.any() else 0) + degree - min(len(piece) - 1 for piece in curve.pieces)
@@ -317,6 +321,12 @@ def _error(clocked: Clocked, cuts: _Cuts, breaks: Floats, degree: int) -> Floats
 
 
 @lru_cache(maxsize=_KEPT)
+def _largest_speeds(curve: Curve) -> Floats:
+    """(nq,) of all pieces, rad/s and m/s."""
+    return read_only(speeds(curve)[1].max(axis=0))
+
+
+@lru_cache(maxsize=_KEPT)
 def _largest_condition(curve: Curve, first: int, past: int) -> float:
     """Of all pieces, for the unit vector of some columns."""
     return max(_condition(piece[0, first:past], piece[-1, first:past]) for piece in curve.pieces)
@@ -328,18 +338,27 @@ def _condition(start: Floats, end: Floats) -> float:
     return 1.0 if angle <= 2.0 else 1 / max(float(np.sin(angle)), 2.0**-53)
 
 
-@lru_cache(maxsize=_KEPT)
-def speeds(curve: Curve) -> Floats:
-    """(pieces, nq) the largest speed of each number on each piece, from above; rad/s and m/s."""
+def speeds(curve: Curve, parts: int = 1) -> tuple[Floats, Floats]:
+    """The largest speed of each number, from above, on parts of pieces.
+
+    Args:
+        curve: The curve.
+        parts: A piece is looked at in so many parts at most, none shorter than this part of an average piece.
+
+    Returns:
+        (m + 1,) where parts begin and end, s; and (m, nq) rad/s and m/s.
+    """
     steps = durations(curve.breaks)
-    found = np.array(
-        [
-            np.abs(np.diff(piece, axis=0)).max(axis=0) * ((len(piece) - 1) / step)
-            for piece, step in zip(curve.pieces, steps.tolist(), strict=True)
-        ]
-    )
-    for a, b in curve.units:
-        for k, piece in enumerate(curve.pieces):
-            turn = np.abs(slerp(piece[0, a:b], piece[-1, a:b], np.zeros(1), 1)[0])
-            found[k, a:b] = float(np.linalg.norm(turn)) / steps[k]
-    return read_only(found * (1 + 2.0**-40))
+    counts = np.clip(np.rint(parts * steps * len(steps) / steps.sum()), 1, parts).astype(np.int64).tolist()
+    places, found = [curve.breaks[:1]], []
+    for piece, begin, step, count in zip(curve.pieces, curve.breaks[:-1].tolist(), steps.tolist(), counts, strict=True):
+        ends = np.arange(count + 1) / count
+        cut = _part(np.repeat(piece[None], count, axis=0), ends[:-1], ends[1:]) if count > 1 else piece[None]
+        degree, off = len(piece) - 1, blossom_error(piece, len(piece) - 1)
+        fastest = (np.abs(np.diff(cut, axis=1)).max(axis=1) + 2 * off) * (degree * count / step)
+        for a, b in curve.units:
+            turn = slerp(piece[0, a:b], piece[-1, a:b], np.zeros(1), 1)[0]
+            fastest[:, a:b] = float(np.linalg.norm(turn)) / step
+        found.append(fastest * (1 + 2.0**-40))
+        places.append(begin + step * ends[1:])
+    return np.concatenate(places), np.concatenate(found)

@@ -17,15 +17,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Bools, Floats
-from plannercheck.common.arrays import contiguous, shown_array
+from plannercheck.common.arrays import named_numbers, shown_array
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
+from plannercheck.common.user_warnings import warn
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.controllers import Controller, Points, curve_of
 from plannercheck.trajectories.curve import Curve, check_curve
 from plannercheck.trajectories.files import read_points
 from plannercheck.trajectories.forms import of_bezier, of_bspline, of_polynomials
+from plannercheck.trajectories.joint_columns import check_robot
 from plannercheck.trajectories.library_curves import of_library
 from plannercheck.trajectories.limits import Excess, Kind, broken_limits
 from plannercheck.trajectories.timing import Timing
@@ -129,14 +131,21 @@ class Trajectory:
             message: Which of several messages, counted from 0.
 
         Raises:
-            PlannercheckError: If the file is malformed, its joints are not the robot's, or it holds several messages
-                and `message` is None; the error lists them.
+            PlannercheckError: If the file is malformed, it lacks joints of the robot, moves others, or has others
+                elsewhere than the robot holds them (`robot.holding`); or it holds several messages and `message` is
+                None: the error lists them.
         """
-        points = read_points(Path(path), robot, message)
+        points = read_points(path, robot, message)
         turning = np.flatnonzero(robot.configuration_map.turning_columns()).tolist()
         arrays = (points.times, points.positions, points.velocities, points.accelerations)
         with error_context(f"trajectory file {str(path)!r}"):
-            return cls(*arrays, controller, start, turning, points.joint_names)
+            made = cls(*arrays, controller, start, turning, points.joint_names)
+        if made.curve.breaks[0] > 0 and start is None and controller != "motoros2":
+            warn(
+                f"trajectory file {str(path)!r}: its first point is at {made.curve.breaks[0]:.6g} s, and it is judged "
+                "from then on: start= (--start) adds the way from where the robot stands"
+            )
+        return made
 
     def save(self, path: str | Path) -> None:
         """Writes the points as a JointTrajectory, which `load` reads back to the same doubles.
@@ -161,6 +170,7 @@ class Trajectory:
             PlannercheckError: If the robot has another number of columns, a unit vector has another length, or points
                 have velocities of one.
         """
+        check_robot(robot)
         units, columns = robot.configuration_map.units, robot.configuration_map.described_columns()
         if robot.nq != self.curve.nq:
             raise PlannercheckError(f"the trajectory has {self.curve.nq} columns, but {columns}")
@@ -211,6 +221,7 @@ class Trajectory:
         Returns:
             For each joint and kind the worst, with the instant; none if all are kept.
         """
+        check_robot(robot)
         if robot.nq != self.curve.nq or len(robot.joint_names) != robot.nq:
             columns = robot.configuration_map.described_columns()
             raise PlannercheckError(f"the trajectory has {self.curve.nq} columns, one a joint, but {columns}")
@@ -218,7 +229,7 @@ class Trajectory:
         asked: tuple[tuple[Kind, ArrayLike | None], ...] = (("velocity", velocity), ("acceleration", acceleration))
         for kind, given in asked:
             if given is not None:
-                row = contiguous(given)
+                row = named_numbers(given, kind)
                 if row.shape not in ((1,), (robot.nq,)) or not (row >= 0).all():
                     raise PlannercheckError(
                         f"{kind} must be a limit of at least 0, or {robot.nq}, one a joint, not {shown_array(given)}"
@@ -239,7 +250,7 @@ def _points(
     accelerations: ArrayLike | None,
     joint_names: tuple[str, ...] = (),
 ) -> Points:
-    at, q = contiguous(times), contiguous(positions)
+    at, q = named_numbers(times, "times"), named_numbers(positions, "positions")
     if at.ndim != 1 or not len(at) or q.ndim != 2 or len(q) != len(at) or not q.shape[1]:
         raise PlannercheckError(f"a trajectory takes times (n,) and positions (n, nq), not {at.shape} and {q.shape}")
     if not np.isfinite(at).all() or at[0] < 0 or not (np.diff(at) > 0).all():
@@ -268,7 +279,7 @@ def _derivatives(values: ArrayLike | None, name: str, positions: Floats) -> Floa
     """(n, nq) numbers; NaN if there are none."""
     if values is None:
         return np.full_like(positions, np.nan)
-    rows = contiguous(values)
+    rows = named_numbers(values, name)
     if rows.shape != positions.shape:
         raise PlannercheckError(f"{name} must have the shape of positions, {positions.shape}, not {rows.shape}")
     return rows

@@ -7,7 +7,7 @@ shapes are drawn coarser than they are checked.
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -137,6 +137,13 @@ def visual_meshes(robot: str | Path | RobotDescription) -> tuple[Visual, ...]:
         PlannercheckError: If the robot is planar, or its description can't be read.
     """
     description = description_of(robot)
+    if description.robots:
+        shown_of = {name: visual_meshes(description.of_robot(name)) for name in description.robots}
+        return tuple(
+            replace(each, name=f"{name}/{each.name}", link=f"{name}/{each.link}")
+            for name, of_robot in shown_of.items()
+            for each in of_robot
+        )
     file = description.file
     if file.kind == MJCF_ROOT:
         warnings.warn(f"MJCF {file.path}: geoms that do not collide are not drawn", RuntimeWarning, stacklevel=2)

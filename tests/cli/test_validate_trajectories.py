@@ -11,6 +11,7 @@ from yaml import safe_load
 
 import plannercheck as pc
 from plannercheck.cli.main import main
+from plannercheck.proofs import verify_trajectory
 
 ROBOT = pc.Robot.load("panda")
 HOME = ROBOT.reference
@@ -141,6 +142,67 @@ def test_joints_that_the_start_holds_are_held(capsys, tmp_path, checker, free):
     trajectory = pc.Trajectory.load(free, ROBOT)
     held = pc.Checker(ROBOT.holding(out), checker.scene).explain_trajectory(trajectory)
     assert found["largest_tube"] == held.largest_tube < checker.explain_trajectory(trajectory).largest_tube
+
+
+def with_finger(file: Path, values, velocities=None) -> Path:
+    """The message with a joint outside the planning group, at these values at its points."""
+    message = safe_load(file.read_text())
+    message["joint_names"].append("panda_finger_joint1")
+    for k, point in enumerate(message["points"]):
+        point["positions"].append(values[k])
+        if "velocities" in point:
+            point["velocities"].append(0.0 if velocities is None else velocities[k])
+    out = file.with_name("finger.json")
+    out.write_text(json.dumps(message))
+    return out
+
+
+@pytest.mark.parametrize("options", [(), ("--controller", "jtc"), ("--straight",)])
+def test_joints_outside_the_group_are_held_or_refused_with_and_without_a_controller(capsys, checker, tmp_path, options):
+    file = saved(tmp_path / "t.yaml", [HOME, AWAY, HOME], None if options == ("--straight",) else np.zeros((3, 7)))
+    held = with_finger(file, [0.3] * 3)
+    assert judged(capsys, "--path", held, *options)[1]["free"]
+    if options != ("--straight",):
+        posed = pc.Checker(ROBOT.holding({"panda_finger_joint1": 0.3}), checker.scene)
+        expected = posed.explain_trajectory(pc.Trajectory.load(file, ROBOT)).largest_tube
+        assert judged(capsys, "--path", held, "--controller", "jtc")[1]["largest_tube"] == expected
+        assert expected < checker.explain_trajectory(pc.Trajectory.load(file, ROBOT)).largest_tube
+    assert command("--path", with_finger(file, [0.0, 0.0, 0.01]), *options) == 2
+    assert "moves panda_finger_joint1, outside the planning group: choose a group with" in capsys.readouterr().err
+
+
+def test_a_joint_outside_the_group_that_only_has_a_velocity_is_refused(capsys, tmp_path):
+    file = with_finger(saved(tmp_path / "t.yaml", [HOME, AWAY, HOME], np.zeros((3, 7))), [0.0] * 3, [0.0, 0.1, 0.0])
+    assert command("--path", file, "--controller", "jtc") == 2
+    assert "moves panda_finger_joint1" in capsys.readouterr().err
+
+
+def test_a_trajectory_is_loaded_for_the_robot_that_holds_its_other_joints(capsys, tmp_path):
+    file = with_finger(saved(tmp_path / "t.yaml", [HOME, AWAY, HOME], np.zeros((3, 7))), [0.03] * 3)
+    with pytest.raises(pc.PlannercheckError, match=r"give robot\.holding\(\{'panda_finger_joint1': 0\.03\}\)"):
+        pc.Trajectory.load(file, ROBOT)
+    posed = ROBOT.holding({"panda_finger_joint1": 0.03})
+    trajectory = pc.Trajectory.load(file, posed)
+    proofs = [
+        pc.Checker(robot, pc.Scene("empty")).certify_trajectory(pc.Trajectory(*rows))
+        for rows in [(trajectory.points.times, trajectory.points.positions, trajectory.points.velocities)]
+        for robot in (posed, ROBOT)
+    ]
+    assert verify_trajectory(proofs[0], file)
+    assert "holds the joint 'panda_finger_joint1' at 0.03" in verify_trajectory(proofs[1], file).fault
+    capsys.readouterr()
+
+
+def test_a_late_first_point_is_told_once(capsys, tmp_path):
+    file = saved(tmp_path / "late.yaml", [HOME, AWAY], None, [0.5, 2.0])
+    assert command("--path", file, "--controller", "jtc") == 0
+    err = capsys.readouterr().err
+    assert err.count("its first point is at 0.5 s, and it is judged from then on") == 1
+    assert command("--path", file, "--controller", "jtc", f"--start={','.join(map(repr, HOME.tolist()))}") == 0
+    assert "first point is at" not in capsys.readouterr().err
+    with pytest.warns(RuntimeWarning, match="judged from then on") as caught:
+        pc.Trajectory.load(file, ROBOT)
+    assert [each.filename for each in caught] == [__file__]
 
 
 def test_a_row_that_is_no_numbers_is_named(capsys, free):

@@ -235,10 +235,62 @@ def test_one_trajectory_is_no_list_of_some(tmp_path):
         checker.check_trajectories(pc.Trajectory.bezier([0, 1], [[[0.0, 0.0], [1.0, 0.0]]]))
 
 
+def test_errors_name_the_piece_and_its_time(tmp_path):
+    checker = pc.Checker(slider(tmp_path), balls([0.0, 2.0, 0.0]))
+    pieces = [[[0.0, 0.0], [0.1, 0.1], [0.2, 0.0]], [[0.2, 0.0], [1e12, 0.1], [0.2, 0.0]]]
+    far = pc.Trajectory.bezier([0.0, 1.0, 2.5], pieces)
+    near = pc.Trajectory.bezier([0.0, 1.0], pieces[:1])
+    for judge in (checker.check_trajectory, checker.explain_trajectory, checker.certify_trajectory):
+        with pytest.raises(PlannercheckError, match=r"^piece 1 of the trajectory, 1 to 2\.5 s: lengths and angles"):
+            judge(far)
+    with pytest.raises(PlannercheckError, match=r"^trajectory 2, piece 1 of the trajectory, 1 to 2\.5 s: lengths"):
+        checker.check_trajectories([near, near, far])
+
+
+def test_a_free_piece_without_a_proof_is_named(tmp_path, monkeypatch):
+    checker = pc.Checker(slider(tmp_path), balls([0.0, 2.0, 0.0]))
+    monkeypatch.setattr(type(checker._prover), "curve_proof", unproved)
+    with pytest.raises(PlannercheckError, match=r"^piece 0 of the trajectory, 0 to 1 s: no proof"):
+        checker.certify_trajectory(pc.Trajectory.bezier([0.0, 1.0], [[[0.0, 0.0], [0.1, 0.1], [0.2, 0.0]]]))
+
+
+def unproved(*_):
+    raise PlannercheckError("no proof")
+
+
+WRONG_TYPES = {
+    "tube": lambda checker, t: checker.check_trajectory(t, "wide"),
+    "tubes": lambda checker, t: checker.check_trajectories([t], "0.1"),
+    "tube of a proof": lambda checker, t: checker.certify_trajectory(t, {"x": 0.1}),
+    "no tube": lambda checker, t: checker.explain_trajectory(t, None),
+    "robot": lambda checker, t: t.limits("panda"),
+    "robot of units": lambda checker, t: t.of_robot("panda"),
+    "velocity": lambda checker, t: t.limits(checker.robot, "fast"),
+    "acceleration": lambda checker, t: t.limits(checker.robot, 1.0, ["a", "b"]),
+    "times": lambda checker, t: pc.Trajectory("soon", [[0.0], [1.0]]),
+    "positions": lambda checker, t: pc.Trajectory([0, 1], "home"),
+    "time": lambda checker, t: t.position("now"),
+    "breaks": lambda checker, t: pc.Trajectory.polynomials("a", "b"),
+    "checker": lambda checker, t: pc.time_path("panda", [[0, 0], [1, 1]], 1.0, 1.0),
+    "blend": lambda checker, t: pc.time_path(checker, [[0, 0], [0.1, 0]], 1.0, 1.0, blend="wide"),
+    "message": lambda checker, t: pc.Trajectory.load("t.yaml", checker.robot, message="0"),
+    "path": lambda checker, t: pc.Trajectory.load(3, checker.robot),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_TYPES)
+def test_arguments_of_other_types_are_named(tmp_path, name):
+    checker = pc.Checker(slider(tmp_path), balls([0.0, 2.0, 0.0]))
+    t = pc.Trajectory.bezier([0.0, 1.0], [[[0.0, 0.0], [0.1, 0.1], [0.2, 0.0]]])
+    named = {"robot of units": "Robot", "tubes": "tube", "tube of a proof": "tube", "no tube": "tube", "robot": "Robot"}
+    with pytest.raises(PlannercheckError, match=named.get(name, name)):
+        WRONG_TYPES[name](checker, t)
+
+
 def test_numbers_that_are_not_finite_leave_nothing_behind(tmp_path):
     """A workspace that has seen them judges the next curve as a new one does."""
     certifier = pc.Checker(slider(tmp_path), balls([0.0, 2.0, 0.0])).certifier_of("slerp")
     points, none = np.array([[[2.9, 0.0], [3.0, 0.1], [3.2, 0.0]]]), np.zeros((1, 3))
-    with pytest.raises(PlannercheckError, match="a piece of a trajectory"):
+    with pytest.raises(PlannercheckError, match="piece 0: lengths"):
         certifier.check_curves(Curves(points, np.array([[np.inf, 0.0, 0.0]])), 1e-4, 1)
     assert certifier.check_curves(Curves(points, none), 1e-4, 1).all()

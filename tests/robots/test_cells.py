@@ -157,7 +157,7 @@ def test_bad_groups_joins_and_splits(panda, cell):
         with pytest.raises(PlannercheckError, match=message):
             cell.join(given)
     for single in (lambda: panda.join({}), lambda: panda.split(panda.reference)):
-        with pytest.raises(PlannercheckError, match="this is a single robot"):
+        with pytest.raises(PlannercheckError, match="this is a single robot, and"):
             single()
 
 
