@@ -17,7 +17,7 @@ import numpy as np
 from plannercheck.evaluation.campaign.tallies import EXCEPTION, Column, Entry, Tally, table, total
 from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.cases import MotionCase, case_of, shrunk
-from plannercheck.evaluation.stress_motions.cell_draws import CELL_WEIGHTS, cell_draw
+from plannercheck.evaluation.stress_motions.cell_draws import CELL_MOTIONS, CELL_WEIGHTS, cell_draw
 from plannercheck.evaluation.stress_motions.curves import curved
 from plannercheck.evaluation.stress_motions.draws import (
     FAMILIES,
@@ -180,7 +180,8 @@ def campaign(
     Returns:
         The campaign.
     """
-    return MotionCampaign(seed, families, math.ceil(verified * MOTIONS), pieces, curves)
+    size = CELL_MOTIONS if set(families) <= set(CELL_WEIGHTS) else MOTIONS
+    return MotionCampaign(seed, families, math.ceil(verified * size), pieces, curves)
 
 
 def families_of(solids: bool, curves: bool, cells: bool = False) -> tuple[str, ...]:

@@ -133,7 +133,7 @@ def _touch(
 ) -> _Touch:
     """A shape laid upon a body of a robot, one that moves if some do."""
     name = str(rng.choice(among if among is not None else list(robots)))
-    states, robot, bodies = _states(robots, rng), robots[name], recipe["robots"][name]["robot"]["bodies"]
+    states, bodies = _states(robots, rng), recipe["robots"][name]["robot"]["bodies"]
     some = [body for body in bodies if not _is_fixed(robots, f"{name}/{body['link']}")] or bodies
     body = some[int(rng.integers(len(some)))]
     pose = _body_pose(recipe, robots, name, body, states[name])
