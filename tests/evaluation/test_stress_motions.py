@@ -42,6 +42,7 @@ from plannercheck.evaluation.stress_motions.recipes import robot_of, shape_of, s
 from plannercheck.evaluation.stress_motions.subjects import PlaneSubject, SpaceSubject
 from plannercheck.evaluation.stress_motions.tangents import tangents_of
 from plannercheck.evaluation.stress_motions.trees import Wishes, random_states, random_tree
+from plannercheck.proofs.data import Verification
 
 SAMPLE = 1000  # motions
 
@@ -118,6 +119,9 @@ def _thrown(self: Any, *_: Any) -> Any:
     raise ValueError("something else")
 
 
+_UNPROVED = Verification(False, "it is none", 0, 0.0)
+
+
 @pytest.mark.parametrize(
     ("asked", "answer", "kind"),
     [
@@ -127,7 +131,7 @@ def _thrown(self: Any, *_: Any) -> Any:
         ("check", _thrown, EXCEPTION),
         ("placed", lambda self, q: np.arange(len(q) * 16.0).reshape(-1, 1, 4, 4) * next(_COUNT), ASTRAY),
         ("certify", lambda self, q0, *_: (None,) * len(q0), PROOF),
-        ("certify", lambda self, *_: (SimpleNamespace(verify=lambda: None),), PROOF),
+        ("certify", lambda self, *_: ((SimpleNamespace(verify=lambda: _UNPROVED),),), PROOF),
     ],
 )
 def test_wrong_answers_are_found(
