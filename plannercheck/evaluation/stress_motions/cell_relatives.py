@@ -29,6 +29,8 @@ from plannercheck.trajectories.trajectory import Trajectory
 _LIKE, _INSTANTS = 2, 8
 # Cells whose robots are asked in another order, the part of others' switches that are off.
 _TURNED, _OFF = 0.5, 0.5
+# Trajectories that are split at a knot, others are split between two.
+_AT_KNOTS = 0.5
 # Merged states are where the robots' own are up to this, per largest number.
 _SAME_STATE = 1e-9
 # Switches of what saves work.
@@ -53,8 +55,10 @@ def cell_relatives(draw: Draw, used: Subject, answers: Answers, judged: Judged, 
         q0, q1 = draw.motions.q0[row], draw.motions.q1[row]
         _is_where_robots_are(used, q0, q1, row, judged, rng)
         turned, first = reordered(used.robot, q0, names), bool(answers[row] == FREE)
+        made = used.merged(q0)
+        time = _split_time(made.curve.breaks, rng)
         ways: dict[str, Callable[[], bool]] = {
-            "split in two": partial(_split, used, q0, q1, draw.tolerance, rng),
+            "split in two": partial(_split, used, q0, q1, time, draw.tolerance),
             how_other: partial(other.check_one, turned, q1[columns], draw.tolerance),
         }
         for how, ask in ways.items():
@@ -63,7 +67,7 @@ def cell_relatives(draw: Draw, used: Subject, answers: Answers, judged: Judged, 
             except PlannercheckError as error:
                 declined(error, row, judged)  # rounding is a larger part of it
                 continue
-            alike(draw, used, row, first, answer, how, judged)
+            alike(draw, used, row, time / made.duration, first, answer, how, judged)
             if how.startswith("without") and answer != first:
                 judged.add(HISTORY, row, f"{how} {answer}, with these {first}")
 
@@ -79,25 +83,19 @@ def _is_where_robots_are(
         judged.add(ASTRAY, row, "on one clock, the robots are not where their own curves are")
 
 
-def _split(used: CellSubject, q0: Floats, q1: Floats, tolerance: float, rng: np.random.Generator) -> bool:
-    """Whether both parts of a trajectory are free that is split at any place, or between two pieces."""
+def _split(used: CellSubject, q0: Floats, q1: Floats, time: float, tolerance: float) -> bool:
+    """Whether both parts of a trajectory are free that is split at a time on the clock, s."""
     made, units = used.merged(q0), unit_columns(used.robot)
     curve = made.curve
-    k = int(rng.integers(len(curve.pieces)))
+    k = int(np.searchsorted(curve.breaks, time, side="right")) - 1
     first, last = curve.breaks[k : k + 2].tolist()
-    place = 0.0 if k and rng.random() < 0.5 else float(rng.uniform(0.1, 0.9))
-    time = first + place * (last - first)
-    if not first + 1e-9 < time < last - 1e-9 and not (k and place == 0.0):
-        return used.check_one(q0, q1, tolerance)
-    before, after = curve.pieces[:k], curve.pieces[k + 1 :]
-    if place:
-        parts = cut(curve.pieces[k], place)
+    if time == first:
+        halves = curve.pieces[:k], curve.pieces[k:]
+    else:
+        parts = cut(curve.pieces[k], (time - first) / (last - first))
         (middle,) = made.position([time])
         parts[0][1:, units] = parts[1][:-1, units] = middle[units]
-        parts[0][-1], parts[1][0] = middle, middle
-        halves = (*before, parts[0]), (parts[1], *after)
-    else:
-        halves = before, (curve.pieces[k], *after)
+        halves = (*curve.pieces[:k], parts[0]), (parts[1], *curve.pieces[k + 1 :])
     breaks = np.append(curve.breaks[curve.breaks < time], time), np.append(time, curve.breaks[curve.breaks > time])
     found = [
         used.checker.check_trajectory(
@@ -109,3 +107,10 @@ def _split(used: CellSubject, q0: Floats, q1: Floats, tolerance: float, rng: np.
         for at, pieces in zip(breaks, halves, strict=True)
     ]
     return all(found)
+
+
+def _split_time(breaks: Floats, rng: np.random.Generator) -> float:
+    """Where to split: between two knots, or at one, s."""
+    k = int(rng.integers(len(breaks) - 1))
+    at_knot = k > 0 and rng.random() < _AT_KNOTS
+    return float(breaks[k] if at_knot else breaks[k] + rng.uniform(0.1, 0.9) * (breaks[k + 1] - breaks[k]))
