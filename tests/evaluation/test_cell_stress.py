@@ -18,7 +18,7 @@ from plannercheck.evaluation.stress_motions.campaign import campaign, families_o
 from plannercheck.evaluation.stress_motions.cases import shrunk
 from plannercheck.evaluation.stress_motions.cell_draws import CELL_WEIGHTS, cell_draw
 from plannercheck.evaluation.stress_motions.cell_subject import CellSubject
-from plannercheck.evaluation.stress_motions.outcomes import ASTRAY, COLLISION, HISTORY, UNREASONED
+from plannercheck.evaluation.stress_motions.outcomes import COLLISION, HISTORY, UNREASONED
 from plannercheck.trajectories.one_clock import on_one_clock
 
 SAMPLE = 400  # trajectories of cells
@@ -69,7 +69,7 @@ def test_wrong_answers_are_found(asked: str, wrong: Any, kind: str, monkeypatch:
 def test_a_merge_that_forgets_starts_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cell_subject, "on_one_clock", lambda cell, runs, starts: on_one_clock(cell, runs))
     found = run(campaign(4, ("arms",)), 40)
-    assert total(found.faults, family="arms", outcome=ASTRAY) > 0
+    assert total(found.faults, family="arms", outcome=COLLISION) > 0
 
 
 def test_a_body_that_does_not_move_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
