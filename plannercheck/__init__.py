@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from plannercheck.bodies.height_fields import HeightField as HeightField
     from plannercheck.bodies.intersection import certify as certify
     from plannercheck.bodies.intersection import intersects as intersects
+    from plannercheck.bodies.moving import Moving as Moving
     from plannercheck.bodies.objects import Part as Part
     from plannercheck.bodies.octrees import Octree as Octree
     from plannercheck.bodies.part_certificates import PartSeparation as PartSeparation
@@ -80,6 +81,7 @@ _HOMES = {
     "HeightField": "bodies.height_fields",
     "Hull": "bodies.shapes",
     "LeastDelay": "timing.least_delay",
+    "Moving": "bodies.moving",
     "Octree": "bodies.octrees",
     "Part": "bodies.objects",
     "PartSeparation": "bodies.part_certificates",

@@ -14,7 +14,7 @@ that the robot's own message defines:
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -43,8 +43,8 @@ _TIMES = 8
 _SLERPED = 64
 
 
-class _Clocked(NamedTuple):
-    """A robot's curve on the clock.
+class Clocked(NamedTuple):
+    """A curve on the clock.
 
     Attributes:
         curve: Its polynomials.
@@ -95,7 +95,8 @@ def on_one_clock(
         for name, run in trajectories.items()
         if isinstance(run, Trajectory)
     }
-    breaks = _common_knots(np.concatenate([contiguous(knots).ravel(), *(each.knots for each in clocked.values())]))
+    listed = [contiguous(knots).ravel(), *(each.knots for each in clocked.values())]
+    breaks = _common_knots(np.concatenate(listed), 0.0)
     cuts = {name: _cuts(each, breaks) for name, each in clocked.items()}
     degrees = np.max([_degrees(clocked[name].curve, cuts[name]) for name in clocked], axis=0)
     shape, error = (len(degrees), int(degrees.max()) + 1, cell.nq), np.zeros(cell.nq)
@@ -110,6 +111,24 @@ def on_one_clock(
             points[:, :, columns] = standing(cell.parts[name], run)
     pieces = tuple(each[: degree + 1] for each, degree in zip(points, degrees.tolist(), strict=True))
     return Trajectory.of_curve(Curve(breaks, pieces, error, cell.configuration_map.units))
+
+
+def side_by_side(clocked: Sequence[Clocked], begin: float, end: float) -> Curve:
+    """Curves as one curve from begin to end, s of the clock: the columns of the first, then of the second, and so on.
+
+    Each stands still before its first knot and after its last one; the first has knots at begin and end.
+    """
+    knots = np.concatenate([each.knots for each in clocked])
+    breaks = _common_knots(knots[(knots >= begin) & (knots <= end)], begin)
+    cuts = [_cuts(each, breaks) for each in clocked]
+    degrees = np.max([_degrees(each.curve, cut) for each, cut in zip(clocked, cuts, strict=True)], axis=0)
+    both = list(zip(clocked, cuts, strict=True))
+    points = np.concatenate([_cut_points(each.curve, cut, degrees) for each, cut in both], axis=2)
+    error = np.concatenate([_error(each, cut, breaks, int(degrees.max())) for each, cut in both])
+    shifts = np.cumsum([0, *(each.curve.nq for each in clocked)]).tolist()
+    units = tuple((a + by, b + by) for each, by in zip(clocked, shifts, strict=False) for a, b in each.curve.units)
+    pieces = tuple(each[: degree + 1] for each, degree in zip(points, degrees.tolist(), strict=True))
+    return Curve(breaks, pieces, error, units)
 
 
 def check_runs(cell: Robot, runs: Mapping[str, Run]) -> tuple[str, ...]:
@@ -182,32 +201,33 @@ def standing(part: CellPart, configuration: ArrayLike) -> Floats:
     return row
 
 
-def _clocked(part: CellPart, run: Trajectory, start: float) -> _Clocked:
+def _clocked(part: CellPart, run: Trajectory, start: float) -> Clocked:
     knots = run.curve.breaks + start
     if knots[0] < 0:
         raise PlannercheckError(
             f"the trajectory of {part.name!r} begins at {knots[0]:g} s, before the clock: give it a start of at least"
             f" {-run.curve.breaks[0]:g} s"
         )
-    return _Clocked(run.curve, knots)
+    return Clocked(run.curve, knots)
 
 
-def _common_knots(knots: Floats) -> Floats:
-    """Knots in ascending order from 0 s on, those nearer than a nanosecond once: no curve has two of these."""
-    kept = [0.0]
+def _common_knots(knots: Floats, begin: float) -> Floats:
+    """Knots in ascending order from a first one, s, those nearer than a nanosecond once: no curve has two of these."""
+    kept = [begin]
     for knot in np.sort(knots).tolist():
         if knot >= kept[-1] + _SAME_KNOT:
             kept.append(knot)
     return np.array(kept)
 
 
-def _places(knots: Floats, breaks: Floats) -> Ints64:
-    """Which common knot each of a curve's knots became: the last one that is not later."""
-    return np.searchsorted(breaks, knots, side="right") - 1
+def _rounded(knots: Floats, breaks: Floats) -> Floats:
+    """The common knot that each of a curve's knots became: the last one that is not later; others stay."""
+    places = np.searchsorted(breaks, knots, side="right") - 1
+    return np.where((places < 0) | (knots > breaks[-1] + _SAME_KNOT), knots, breaks[places])
 
 
-def _cuts(clocked: _Clocked, breaks: Floats) -> _Cuts:
-    own = breaks[_places(clocked.knots, breaks)]
+def _cuts(clocked: Clocked, breaks: Floats) -> _Cuts:
+    own = _rounded(clocked.knots, breaks)
     if not (np.diff(own) > 0).all():
         raise PlannercheckError("a piece of a trajectory takes less than a nanosecond on the clock: start earlier")
     piece = np.searchsorted(own, breaks[:-1], side="right") - 1
@@ -274,11 +294,11 @@ def _cut_units(points: Floats, ends: Floats, cuts: _Cuts, degrees: Ints64) -> No
         points[k, degrees[k]] = b if s[1] == 1.0 else last
 
 
-def _error(clocked: _Clocked, cuts: _Cuts, breaks: Floats, degree: int) -> Floats:
+def _error(clocked: Clocked, cuts: _Cuts, breaks: Floats, degree: int) -> Floats:
     """(k,) how far a robot's columns are at most from its message's own polynomials at any instant of the clock."""
     curve, knots = clocked
-    late = np.abs(breaks[_places(knots, breaks)] - knots).max()
-    largest = max(float(breaks[-1]), float(np.abs(curve.breaks).max()), float(np.abs(knots).max()))
+    late = np.abs(_rounded(knots, breaks) - knots).max()
+    largest = max(float(np.abs(breaks).max()), float(np.abs(curve.breaks).max()), float(np.abs(knots).max()))
     shift = (late + _TIMES * UNIT * largest) * (1 + 2.0**-40)
     error = (curve.error + shift * speeds(curve)[1].max(axis=0)) * (1 + 2.0**-40)
     is_cut = (cuts.start > 0) | (cuts.end < 1)
