@@ -93,9 +93,11 @@ class Conflict:
         return not self.free
 
     def __repr__(self) -> str:
-        return f"Conflict({self._sentence()})"
+        return f"Conflict({self.sentence})"
 
-    def _sentence(self) -> str:
+    @property
+    def sentence(self) -> str:
+        """In words."""
         started = "".join(f", {name} from {start:g} s" for name, start in self.starts.items() if start)
         if self.pair is None:
             return f"none, proved, with {self.clearance:.3g} m of room{started}"
@@ -119,7 +121,8 @@ def first_conflict(
 ) -> Conflict:
     """The first conflict of robots on one clock, among each other, with themselves, and with the scene.
 
-    Before its start a robot stands at its first point, and at the end of its trajectory at the last one.
+    Before its start a robot stands at its first point, and at the end of its trajectory at the last one. What moves in
+    the scene is where it is at these times; what it meets after the last robot has ended is not looked at.
 
     Args:
         checker: Of a cell (`pc.Robot.together`).
@@ -139,7 +142,7 @@ def first_conflict(
     verdict = checker.explain_trajectory(merged, tube_row(cell, tube), tolerance)
     begins = {name: float((starts or {}).get(name, 0.0)) for name, run in trajectories.items() if is_run(run)}
     instant = verdict.collides_at
-    until = None if instant is None else _end_of_conflict(checker, merged, instant)
+    until = None if instant is None else _end_of_conflict(*on_scene_clock(checker, merged), instant)
     return Conflict(instant, until, robots_of(cell, verdict.pair), merged, begins, verdict)
 
 
@@ -177,6 +180,12 @@ def robots_of(cell: Robot, pair: PairVerdict | None) -> tuple[str, ...]:
     links = () if pair is None else (pair.first, pair.second)
     owners = [name for link in links for name in cell.parts if link in cell.link_names and link.startswith(f"{name}/")]
     return tuple(dict.fromkeys(owners))
+
+
+def on_scene_clock(checker: Checker, trajectory: Trajectory) -> tuple[Checker, Trajectory]:
+    """What judges a trajectory from 0 s of the scene's clock on, and the trajectory with the columns of what moves."""
+    judge, (judged,) = checker._on_clock([trajectory], 0.0)
+    return judge, judged
 
 
 def _end_of_conflict(checker: Checker, trajectory: Trajectory, instant: float) -> float:

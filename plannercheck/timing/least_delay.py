@@ -7,8 +7,8 @@ Intervals of delays are judged from the least on, and halved until they are sett
 free if the trajectory of the cell at its middle is, with a tube around the waiting robots as wide as they move in
 (b - a) / 2, piece by piece: their largest speed in the window of time that the piece sees. It is refuted by an instant
 at which two bodies overlap at the middle, and still do wherever the interval's delays can have moved them. Either the
-instant is one of the clock, and the waiting robots have moved; or it goes along with the waiting robots, and the
-others have.
+instant is one of the clock, and the waiting robots have moved; or, unless the scene moves, it goes along with the
+waiting robots, and the others have.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.trajectory_checks import TrajectoryChecks
 from plannercheck.motions.trajectory_verdict import TrajectoryVerdict
-from plannercheck.timing.conflicts import Tubes, cell_of, tube_row
+from plannercheck.timing.conflicts import Tubes, cell_of, on_scene_clock, tube_row
 from plannercheck.timing.overlaps import Overlaps
 from plannercheck.trajectories.curve import Curve
 from plannercheck.trajectories.one_clock import Run, check_runs, checked_starts, on_one_clock, speeds, start_time
@@ -144,7 +144,8 @@ def least_delay(
 ) -> LeastDelay:
     """The least delay after which robots may start, so that nothing collides.
 
-    A robot that waits stands at its first point, where it may be in the way as well.
+    A robot that waits stands at its first point, where it may be in the way as well. Everything is judged from 0 s
+    until the last robot has ended.
 
     Args:
         checker: Of a cell (`pc.Robot.together`).
@@ -184,9 +185,8 @@ def least_delay(
         if start_time(value, what) == 0.0:
             raise PlannercheckError(f"{what} must be more than 0 s")
     begins = checked_starts(cell, runs, starts)
-    checks = TrajectoryChecks(checker, tube_row(cell, tube), tolerance)
-    judge = _Judge(checker, checks, tolerance, runs, tuple(waiting), begins)
-    return _searched(judge, float(at_most), float(resolution))
+    judge = _Judge(checker, runs, tuple(waiting), begins, float(at_most), tube_row(cell, tube), tolerance)
+    return _searched(judge, float(resolution))
 
 
 def _turns(run: Run) -> bool:
@@ -220,19 +220,31 @@ class _Judge:
 
     Attributes:
         checker: Of the cell.
-        checks: The same, with a tube and a tolerance.
-        tolerance: m.
         runs: What each robot does.
         waiting: The robots that wait.
         starts: Without the delay.
+        at_most: The largest delay, s.
+        tube: For proofs, rad and m.
+        tolerance: Likewise, m.
     """
 
     checker: Checker
-    checks: TrajectoryChecks
-    tolerance: float
     runs: Mapping[str, Run]
     waiting: tuple[str, ...]
     starts: Mapping[str, float]
+    at_most: float
+    tube: ArrayLike
+    tolerance: float
+
+    @cached_property
+    def inner(self) -> Checker:
+        """The checker whose configurations have the columns of what moves in the scene, after the robots'."""
+        return on_scene_clock(self.checker, self.trajectory(0.0))[0]
+
+    @cached_property
+    def checks(self) -> TrajectoryChecks:
+        """Proves trajectories with these columns."""
+        return TrajectoryChecks(self.inner, self.tube, self.tolerance)
 
     @cached_property
     def owns(self) -> dict[str, _Own]:
@@ -248,31 +260,39 @@ class _Judge:
     @cached_property
     def overlaps(self) -> Overlaps:
         """Proves overlaps at configurations of any delay."""
-        points = np.concatenate(self.trajectory(0.0).curve.pieces)
-        return Overlaps(self.checker, points.min(axis=0) - _AROUND, points.max(axis=0) + _AROUND)
+        points = np.concatenate(self.on_scene_clock(self.at_most).curve.pieces)
+        return Overlaps(self.inner, points.min(axis=0) - _AROUND, points.max(axis=0) + _AROUND)
 
     def trajectory(self, delay: float, knots: ArrayLike = ()) -> Trajectory:
         """The cell's at a delay."""
         starts = {**self.starts, **{name: self.starts.get(name, 0.0) + delay for name in self.waiting}}
         return on_one_clock(self.checker.robot, self.runs, starts, knots)
 
+    def on_scene_clock(self, delay: float, knots: ArrayLike = ()) -> Trajectory:
+        """The same with the columns of what moves in the scene."""
+        return on_scene_clock(self.checker, self.trajectory(delay, knots))[1]
+
     def changes(self, begins: Floats, ends: Floats, half: float, of_waiting: bool) -> Floats:
         """(n, nq) how far numbers of the waiting robots, or of the others, move in `half` s in windows of time (n,)."""
-        out = np.zeros((len(begins), self.checker.robot.nq))
+        out = np.zeros((len(begins), self.inner.robot.nq))
         for name, own in self.owns.items():
             if (name in self.waiting) == of_waiting:
                 out[:, own.columns] = own.within(begins, ends) * (half * (1 + 2.0**-40))
         return out
 
+    def end(self, delay: float) -> float:
+        """When the last robot has ended, s on the clock."""
+        return max(float(own.knots[-1]) + (delay if name in self.waiting else 0.0) for name, own in self.owns.items())
+
     def is_free(self, delay: float) -> bool:
         """Whether one delay is proved free."""
-        return bool(self.checks.free_pieces(self.trajectory(delay)).all())
+        return bool(self.checks.free_pieces(self.on_scene_clock(delay)).all())
 
     def settled(self, start: float, end: float) -> tuple[Delays, bool]:
         """Delays from start to end as far as they are settled, and whether the middle one is free."""
         middle, half = (start + end) / 2, (end - start) / 2 * (1 + 2.0**-40) + 2.0**-50 * end
         knots = np.concatenate([self.owns[name].knots for name in self.waiting])
-        trajectory = self.trajectory(middle, np.append(knots + middle, knots.max() + end))
+        trajectory = self.on_scene_clock(middle, np.append(knots + middle, knots.max() + end))
         free = self.checks.free_pieces(trajectory)
         if not free.all():
             found = self._refuted(trajectory, np.flatnonzero(~free).tolist(), middle, half)
@@ -294,22 +314,22 @@ class _Judge:
         close = curve.breaks[-1] / _LOOKS * 2.0 ** -np.arange(_CLOSE)
         around = near[:, None] + np.concatenate([-close, [0.0], close])
         looks = np.concatenate([np.linspace(0.0, curve.breaks[-1], _LOOKS), around.ravel()])
-        looks = looks[(looks >= 0.0) & (looks <= curve.breaks[-1])]
-        times = looks[~self.checker.check_states(trajectory.position(looks))]
+        looks = looks[(looks >= 0.0) & (looks <= self.end(delay - half))]  # what moves may come to robots that ended
+        times = looks[~self.inner.check_states(trajectory.position(looks))]
         times = times[:: -(-len(times) // _MEASURED) or 1]
         if not len(times):
             return None
         states = trajectory.position(times)
         later = self.changes(times - delay - half, times - delay + half, half, of_waiting=True)
         earlier = self.changes(times - half, times + half, half, of_waiting=False)
-        earlier[times < half] = np.inf  # these instants would be before the clock
+        earlier[(times < half) | (self.inner is not self.checker)] = np.inf  # before the clock, or the scene moves
         fastest = np.minimum(later.max(axis=1), earlier.max(axis=1))
-        deepest = np.argsort(self.checker.clearances(states) / (fastest + _OFF), kind="stable")[:_TRIED]
+        deepest = np.argsort(self.inner.clearances(states) / (fastest + _OFF), kind="stable")[:_TRIED]
         for k in deepest.tolist():
             changes = [self._with_rounding(each[k], curve) for each in (later, earlier) if np.isfinite(each[k]).all()]
             found = self.overlaps.shared(states[k], changes)
             if found is not None:
-                return float(times[k]), self.checker.pair_names(found.pair)
+                return float(times[k]), self.inner.pair_names(found.pair)
         return None
 
     def _with_rounding(self, change: Floats, curve: Curve) -> Floats:
@@ -320,10 +340,10 @@ class _Judge:
         return np.asarray(change + error)
 
 
-def _searched(judge: _Judge, at_most: float, resolution: float) -> LeastDelay:
+def _searched(judge: _Judge, resolution: float) -> LeastDelay:
     if judge.is_free(0.0):
         return _result(judge, 0.0, ())
-    left, judged, delay = [(0.0, at_most)], list[Delays](), None
+    left, judged, delay = [(0.0, judge.at_most)], list[Delays](), None
     while left and delay is None:
         start, end = left.pop()
         found, is_free = judge.settled(start, end)
@@ -354,5 +374,5 @@ def _result(judge: _Judge, delay: float | None, judged: tuple[Delays, ...]) -> L
     trajectory = None if delay is None else judge.trajectory(delay)
     verdict = None
     if trajectory is not None:
-        verdict = judge.checker.explain_trajectory(trajectory, judge.checks.tube, judge.tolerance)
+        verdict = judge.checker.explain_trajectory(trajectory, judge.tube, judge.tolerance)
     return LeastDelay(delay, lower, judge.waiting, trajectory, verdict, judged)

@@ -32,6 +32,9 @@ _GOLDEN = (1 + 5**0.5) / 2
 _CORNERS = np.array([np.roll([0.0, a, b * _GOLDEN], k) for k in range(3) for a, b in product((-1.0, 1.0), repeat=2)])
 _TRANSLATIONS = _CORNERS / np.linalg.norm(_CORNERS[0]) * (1.001 / 0.7946)
 
+# Of joints of several numbers: how many of the first are lengths.
+_LENGTHS = {"JointModelFreeFlyer": 3, "JointModelPlanar": 2}
+
 # Rounding of poses, velocities and lengths, and unit vectors that are off (`MOST_OFF`), as a part of all lengths, m.
 _ROUNDING = 2.0**-32
 
@@ -127,15 +130,20 @@ class Overlaps:
         return _Arms(columns, arms.tolist(), np.linalg.norm(angular, axis=1).tolist())
 
     def _rates(self, change: Floats) -> Floats:
-        """(nv,) by how much Pinocchio's joints change; infinite for joints of several numbers that change."""
+        """(nv,) by how much Pinocchio's joints change, from above; infinite where unit vectors change."""
         sources, model = self._checker.robot.configuration_map, self._model
         numbers = np.where(sources.columns >= 0, np.abs(sources.multipliers) * change[sources.columns], 0.0)
         rates = np.zeros(model.nv)
         for joint in list(model.joints)[1:]:
-            own = slice(joint.idx_q, joint.idx_q + joint.nq)
-            largest = float(numbers[own].max(initial=0.0))
-            is_single = joint.nv == 1 and (joint.nq == 1 or bool((sources.roles[own] != PLAIN).all()))
-            rates[joint.idx_v : joint.idx_v + joint.nv] = largest if is_single or largest == 0.0 else np.inf
+            own, first = numbers[joint.idx_q : joint.idx_q + joint.nq], joint.idx_v
+            is_angle = bool((sources.roles[joint.idx_q : joint.idx_q + joint.nq] != PLAIN).all())
+            lengths = _LENGTHS.get(joint.shortname(), 0)
+            if joint.nq == 1 or (joint.nv == 1 and is_angle):
+                rates[first] = own.max()
+            elif not own[lengths:].any():
+                rates[first : first + lengths] = np.linalg.norm(own)
+            else:
+                rates[first : first + joint.nv] = np.inf
         return rates
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from crossing_boxes import at, gantries, meet
+from crossing_boxes import HALF, at, gantries, meet
 from random_trees import random_tree
 
 import plannercheck as pc
@@ -130,6 +130,47 @@ def test_random_gantries(tmp_path, seed):
     again = pc.least_delay(checker, dict(reversed(first.items())), dict(reversed(waiting.items())), 4.0, 5e-3, starts)
     assert (again.delay, again.lower) == (found.delay, found.lower)
     assert again.intervals == found.intervals
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_gantries_beside_a_box_that_moves(tmp_path, seed):
+    """The box is where numbers say at each time of the clock, whatever waits."""
+    rng = np.random.default_rng(3000 + seed)
+    names = ("a", "b")
+    still = gantries(tmp_path, names)
+    stops, scene = rng.uniform(-1, 1, (4, 2)), pc.Scene("conveyor")
+    clock = np.cumsum(rng.uniform(0.5, 2, 4))
+    poses = np.tile(np.eye(4), (4, 1, 1))
+    poses[:, :2, 3] = stops
+    scene.add("pallet", pc.Box((2 * HALF, 2 * HALF, 1.0)), pc.Moving(clock, poses, outside="stand"))
+    checker = pc.Checker(still.robot, scene)
+    runs = {name: random_way(rng) for name in names}
+    found = pc.least_delay(checker, {"a": runs["a"]}, {"b": runs["b"]}, at_most=4.0, resolution=5e-3)
+    check_intervals(found, 4.0)
+
+    def collide(delay, times):
+        pallet = np.stack([np.interp(times, clock, stops[:, k]) for k in (0, 1)], axis=1)
+        return meet({"a": at(runs["a"], times), "b": at(runs["b"], times, delay), "pallet": pallet}, None, 1e-12)
+
+    def times(delay):
+        return np.linspace(0, max(runs["a"].curve.breaks[-1], runs["b"].curve.breaks[-1] + delay), 20_001)
+
+    for each in found.intervals:
+        if each.settled == "refuted":
+            assert each.instant <= times(each.start)[-1]
+            assert all(collide(d, np.array([each.instant]))[0] for d in np.linspace(each.start, each.end, 9))
+    for delay in np.arange(0, found.lower, 0.05):
+        assert collide(delay, times(delay)).any()
+    if found.delay is not None:
+        assert not collide(found.delay, times(found.delay)).any()
+    first = pc.first_conflict(checker, runs)
+    hits = times(0.0)[collide(0.0, times(0.0))]
+    assert not first.free or not len(hits)
+    if first.instant is not None:
+        assert collide(0.0, np.array([first.instant]))[0]
+        assert first.free_until <= first.instant <= (hits[0] if len(hits) else np.inf) + 1e-3
+        if np.isfinite(first.until):
+            assert collide(0.0, np.array([first.until]))[0]
 
 
 @pytest.mark.parametrize("seed", range(6))
