@@ -71,6 +71,8 @@ def test_parts_hold_what_the_cell_holds_and_move_what_it_moves(panda, cell):
     assert (right.robot.joint_names, right.columns.tolist()) == (("panda_joint2",), [0])
     assert right.robot.expand(right.robot.reference)[7] == 0.01
     assert cell.parts["right"].robot.expand(panda.reference)[7] == 0.04
+    held = cell.holding({"right/panda_finger_joint1": 0.02}).parts["right"].robot  # which moves all of its own group
+    assert held.expand(panda.reference)[7] == 0.02
 
 
 def test_robots_without_a_group_get_one_beside_a_robot_with_one(panda, arm):
