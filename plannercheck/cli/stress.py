@@ -37,11 +37,12 @@ that touch them by construction. Exit code 1 if a motion that collides is passed
 verdict depends on what else was asked, or a proof is not verified. With --geometry solid: arms with their meshes as
 they are, and free bodies in concave puzzles, held against coal's meshes at states in between, too; and how many motions
 of RRT-Connect hulls, or with --pieces convex pieces (which CoACD makes first, in minutes), would have refused. With
---curves: trajectories of degree 1 to 7 through the same contacts, with which a corner of their tube may touch.
+--curves: trajectories of degree 1 to 7 through the same contacts, with which a corner of their tube may touch. With
+--cells: two to four robots on one clock, each with its own trajectory, among bodies that move.
 """
 # Options that count only with the one that asks for a campaign; others are of pairs.
 _OF_CAMPAIGNS: dict[str, tuple[str, ...]] = {
-    "--motions": ("--verified", "--families", "--geometry", "--pieces", "--curves"),
+    "--motions": ("--verified", "--families", "--geometry", "--pieces", "--curves", "--cells"),
     "--solids": ("--links",),
     "--parts": (),
 }
@@ -66,6 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--pieces", action="store_true", help="with solids: count what convex pieces refuse, too")
     parser.add_argument("--curves", action="store_true", help="with --motions: curves, many of them with a tube")
+    parser.add_argument("--cells", action="store_true", help="with --motions: cells of robots and bodies that move")
     parser.add_argument("--families", default="", metavar="NAME,...", help="families of motions to draw (default: all)")
     parser.add_argument("--case", type=Path, metavar="FILE", help="judge the motion or the pair in this file again")
     parser.add_argument("--seed", type=int, default=0, help="seed of the random numbers (default: %(default)s)")
@@ -144,7 +146,9 @@ def _parts(options: argparse.Namespace) -> Campaign[Any]:
 def _motions(options: argparse.Namespace) -> Campaign[Any]:
     from plannercheck.evaluation.stress_motions.campaign import campaign, families_of  # needs OMPL
 
-    known = families_of(options.geometry == "solid", options.curves)
+    if options.cells and (options.curves or options.geometry == "solid"):
+        raise PlannercheckError("--cells is of trees of hulls on one clock: without --curves and --geometry")
+    known = families_of(options.geometry == "solid", options.curves, options.cells)
     families = tuple(name for name in options.families.split(",") if name) or known
     for name in families:
         if name not in known:

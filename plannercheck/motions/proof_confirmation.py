@@ -146,9 +146,9 @@ def _confirm_urdf(model: Model, description: RobotDescription, place: RobotPlace
 
 def _compare_trees(model: Model, loaded: Model, prefix: str) -> None:
     """Checks that links and joints of a robot are those of the checker, but for the values at which joints are held."""
-    given, known = ([link for link in each.links if link.name.startswith(prefix)] for each in (model, loaded))
-    if given != known:
-        names = sorted({link.name for link in given} ^ {link.name for link in known})[:3]
+    proved, there = ([link for link in each.links if link.name.startswith(prefix)] for each in (model, loaded))
+    if proved != there:
+        names = sorted({link.name for link in proved} ^ {link.name for link in there})[:3]
         raise UnprovedError(f"links of the proof and of the MJCF differ: {names or 'in place'}")
     for joint, other in zip(model.joints, loaded.joints, strict=False):  # their number is compared with the columns
         if joint.name.startswith(prefix) and _as_moved(joint) != _as_moved(other):

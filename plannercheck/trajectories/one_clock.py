@@ -15,6 +15,7 @@ that the robot's own message defines:
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -22,7 +23,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.sizes import array_of
 from plannercheck.common.array_types import Floats, Ints64
-from plannercheck.common.arrays import contiguous
+from plannercheck.common.arrays import contiguous, read_only
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.robot import CellPart, Robot
 from plannercheck.trajectories.curve import Curve, slerp
@@ -38,6 +39,9 @@ _SAME_KNOT = 0.9e-9
 
 # Roundings of a knot, of the share of a piece, and of a duration, in u of the largest time.
 _TIMES = 8
+
+# Curves of which the largest speeds are kept: those of what moves in a scene are asked for with every trajectory.
+_KEPT = 64
 
 # Roundings of a slerp's numbers, in u: of lengths, the angle, sines and cosines, and sums.
 _SLERPED = 64
@@ -289,7 +293,7 @@ def _cut_units(points: Floats, ends: Floats, cuts: _Cuts, degrees: Ints64) -> No
     """
     for k, (a, b) in enumerate(ends):
         s = np.array([cuts.start[k], cuts.end[k]])
-        first, last = slerp(a, b, s, 0)
+        first, last = (a, b) if s[0] == 0.0 and s[1] == 1.0 else slerp(a, b, s, 0)
         points[k] = a if s[0] == 0.0 else first
         points[k, degrees[k]] = b if s[1] == 1.0 else last
 
@@ -300,20 +304,32 @@ def _error(clocked: Clocked, cuts: _Cuts, breaks: Floats, degree: int) -> Floats
     late = np.abs(_rounded(knots, breaks) - knots).max()
     largest = max(float(np.abs(breaks).max()), float(np.abs(curve.breaks).max()), float(np.abs(knots).max()))
     shift = (late + _TIMES * UNIT * largest) * (1 + 2.0**-40)
-    error = (curve.error + shift * speeds(curve)[1].max(axis=0)) * (1 + 2.0**-40)
+    error = (curve.error + shift * _largest_speeds(curve)) * (1 + 2.0**-40)
     is_cut = (cuts.start > 0) | (cuts.end < 1)
     highest = max(len(piece) - 1 for piece in curve.pieces)
     steps = (highest if is_cut.any() else 0) + degree - min(len(piece) - 1 for piece in curve.pieces)
     error = error + np.max([blossom_error(piece, steps) for piece in curve.pieces], axis=0)
     for a, b in curve.units:
         if is_cut.any():
-            error[a:b] += _SLERPED * UNIT * max(_condition(piece[0, a:b], piece[-1, a:b]) for piece in curve.pieces)
+            error[a:b] += _SLERPED * UNIT * _largest_condition(curve, a, b)
         if float(error[a:b].max()) > MOST_OFF:
             raise PlannercheckError(
                 f"columns {a} to {b - 1} of a robot form a unit vector, which is off by up to {error[a:b].max():.3g} on"
                 " the clock: give pieces that are not as short, and times that are not as late"
             )
     return np.asarray(error)
+
+
+@lru_cache(maxsize=_KEPT)
+def _largest_speeds(curve: Curve) -> Floats:
+    """(nq,) of all pieces, rad/s and m/s."""
+    return read_only(speeds(curve)[1].max(axis=0))
+
+
+@lru_cache(maxsize=_KEPT)
+def _largest_condition(curve: Curve, first: int, past: int) -> float:
+    """Of all pieces, for the unit vector of some columns."""
+    return max(_condition(piece[0, first:past], piece[-1, first:past]) for piece in curve.pieces)
 
 
 def _condition(start: Floats, end: Floats) -> float:

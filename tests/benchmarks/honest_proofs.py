@@ -25,13 +25,14 @@ import numpy as np
 import plannercheck as pc
 from plannercheck.common.array_types import Floats
 from plannercheck.common.package_data import shipped_folder
+from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.campaign import draw
 from plannercheck.evaluation.stress_motions.curve_numbers import numbers_of
 from plannercheck.evaluation.stress_motions.curves import curved
 from plannercheck.evaluation.stress_motions.draws import FAMILIES
 from plannercheck.evaluation.stress_motions.judges import together
 from plannercheck.evaluation.stress_motions.outcomes import FREE, Judged
-from plannercheck.evaluation.stress_motions.subjects import CurveSubject, subject_of
+from plannercheck.evaluation.stress_motions.subjects import CurveSubject
 from plannercheck.proofs import Proof, load_proofs, save_proofs
 from plannercheck.proofs.verify import model_confirmed
 

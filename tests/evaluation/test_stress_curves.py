@@ -12,6 +12,7 @@ from plannercheck.cli.main import main
 from plannercheck.evaluation.campaign.campaign import run
 from plannercheck.evaluation.campaign.cases import load, save
 from plannercheck.evaluation.campaign.tallies import total
+from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.campaign import campaign, families_of
 from plannercheck.evaluation.stress_motions.cases import shrunk
 from plannercheck.evaluation.stress_motions.curve_numbers import numbers_of
@@ -19,7 +20,7 @@ from plannercheck.evaluation.stress_motions.curves import curved
 from plannercheck.evaluation.stress_motions.draws import tree_draw
 from plannercheck.evaluation.stress_motions.outcomes import COLLISION, HISTORY, UNREASONED
 from plannercheck.evaluation.stress_motions.relatives import cut, raised
-from plannercheck.evaluation.stress_motions.subjects import CurveSubject, subject_of
+from plannercheck.evaluation.stress_motions.subjects import CurveSubject
 from plannercheck.trajectories.trajectory import Trajectory
 
 SAMPLE = 1500  # curves

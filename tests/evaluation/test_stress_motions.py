@@ -21,6 +21,7 @@ from plannercheck.evaluation.campaign.campaign import run
 from plannercheck.evaluation.campaign.cases import load, save
 from plannercheck.evaluation.campaign.tallies import Tally, total
 from plannercheck.evaluation.stress_motions import campaign as motion_campaign
+from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.campaign import FAMILY_NAMES, campaign
 from plannercheck.evaluation.stress_motions.cases import MotionCase, shrunk
 from plannercheck.evaluation.stress_motions.contacts import Closeness, extent_of, random_contact
@@ -38,9 +39,10 @@ from plannercheck.evaluation.stress_motions.outcomes import (
 )
 from plannercheck.evaluation.stress_motions.planar_draws import planar_draw
 from plannercheck.evaluation.stress_motions.recipes import robot_of, shape_of, space_checker
-from plannercheck.evaluation.stress_motions.subjects import PlaneSubject, SpaceSubject, subject_of
+from plannercheck.evaluation.stress_motions.subjects import PlaneSubject, SpaceSubject
 from plannercheck.evaluation.stress_motions.tangents import tangents_of
 from plannercheck.evaluation.stress_motions.trees import Wishes, random_states, random_tree
+from plannercheck.proofs.data import Verification
 
 SAMPLE = 1000  # motions
 
@@ -117,6 +119,9 @@ def _thrown(self: Any, *_: Any) -> Any:
     raise ValueError("something else")
 
 
+_UNPROVED = Verification(False, "it is none", 0, 0.0)
+
+
 @pytest.mark.parametrize(
     ("asked", "answer", "kind"),
     [
@@ -126,7 +131,7 @@ def _thrown(self: Any, *_: Any) -> Any:
         ("check", _thrown, EXCEPTION),
         ("placed", lambda self, q: np.arange(len(q) * 16.0).reshape(-1, 1, 4, 4) * next(_COUNT), ASTRAY),
         ("certify", lambda self, q0, *_: (None,) * len(q0), PROOF),
-        ("certify", lambda self, *_: (SimpleNamespace(verify=lambda: None),), PROOF),
+        ("certify", lambda self, *_: ((SimpleNamespace(verify=lambda: _UNPROVED),),), PROOF),
     ],
 )
 def test_wrong_answers_are_found(

@@ -16,13 +16,14 @@ from plannercheck.evaluation.campaign.campaign import run
 from plannercheck.evaluation.campaign.cases import save
 from plannercheck.evaluation.campaign.tallies import total
 from plannercheck.evaluation.stress_motions.aims import Motions
+from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.campaign import campaign
 from plannercheck.evaluation.stress_motions.draws import Draw
 from plannercheck.evaluation.stress_motions.mesh_states import MeshStates
 from plannercheck.evaluation.stress_motions.outcomes import COLLISION, FREE, UNREASONED, Judged
 from plannercheck.evaluation.stress_motions.planned_draws import PLANNED, planned_draw, refused_by_others
 from plannercheck.evaluation.stress_motions.solid_draws import SETTINGS, solid_draw, stage_of
-from plannercheck.evaluation.stress_motions.subjects import SpaceSubject, subject_of
+from plannercheck.evaluation.stress_motions.subjects import SpaceSubject
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*open meshes")
 

@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 
 from plannercheck.evaluation.campaign.tallies import EXCEPTION, Column, Entry, Tally, table, total
+from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.cases import MotionCase, case_of, shrunk
+from plannercheck.evaluation.stress_motions.cell_draws import CELL_MOTIONS, CELL_WEIGHTS, cell_draw
 from plannercheck.evaluation.stress_motions.curves import curved
 from plannercheck.evaluation.stress_motions.draws import (
     FAMILIES,
@@ -31,9 +33,9 @@ from plannercheck.evaluation.stress_motions.ompl_paths import OMPL_FAMILY, judge
 from plannercheck.evaluation.stress_motions.outcomes import FAULTS, Fault, Judged
 from plannercheck.evaluation.stress_motions.planar_draws import PLANAR_FAMILIES, planar_draw
 from plannercheck.evaluation.stress_motions.planned_draws import PLANNED, planned_draw
-from plannercheck.evaluation.stress_motions.recipes import Recipe, geometry_of, planar_robot_of, robot_of
+from plannercheck.evaluation.stress_motions.recipes import Recipe, cell_of, geometry_of, planar_robot_of, robot_of
 from plannercheck.evaluation.stress_motions.solid_draws import SETTINGS, solid_draw
-from plannercheck.evaluation.stress_motions.subjects import Subject, subject_of
+from plannercheck.evaluation.stress_motions.subjects import Subject
 from plannercheck.evaluation.stress_motions.unposed_robots import UNPOSED, judge_unposed
 
 # Families and how often they are drawn. Those of which a draw is costly, or small, are rarer.
@@ -58,7 +60,8 @@ FAMILY_NAMES = tuple(WEIGHTS)
 # Families of solids, which are drawn by themselves.
 SOLID_WEIGHTS: dict[str, float] = {**dict.fromkeys(SETTINGS, 0.9), **dict.fromkeys(PLANNED, 0.1)}
 SOLID_NAMES = tuple(SOLID_WEIGHTS)
-_ALL_WEIGHTS = WEIGHTS | SOLID_WEIGHTS
+# Families of cells, which are drawn by themselves, too.
+_ALL_WEIGHTS = WEIGHTS | SOLID_WEIGHTS | CELL_WEIGHTS
 _SPECIAL: dict[str, Callable[[np.random.Generator], Judged]] = {
     OMPL_FAMILY: judge_ompl_paths,
     UNPOSED: judge_unposed,
@@ -177,11 +180,14 @@ def campaign(
     Returns:
         The campaign.
     """
-    return MotionCampaign(seed, families, math.ceil(verified * MOTIONS), pieces, curves)
+    size = CELL_MOTIONS if set(families) <= set(CELL_WEIGHTS) else MOTIONS
+    return MotionCampaign(seed, families, math.ceil(verified * size), pieces, curves)
 
 
-def families_of(solids: bool, curves: bool) -> tuple[str, ...]:
-    """The families that may be drawn: of solids, of curves."""
+def families_of(solids: bool, curves: bool, cells: bool = False) -> tuple[str, ...]:
+    """The families that may be drawn: of solids, of curves, of cells."""
+    if cells:
+        return tuple(CELL_WEIGHTS)
     if curves:
         return tuple(SETTINGS) if solids else (*FAMILIES, "shipped")
     return SOLID_NAMES if solids else FAMILY_NAMES
@@ -197,6 +203,8 @@ def _judged(drawn: Draw, rng: np.random.Generator, verified: int, pieces: bool) 
 
 def draw(family: str, rng: np.random.Generator) -> Draw:
     """A random draw of a family."""
+    if family in CELL_WEIGHTS:
+        return cell_draw(family, rng)
     if family in PLANNED:
         return planned_draw(family, rng)
     if family in SETTINGS:
@@ -211,6 +219,8 @@ def _builder(recipe: Recipe) -> Callable[[], Subject]:
     robot: object
     if recipe["kind"] == "plane":
         robot = planar_robot_of(recipe)
+    elif recipe["kind"] == "cell":
+        robot = cell_of(recipe)
     elif recipe["shipped"]:
         robot = shipped_robot(recipe["shipped"], recipe["whole"], geometry_of(recipe))
     else:

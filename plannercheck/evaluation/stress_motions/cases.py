@@ -13,11 +13,11 @@ import numpy as np
 
 from plannercheck.evaluation.campaign.cases import shrink
 from plannercheck.evaluation.stress_motions.aims import Motions
+from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.draws import Draw
 from plannercheck.evaluation.stress_motions.judges import judge
 from plannercheck.evaluation.stress_motions.outcomes import Fault
 from plannercheck.evaluation.stress_motions.recipes import Recipe
-from plannercheck.evaluation.stress_motions.subjects import subject_of
 
 
 @dataclass(frozen=True, eq=False)

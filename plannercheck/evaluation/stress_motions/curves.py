@@ -7,6 +7,7 @@ with a swing. If a curve has a tube, a corner of the tube passes the state.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import comb
 
@@ -17,7 +18,6 @@ from plannercheck.evaluation.stress_motions.aims import Motions
 from plannercheck.evaluation.stress_motions.curve_numbers import rows_of, unit_columns
 from plannercheck.evaluation.stress_motions.draws import Draw
 from plannercheck.evaluation.stress_motions.recipes import SpaceRecipe, space_checker
-from plannercheck.motions.checker import Checker
 
 MOST_DEGREE = 7
 # Curves through the state of each motion: so many that building robots and checkers takes no more time than judging.
@@ -44,9 +44,9 @@ def curved(draw: Draw, rng: np.random.Generator) -> Draw:
     _scatter(recipe, rng)
     checker = space_checker(recipe)
     units = unit_columns(checker.robot)
-    at = motions.at if units.any() or np.abs(motions.through).max() > _FAR else _instants(motions.at, rng)
-    tube, middle = _tube(checker, motions, units, rng)
-    points = _points(motions, at, middle, int(rng.integers(1, MOST_DEGREE + 1)), rng)
+    at = motions.at if units.any() or np.abs(motions.through).max() > _FAR else instants(motions.at, rng)
+    tube, middle = tube_around(checker.check_states, motions.through, units, rng)
+    points = points_through(motions, at, middle, int(rng.integers(1, MOST_DEGREE + 1)), rng)
     points[:, :, units] = motions.through[:, None, units]
     points[:, 0, units], points[:, -1, units] = motions.q0[:, units], motions.q1[:, units]
     made = Motions(*rows_of(points, tube), at, motions.through, motions.touching)
@@ -61,7 +61,7 @@ def _scatter(recipe: SpaceRecipe, rng: np.random.Generator) -> None:
             body["shape"] = ["corners", body["shape"]]
 
 
-def _instants(at: Floats, rng: np.random.Generator) -> Floats:
+def instants(at: Floats, rng: np.random.Generator) -> Floats:
     """Instants (n,) of contacts: as they are, at a cut, or beside one."""
     n = len(at)
     cuts = rng.choice(_CUTS, n)
@@ -70,21 +70,23 @@ def _instants(at: Floats, rng: np.random.Generator) -> Floats:
     return np.where(rng.random(n) < _AT_A_CUT, cuts, at)
 
 
-def _tube(checker: Checker, motions: Motions, units: Bools, rng: np.random.Generator) -> tuple[Floats, Floats]:
+def tube_around(
+    check: Callable[[Floats], Bools], through: Floats, units: Bools, rng: np.random.Generator
+) -> tuple[Floats, Floats]:
     """A tube (nq,), and the states (n, nq) of whose tube a corner is the contact: free ones if a few tries find any."""
-    n, nq = motions.through.shape
-    if rng.random() >= _TUBES or np.abs(motions.through).max() > _FAR:
-        return np.zeros(nq), motions.through
+    n, nq = through.shape
+    if rng.random() >= _TUBES or np.abs(through).max() > _FAR:
+        return np.zeros(nq), through
     tube = 10.0 ** rng.uniform(*_SIZES) * rng.uniform(0.1, 1.0, nq)
     tube[units | (rng.random(nq) < _WITHOUT)] = 0.0
-    middle = motions.through - tube * rng.choice([-1.0, 1.0], (n, nq))
+    middle = through - tube * rng.choice([-1.0, 1.0], (n, nq))
     for _ in range(_CORNERS):
-        blocked = np.flatnonzero(~checker.check_states(middle))
-        middle[blocked] = motions.through[blocked] - tube * rng.choice([-1.0, 1.0], (len(blocked), nq))
+        blocked = np.flatnonzero(~check(middle))
+        middle[blocked] = through[blocked] - tube * rng.choice([-1.0, 1.0], (len(blocked), nq))
     return tube, middle
 
 
-def _points(motions: Motions, at: Floats, middle: Floats, degree: int, rng: np.random.Generator) -> Floats:
+def points_through(motions: Motions, at: Floats, middle: Floats, degree: int, rng: np.random.Generator) -> Floats:
     """Control points (n, degree + 1, nq) of curves that pass the states in the middle at instants (n,)."""
     n, nq = middle.shape
     line = motions.q1 - motions.q0

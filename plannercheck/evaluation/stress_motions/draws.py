@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Bools, Floats, Ints64
 from plannercheck.evaluation.stress_motions.aims import Aim, Motions, joined
 from plannercheck.evaluation.stress_motions.contacts import (
     SHARP,
@@ -116,14 +116,14 @@ def tree_draw(family: str, rng: np.random.Generator) -> Draw:
         robot = robot_of(recipe)
         if robot.nq > 0:
             break
-    _add_bodies(recipe, rng, family == "off unit")
+    add_bodies(recipe, rng, family == "off unit")
     stage = Stage(recipe, robot, tangents_of(robot, recipe["path"]), SHARP if family == "off unit" else USUAL)
     probes = [_probe(stage, state_of(stage, family, rng), rng) for _ in range(int(rng.integers(*_PROBES)))]
     obstacles = [_obstacle(stage, state_of(stage, family, rng), rng) for _ in range(int(rng.integers(*_OBSTACLES)))]
-    _choose_pairs(stage, [*probes, *obstacles], rng)
+    choose_pairs(stage, [*probes, *obstacles], rng)
     probes = [aim for aim, pair in zip(probes, recipe["pairs"], strict=False) if pair]
     obstacles = [aim for aim, body in zip(obstacles, recipe["obstacles"], strict=True) if body["shape"]]
-    _tidy(recipe, rng)
+    tidy(recipe, rng)
     if rng.random() < _PADDED:
         recipe["padding"] = float(10.0 ** rng.uniform(-4, -2))
     return _with_motions(family, Stage(recipe, robot_of(recipe), stage.tangents), [*probes, *obstacles], rng)
@@ -176,7 +176,7 @@ def _valid_states(stage: Stage, rng: np.random.Generator) -> Floats:
     return chosen
 
 
-def _add_bodies(recipe: SpaceRecipe, rng: np.random.Generator, sparse: bool) -> None:
+def add_bodies(recipe: SpaceRecipe, rng: np.random.Generator, sparse: bool) -> None:
     """Bodies of the base and the links; the last link has one, and alone if they are to be sparse: a large one."""
     if sparse:
         body = _body(recipe["joints"][-1]["name"] + " link", rng)
@@ -255,7 +255,7 @@ def _matrix(pose: Floats) -> Matrix:
     return [[float(x) for x in row] for row in pose]
 
 
-def _choose_pairs(stage: Stage, aims: list[Aim], rng: np.random.Generator) -> None:
+def choose_pairs(stage: Stage, aims: list[Aim], rng: np.random.Generator) -> None:
     """Self pairs: those of the probes, and all others.
 
     What mostly touches, at random states and near those of the aims, would hide everything else: such pairs become
@@ -286,7 +286,7 @@ def _mostly_touching(stage: Stage, checker: Checker, aims: list[Aim], rng: np.ra
     return rows
 
 
-def _tidy(recipe: SpaceRecipe, rng: np.random.Generator) -> None:
+def tidy(recipe: SpaceRecipe, rng: np.random.Generator) -> None:
     """Drops what became empty; either body of a pair may come first."""
     recipe["pairs"] = [pair[::-1] if rng.random() < _SWAPPED else pair for pair in recipe["pairs"] if pair]
     recipe["obstacles"] = [body for body in recipe["obstacles"] if body["shape"]]
@@ -294,9 +294,13 @@ def _tidy(recipe: SpaceRecipe, rng: np.random.Generator) -> None:
 
 def sharpest(checker: Any, motions: Motions, n: int, rng: np.random.Generator) -> Motions:
     """So many of the motions: first those whose ends are free, but some as they come."""
-    ends_free = checker.check_states(motions.q0) & checker.check_states(motions.q1)
+    return motions.of(sharpest_rows(checker.check_states(motions.q0) & checker.check_states(motions.q1), n, rng))
+
+
+def sharpest_rows(ends_free: Bools, n: int, rng: np.random.Generator) -> Ints64:
+    """So many rows (n,): first those whose ends are free, but some as they come."""
     rank = rng.random(len(ends_free))
     rank[~ends_free] += 1
     some = rng.random(len(rank)) < _AS_THEY_COME
     rank[some] = rng.random(int(some.sum()))
-    return motions.of(rng.permutation(np.argsort(rank, kind="stable")[:n]))
+    return rng.permutation(np.argsort(rank, kind="stable")[:n])

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.stress_motions.cell_relatives import cell_relatives
 from plannercheck.evaluation.stress_motions.collisions import ends_and_contacts, least_clearances, sampled
 from plannercheck.evaluation.stress_motions.draws import Draw
 from plannercheck.evaluation.stress_motions.mesh_collisions import by_meshes
@@ -43,10 +44,12 @@ from plannercheck.evaluation.stress_motions.recipes import is_curved, is_of_soli
 from plannercheck.evaluation.stress_motions.relatives import relatives
 from plannercheck.evaluation.stress_motions.subjects import Subject
 
-# Motions of a draw that are asked one by one, and that are explained in full.
-_SINGLE, _EXPLAINED = 20, 1
+# Motions of a draw that are asked one by one, and that are explained in full. What cells move is merged for each
+# question, which takes longest: so few are asked again.
+_SINGLE, _SINGLE_OF_CELLS, _EXPLAINED = 20, 2, 1
+_AGAIN_OF_CELLS = 6
 # Checkers of a draw that are asked about a few motions only; in space they take longer to build.
-_FRESH = {"space": 1, "plane": 12}
+_FRESH = {"space": 1, "plane": 12, "cell": 1}
 # With more pairs only as few are explained with proofs, which are as many as pairs. Of solids so many are explained at
 # all, since that takes milliseconds, and none with proofs, which may be a million.
 _MANY_PAIRS, _SOLIDS_EXPLAINED = 400, 4
@@ -82,6 +85,8 @@ def judge(
     whereabouts(draw, used, answers, judged)
     if is_curved(draw.recipe):
         relatives(draw, used, answers, judged, rng)
+    elif draw.recipe["kind"] == "cell":
+        cell_relatives(draw, used, answers, judged, rng)
     elif is_of_solids(draw.recipe):
         by_meshes(draw, used, answers, judged, rng)
     if draw.family in PLANNED:
@@ -125,17 +130,18 @@ def _count(draw: Draw, answers: Answers, subject: Subject, judged: Judged) -> No
 
 def _alike(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.random.Generator) -> None:
     """The other checker is asked one by one, then together in other orders and batches, then explains."""
-    count = len(answers)
+    count, is_cell = len(answers), draw.recipe["kind"] == "cell"
+    single = _SINGLE_OF_CELLS if is_cell else _SINGLE
     order = rng.permutation(count)
-    for row in order[:_SINGLE].tolist():
+    for row in order[:single].tolist():
         _compare("alone", row, _single(used, draw, row, judged), answers, judged)
-    for part in np.array_split(rng.permutation(count), _PARTS):
+    for part in np.array_split(rng.permutation(count)[: _AGAIN_OF_CELLS if is_cell else count], _PARTS):
         found = together(used, draw, part, judged, int(rng.integers(1, 3)))
         for row, answer in zip(part.tolist(), found.tolist(), strict=True):
             _compare("in another batch", row, answer, answers, judged)
     solids = is_of_solids(draw.recipe)
-    proving = _EXPLAINED if len(used.checker.pairs) > _MANY_PAIRS else _SINGLE
-    for k, row in enumerate(order[-_SOLIDS_EXPLAINED if solids else -_SINGLE :].tolist()):
+    proving = _EXPLAINED if len(used.checker.pairs) > _MANY_PAIRS else single
+    for k, row in enumerate(order[-_SOLIDS_EXPLAINED if solids else -single :].tolist()):
         proofs = k < proving and bool(rng.integers(2)) and not solids
         answer = _motion_result(used, draw, row, judged, proofs)
         # Proofs are of all pairs, also of those that a verdict leaves out, whose numbers may be larger.

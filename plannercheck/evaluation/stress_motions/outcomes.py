@@ -61,7 +61,7 @@ class Judged:
 def said(subject: Subject, q: Floats) -> NDArray[np.int64]:
     """(n,) what is said of states (n, nq): 1 valid, 0 not, -1 declined."""
     try:
-        return np.asarray(subject.checker.check_states(q)).astype(np.int64)
+        return subject.check_states(q).astype(np.int64)
     except PlannercheckError:
         if len(q) == 1:
             return np.array([-1])

@@ -72,7 +72,10 @@ def reasons(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np
         verdict = used.explain(draw.motions.q0[row], draw.motions.q1[row], draw.tolerance)
         if verdict.collides_at is not None:
             state = states_on(draw, used, row, np.array([verdict.collides_at]))
-            if valid(used, state)[0] or verdict.collides_at < verdict.free_until:
+            apart = valid(used, state)[0] and (
+                not used.rounded or used.clearances(state)[0] - used.padding > used.rounded
+            )
+            if apart or verdict.collides_at < verdict.free_until:
                 judged.add(UNREASONED, row, "the state that is said to collide does not, or lies in the free part")
 
 
@@ -121,11 +124,11 @@ def verified(draw: Draw, used: Subject, answers: Answers, judged: Judged, count:
     for row in np.flatnonzero(answers == FREE)[:count].tolist():
         q0, q1 = draw.motions.q0[row], draw.motions.q1[row]
         try:
-            (proof,) = used.certify(q0[None], q1[None], draw.tolerance)
-            if proof is None and used.motion_result(q0, q1, draw.tolerance, proofs=True).proved_until < 1:
+            (proofs,) = used.certify(q0[None], q1[None], draw.tolerance)
+            if proofs is None and used.motion_result(q0, q1, draw.tolerance, proofs=True).proved_until < 1:
                 judged.counts["no proof"] += 1
                 continue
-            verification = None if proof is None else proof.verify()
+            verifications = [proof.verify() for proof in proofs or ()]
         except PlannercheckError as error:
             if _NOT_FOUND in str(error):
                 judged.counts["no proof"] += 1
@@ -136,5 +139,6 @@ def verified(draw: Draw, used: Subject, answers: Answers, judged: Judged, count:
             judged.add(EXCEPTION, row, f"proof: {error!r}")
             continue
         judged.counts["verified"] += 1
-        if not verification:
-            judged.add(PROOF, row, "no proof" if verification is None else str(verification.fault))
+        faults = [str(each.fault) for each in verifications if not each]
+        if faults or not verifications:
+            judged.add(PROOF, row, faults[0] if faults else "no proof")

@@ -16,8 +16,10 @@ import numpy as np
 import pinocchio as pin
 
 from plannercheck import planar
+from plannercheck.bodies.moving import Moving
 from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.shapes import Box, Capsule, Cylinder, GeometryObject, Hull, Shape, Sphere, inflated_hull
+from plannercheck.bodies.tuning import DEFAULT_TUNING, Tuning
 from plannercheck.common.array_types import Floats
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.common.package_data import shipped_folder
@@ -135,7 +137,33 @@ class PlaneRecipe(TypedDict):
     radius: float | None  # m
 
 
-Recipe: TypeAlias = SpaceRecipe | PlaneRecipe
+class PlacedRecipe(TypedDict):
+    """A robot of a cell, and the pose (4, 4) of its base, m."""
+
+    robot: SpaceRecipe
+    pose: Matrix
+
+
+class MovingRecipe(TypedDict):
+    """A body that moves: poses (m, 4, 4) at times (m,), s and m; whether it stands still before and after these."""
+
+    shape: list[Any]
+    times: list[float]
+    poses: list[Matrix]
+    stands: bool
+
+
+class CellRecipe(TypedDict):
+    """Robots by name, bodies that move, and obstacles."""
+
+    kind: Literal["cell"]
+    robots: dict[str, PlacedRecipe]
+    moving: list[MovingRecipe]
+    obstacles: list[BodyRecipe]
+    padding: float  # m
+
+
+Recipe: TypeAlias = SpaceRecipe | PlaneRecipe | CellRecipe
 
 
 def tree_recipe() -> SpaceRecipe:
@@ -262,6 +290,23 @@ def space_checker(recipe: SpaceRecipe, robot: Robot | None = None) -> Checker:
         scene.add(f"obstacle {k}", shape_of(body["shape"]), np.array(body["pose"]))
     made = robot if robot is not None else robot_of(recipe)
     return Checker(made, scene, self_collision=recipe["self_collision"], padding=recipe["padding"])
+
+
+def cell_of(recipe: CellRecipe) -> Robot:
+    """The robots of a recipe as one."""
+    return Robot.together({name: (robot_of(one["robot"]), one["pose"]) for name, one in recipe["robots"].items()})
+
+
+def cell_checker(recipe: CellRecipe, cell: Robot | None = None, tuning: Tuning = DEFAULT_TUNING) -> Checker:
+    """A new checker of a recipe; `cell` if it was built already."""
+    scene = Scene("obstacles")
+    for k, body in enumerate(recipe["obstacles"]):
+        scene.add(f"obstacle {k}", shape_of(body["shape"]), np.array(body["pose"]))
+    for k, item in enumerate(recipe["moving"]):
+        moving = Moving(item["times"], np.array(item["poses"]), outside="stand" if item["stands"] else "refuse")
+        scene.add(f"moving {k}", shape_of(item["shape"]), moving)
+    robot = cell if cell is not None else cell_of(recipe)
+    return Checker(robot, scene, padding=recipe["padding"], tuning=tuning)
 
 
 def planar_robot_of(recipe: PlaneRecipe) -> planar.Robot:

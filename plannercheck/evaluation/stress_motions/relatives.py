@@ -51,7 +51,7 @@ def relatives(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: 
             except PlannercheckError as error:
                 declined(error, row, judged)  # rounding is a larger part of it than of the curve itself
                 continue
-            _alike(draw, used, row, place, answers[row] == FREE, answer, how, judged)
+            alike(draw, used, row, place, answers[row] == FREE, answer, how, judged)
     for row in rng.permutation(known)[:_EXPLAINED].tolist():
         _explained(draw, used, row, answers[row] == FREE, judged, rng)
 
@@ -69,8 +69,8 @@ def _straight(draw: Draw, used: CurveSubject, answers: Answers, judged: Judged) 
             judged.add(HISTORY, row, f"as a motion {bool(free)}, as a curve {answers[row]}")
 
 
-def _alike(
-    draw: Draw, used: CurveSubject, row: int, place: float, first: bool, other: bool, how: str, judged: Judged
+def alike(
+    draw: Draw, used: Subject, row: int, place: float, first: bool, other: bool, how: str, judged: Judged
 ) -> None:
     """The answer to the same states; what is refused has to be near enough, perhaps only at the place of the cut."""
     if other and draw.motions.touching[row]:
@@ -115,7 +115,7 @@ def _no_collision(
         judged.add(COLLISION, row, f"{what} collides")
 
 
-def _cut(draw: Draw, used: CurveSubject, row: int, place: float) -> tuple[Floats, Floats]:
+def _cut(draw: Draw, used: Subject, row: int, place: float) -> tuple[Floats, Floats]:
     """Control points of both parts; unit vectors turn from one end to the other."""
     q0, q1 = draw.motions.q0[row], draw.motions.q1[row]
     parts, units = cut(numbers_of(q0, q1).points, place), unit_columns(used.robot)

@@ -20,9 +20,7 @@ from plannercheck.common.motion_paths import MotionPath
 from plannercheck.evaluation.stress_motions.curve_numbers import numbers_of
 from plannercheck.evaluation.stress_motions.recipes import (
     PlaneRecipe,
-    Recipe,
     SpaceRecipe,
-    is_curved,
     planar_checker,
     space_checker,
 )
@@ -43,6 +41,7 @@ class Subject(ABC):
     """A checker, asked about motions between configurations (n, nq)."""
 
     padding = 0.0
+    rounded = 0.0  # by how much bodies may be off where a verdict says that they are, since its instant was rounded, m
 
     def __init__(self, checker: Any, how: Mapping[str, Any]) -> None:
         """Takes a new checker, and how its robot moves, as the checker's methods take it."""
@@ -61,16 +60,20 @@ class Subject(ABC):
         found: MotionVerdict = self.checker.explain_motion(q0, q1, tolerance, **self._how)
         return found
 
-    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Proof | None, ...]:
-        """A proof, or None, for each motion."""
+    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Sequence[Proof] | None, ...]:
+        """The proofs of all parts, or None, for each motion."""
         found: tuple[Proof | None, ...] = self.checker.certify_motions(q0, q1, tolerance, **self._how)
-        return found
+        return tuple(None if proof is None else (proof,) for proof in found)
 
     def motion_result(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> MotionResult:
         """What `explain_motion` is made of, without the search for the first collision."""
         start, end, *pieces = self._motion(q0, q1)
         found: MotionResult = self._certifier.motion_result(start, end, tolerance, proofs, *pieces, q1)
         return found
+
+    def check_states(self, q: Floats) -> Bools:
+        """(n,) which states (n, nq) are valid."""
+        return np.asarray(self.checker.check_states(q))
 
     def ends(self, q0: Floats, q1: Floats) -> tuple[Floats, Floats]:
         """(n, nq) first and last states of motions."""
@@ -198,14 +201,12 @@ class CurveSubject(SpaceSubject):
         found: TrajectoryVerdict = self.checker.explain_trajectory(made, q1[self.robot.nq :], tolerance)
         return found
 
-    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Proof | None, ...]:
+    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Sequence[Proof] | None, ...]:
         """See `Subject`."""
-        found = []
-        for numbers, last in zip(q0, q1, strict=True):
-            made = self.trajectory(numbers, last)
-            proofs = self.checker.certify_trajectory(made, last[self.robot.nq :], tolerance)
-            found.append(None if proofs is None else proofs[0])
-        return tuple(found)
+        return tuple(
+            self.checker.certify_trajectory(self.trajectory(row, last), last[self.robot.nq :], tolerance)
+            for row, last in zip(q0, q1, strict=True)
+        )
 
     def motion_result(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> MotionResult:
         """See `Subject`."""
@@ -244,10 +245,3 @@ class CurveSubject(SpaceSubject):
     @cached_property
     def _tube_reach(self) -> TubeReach:
         return TubeReach(self.checker)
-
-
-def subject_of(recipe: Recipe, robot: Any = None) -> Subject:
-    """A subject with a new checker; `robot` if it was built already."""
-    if recipe["kind"] == "plane":
-        return PlaneSubject(recipe, robot)
-    return CurveSubject(recipe, robot) if is_curved(recipe) else SpaceSubject(recipe, robot)
