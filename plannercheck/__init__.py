@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from plannercheck.bodies.height_fields import HeightField as HeightField
     from plannercheck.bodies.intersection import certify as certify
     from plannercheck.bodies.intersection import intersects as intersects
+    from plannercheck.bodies.moving import Moving as Moving
     from plannercheck.bodies.objects import Part as Part
     from plannercheck.bodies.octrees import Octree as Octree
     from plannercheck.bodies.part_certificates import PartSeparation as PartSeparation
@@ -53,6 +54,12 @@ if TYPE_CHECKING:
     from plannercheck.motions.checker import Checker as Checker
     from plannercheck.robots.robot import Robot as Robot
     from plannercheck.scenes.scene import Scene as Scene
+    from plannercheck.timing.conflicts import Conflict as Conflict
+    from plannercheck.timing.conflicts import first_conflict as first_conflict
+    from plannercheck.timing.least_delay import LeastDelay as LeastDelay
+    from plannercheck.timing.least_delay import least_delay as least_delay
+    from plannercheck.timing.schedule import Schedule as Schedule
+    from plannercheck.timing.schedule import schedule as schedule
     from plannercheck.timing.time_path import UnprovedPathError as UnprovedPathError
     from plannercheck.timing.time_path import time_path as time_path
     from plannercheck.trajectories.trajectory import Trajectory as Trajectory
@@ -62,6 +69,7 @@ _HOMES = {
     "Box": "bodies.shapes",
     "Capsule": "bodies.shapes",
     "Checker": "motions.checker",
+    "Conflict": "timing.conflicts",
     "Depth": "bodies.penetration_depth",
     "Cone": "bodies.shapes",
     "Cylinder": "bodies.shapes",
@@ -72,6 +80,8 @@ _HOMES = {
     "HalfSpace": "bodies.half_spaces",
     "HeightField": "bodies.height_fields",
     "Hull": "bodies.shapes",
+    "LeastDelay": "timing.least_delay",
+    "Moving": "bodies.moving",
     "Octree": "bodies.octrees",
     "Part": "bodies.objects",
     "PartSeparation": "bodies.part_certificates",
@@ -80,6 +90,7 @@ _HOMES = {
     "Polytope": "bodies.polytope",
     "Robot": "robots.robot",
     "Scene": "scenes.scene",
+    "Schedule": "timing.schedule",
     "Separation": "bodies.certificates",
     "SharedPoint": "bodies.certificates",
     "Solid": "bodies.solids",
@@ -94,7 +105,10 @@ _HOMES = {
     "certify": "bodies.intersection",
     "depth": "bodies.penetration_depth",
     "distance": "bodies.distance",
+    "first_conflict": "timing.conflicts",
     "intersects": "bodies.intersection",
+    "least_delay": "timing.least_delay",
+    "schedule": "timing.schedule",
     "time_path": "timing.time_path",
 }
 _MODULES = ("ndim", "ompl", "planar", "view")
@@ -132,6 +146,7 @@ __all__ = [
     "Capsule",
     "Checker",
     "Cone",
+    "Conflict",
     "Cylinder",
     "Decomposition",
     "Depth",
@@ -141,6 +156,7 @@ __all__ = [
     "HalfSpace",
     "HeightField",
     "Hull",
+    "LeastDelay",
     "Octree",
     "Part",
     "PartSeparation",
@@ -150,6 +166,7 @@ __all__ = [
     "Polytope",
     "Robot",
     "Scene",
+    "Schedule",
     "Separation",
     "SharedPoint",
     "Solid",
@@ -165,10 +182,13 @@ __all__ = [
     "certify",
     "depth",
     "distance",
+    "first_conflict",
     "intersects",
+    "least_delay",
     "ndim",
     "ompl",
     "planar",
+    "schedule",
     "time_path",
     "view",
 ]

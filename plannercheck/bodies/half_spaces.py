@@ -104,14 +104,17 @@ class HalfSpace:
         return np.asarray(sides + unit * (offset / length))
 
 
-def check_stands_still(name: str, link: str | None, shapes: Sequence[Any]) -> None:
-    """Raises if a link carries one of these shapes that is a half-space.
+def check_stands_still(name: str, link: str | None, shapes: Sequence[Any], moves: bool = False) -> None:
+    """Raises if a link carries one of these shapes that is a half-space, or one moves.
 
     Args:
         name: Whose shapes they are, for the error.
         link: The link; None for obstacles.
         shapes: The shapes.
+        moves: Whether they move by themselves.
     """
+    if moves and any(isinstance(shape, HalfSpace) for shape in shapes):
+        raise PlannercheckError(f"{name!r} has a half-space, which can't move, since it is unbounded: give a box")
     if link is not None and any(isinstance(shape, HalfSpace) for shape in shapes):
         raise PlannercheckError(
             f"{name!r} has a half-space, which no link can carry (here: {link!r}), since it is unbounded: give a box"

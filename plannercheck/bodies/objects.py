@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.given_shapes import GivenShape, given_shape, in_frame, is_geometry
 from plannercheck.bodies.half_spaces import check_stands_still
+from plannercheck.bodies.moving import Moving, Placement
 from plannercheck.bodies.shapes import Box, GeometryObject, Shape, checked_pose
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only_copy
@@ -109,8 +110,9 @@ class SceneObject:
         frame: The name of the frame in which a file gave the pose, if that is a fixed frame or another object's frame;
             if the robot has a link of that name, MoveIt takes the link.
         subframes: (4, 4) by name in the object's frame, m: frames in which a file may pose other objects.
-        bodies: Its shapes, posed in the world or on the link (with a pose frame, in its frame): "name", or "name/0",
-            "name/1", ...
+        moving: How an obstacle moves; None if it stands still.
+        bodies: Its shapes, posed in the world or on the link (with a pose frame, in its frame; if it moves,
+            on a link of its name): "name", or "name/0", "name/1", ...
     """
 
     name: str
@@ -121,33 +123,42 @@ class SceneObject:
     pose_frame: PoseFrame | None = None
     frame: str = ""
     subframes: Mapping[str, Floats] = field(default_factory=dict)
+    moving: Moving | None = None
     bodies: tuple[GeometryObject, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pose", checked_pose(self.pose, f"object {self.name!r}"))
-        check_stands_still(self.name, self.link, [part.shape for part in self.parts])
+        link = self.link if self.moving is None else self.name
+        check_stands_still(self.name, self.link, [part.shape for part in self.parts], self.moving is not None)
         carried = None if self.link is None else self.name
         if len(self.parts) == 1 and self.parts[0].pose is None and not self.parts[0].name:  # most of all
-            bodies = (_posed(self.name, self.link, self.pose, self.parts[0].shape, carried),)
+            bodies = (_posed(self.name, link, self.pose, self.parts[0].shape, carried),)
             object.__setattr__(self, "bodies", bodies)
             return
         names = _body_names(self.name, self.parts)
         posed = (
-            GeometryObject(name, self.link, in_frame(self.pose, part.pose, f"object {name!r}"), part.shape, carried)
+            GeometryObject(name, link, in_frame(self.pose, part.pose, f"object {name!r}"), part.shape, carried)
             for name, part in zip(names, self.parts, strict=True)
         )
         object.__setattr__(self, "bodies", tuple(posed))
 
     def moved(self, pose: ArrayLike | None) -> SceneObject:
         """The same object elsewhere: in the world, or on its link."""
+        self._check_still("move it")
         return dataclasses.replace(self, pose=checked_pose(pose, f"object {self.name!r}"), pose_frame=None, frame="")
+
+    def _check_still(self, deed: str) -> None:
+        if self.moving is not None:
+            raise PlannercheckError(f"object {self.name!r} moves by itself: to {deed}, remove it and add another one")
 
     def reshaped(self, parts: tuple[Part, ...]) -> SceneObject:
         """The same object of other shapes."""
+        self._check_still("update it")
         return dataclasses.replace(self, parts=parts)
 
     def attached(self, link: str, pose: ArrayLike | None, touch_links: Iterable[str] = ()) -> SceneObject:
         """The same object on a link, with its frame at a pose (4, 4) in the link's frame, m."""
+        self._check_still("attach it")
         return dataclasses.replace(
             self,
             pose=checked_pose(pose, f"object {self.name!r} on link {link!r}"),
@@ -163,7 +174,7 @@ class SceneObject:
         return freed.moved(pose)
 
     def __repr__(self) -> str:
-        carrier = f", on link {self.link!r}" if self.link else ""
+        carrier = f", on link {self.link!r}" if self.link else ", which moves" if self.moving else ""
         return f"SceneObject({self.name!r}, {len(self.bodies)} bodies{carrier})"
 
 
@@ -187,14 +198,14 @@ _FIELDS = tuple(each.name for each in dataclasses.fields(GeometryObject))
 
 
 def scene_object(
-    name: str, parts: Parts, pose: ArrayLike | None = None, subframes: Mapping[str, Floats] | None = None
+    name: str, parts: Parts, pose: Placement = None, subframes: Mapping[str, Floats] | None = None
 ) -> SceneObject:
     """Makes an obstacle.
 
     Args:
         name: The object's name.
         parts: One shape, or several posed ones; shapes of other libraries and points as `given_shape` takes them.
-        pose: (4, 4) of the object's frame in the world, m; None is the identity.
+        pose: (4, 4) of the object's frame in the world, m; None is the identity; or how it moves.
         subframes: As of `SceneObject`.
 
     Returns:
@@ -206,7 +217,9 @@ def scene_object(
         shapes = tuple(_known_part(part, f"object {name!r}") for part in _listed(parts))
     if not name or not shapes:
         raise PlannercheckError(f"object {name!r} needs a name and at least one shape")
-    return SceneObject(name, shapes, pose, subframes=subframes or {})  # type: ignore[arg-type]  # which checks it
+    moving = pose if isinstance(pose, Moving) else None
+    placed: Any = None if moving is pose else pose
+    return SceneObject(name, shapes, placed, subframes=subframes or {}, moving=moving)
 
 
 def _listed(parts: Parts) -> tuple[Part | GivenShape, ...]:

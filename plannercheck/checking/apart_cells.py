@@ -222,8 +222,11 @@ class _RelativePoses:
 
 def _mark(apart: Bools, cells: Ints64, finer: int) -> None:
     """Marks all finest cells within cells (n, columns) that are so many times as wide."""
-    for cell in cells.tolist():
-        apart[tuple(slice(k * finer, (k + 1) * finer) for k in cell)] = True
+    coarse = np.zeros([count // finer for count in apart.shape], dtype=bool)
+    coarse[tuple(cells.T)] = True
+    for axis in range(apart.ndim):
+        coarse = coarse.repeat(finer, axis)
+    apart |= coarse
 
 
 def _cut_up(cells: Ints64, parts: int) -> Ints64:

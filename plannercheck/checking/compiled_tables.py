@@ -103,7 +103,7 @@ class CompiledTables:
         `kernel` poses the links.
         """
         if kernel is None:
-            return _never_known, _never_known
+            return never_known, never_known
         pairs, lengths = self.within_limits.core, self._source.robot.configuration_map.lengths
         units = np.array(lengths.columns, dtype=np.int32).reshape(-1, 2), min(UNIT_TOLERANCE, lengths.harmless)
         of_row, of_set = core.row_validity(pairs, kernel, *units), core.set_validity(pairs, kernel, *units)
@@ -140,5 +140,5 @@ class CompiledTables:
         return {"states": counted.pop("states"), "pairs": counted.pop("pairs"), "unreachable": unreachable, **counted}
 
 
-def _never_known(q: Configuration, threads: int = 1) -> None:
-    """For robots that the kernel does not pose."""
+def never_known(q: Configuration, threads: int = 1) -> None:
+    """For robots that the kernel does not pose, and for scenes that move."""

@@ -3,7 +3,8 @@
 In: a robot and a scene. Out: indices into the robot's bodies followed by the scene's. Left out are pairs that the SRDF
 or the robot's YAML disables (they are no self pairs of the robot), pairs that an allowed collision matrix allows, pairs
 of an obstacle or a carried object with a link that the SRDF leaves out by default, and pairs of an obstacle with a body
-that is fixed to the world: such pairs never change, so they are judged once (`static`). `left_out_pairs` lists all
+that is fixed to the world, unless the obstacle moves: such pairs never change, so they are judged once (`static`).
+`left_out_pairs` lists all
 places where a pair may be left out.
 """
 
@@ -69,7 +70,8 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
     kept = ~scene.allowed.table(labels, scene.body_objects) & ~idle[:, None]
     kept &= ~scene.allowed.geometry_table(robot.bodies, scene.body_objects)
     fixed = robot.remembered("fixed", lambda: _on_fixed_links(robot))
-    obstacles, static = _with_obstacles(kept & ~fixed[:, None]), _with_obstacles(kept & fixed[:, None])
+    rests = fixed[:, None] & np.array([body.link is None for body in scene.bodies], dtype=bool)
+    obstacles, static = _with_obstacles(kept & ~rests), _with_obstacles(kept & rests)
     return PairTable(read_only(np.concatenate([own, obstacles])), read_only(static), len(own))
 
 

@@ -20,7 +20,7 @@ from plannercheck.scenes.scene import Scene
 
 @dataclass(frozen=True)
 class Settings:
-    """The arguments of a checker that apply to any scene; see `Checker`."""
+    """The arguments of a checker that apply to any scene, see `Checker`; `on_clock`: the robot carries what moves."""
 
     robot: Robot
     self_collision: bool
@@ -29,6 +29,7 @@ class Settings:
     kinematics: str
     bodies: Sequence[GeometryObject] | None
     tuning: Tuning
+    on_clock: bool = False
 
     def __post_init__(self) -> None:
         if isinstance(self.padding, Mapping):  # whoever gave it may change it, and a later scene asks for it again

@@ -11,7 +11,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, ClassVar, Literal, TypeVar
+from typing import Any, ClassVar, Literal, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,10 +33,11 @@ from plannercheck.checking.pair_proofs import MeetingProofs
 from plannercheck.checking.pair_table import Acm, warn_of_unknown_names
 from plannercheck.checking.point_queries import PointChecker
 from plannercheck.checking.prepared_bodies import Preparation
+from plannercheck.checking.scene_clock import MovingScene, NeedsTimes, SceneClock
 from plannercheck.checking.scene_placement import place_objects
 from plannercheck.checking.settings import Settings, without_attached
 from plannercheck.checking.touching_pairs import warn_of_touching
-from plannercheck.checking.verdicts import PairCertificate
+from plannercheck.checking.verdicts import PairCertificate, Verdict
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.compiled_first import compiled_first
@@ -73,6 +74,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
     static: Bools
     _preparation: Preparation
     _proofs: MeetingProofs
+    _moving: MovingScene[Any] | None = None  # set where something in the scene moves
 
     __slots__ = ("_judge_row",)  # the twin of `is_valid`
 
@@ -133,11 +135,16 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
             earlier: The earlier checker.
             is_same_robot: Whether the earlier checker's robot moves by the same configurations.
         """
+        is_same_robot = is_same_robot and (earlier is None or earlier._moving is None)
         settings, same = self._settings, earlier if is_same_robot else None
         self.scene = scene.copy()
         place_objects(settings.robot, self.scene)
         self.robot = settings.carrier(self.scene.attached, None if same is None else same.robot)
         self._kernel = self.robot.kinematics if settings.kinematics == "batch" else None
+        moved, self._moving = self._moving, None
+        if self.scene.moving and not settings.on_clock:
+            self._prepare_moving(earlier, moved)
+            return
         if earlier is None:
             warn_of_unknown_names(self.robot, self.scene)
         padded = settings.padded(self.robot, self.scene, is_first=earlier is None)
@@ -152,6 +159,29 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         never_moving = self.pairs[self.static & ~self.unreachable & carried[self.pairs].any(axis=1)]
         warned = set() if earlier is None else set(earlier.bodies)
         warn_of_touching(self._pair_source(), self._labels, at_rest, never_moving, self._link_poses, warned)
+
+    def _prepare_moving(self, earlier: StateChecker | None, known: MovingScene[Any] | None) -> None:
+        """Builds the checker of the robot that carries what moves, to which all questions go."""
+        robot, moving = self._settings.robot, self.scene.moving
+        is_same = known is not None and known.clock.fits(robot, moving)
+        clock = known.clock if known is not None and is_same else SceneClock(robot, moving)
+        inner = type(self).__new__(type(self))
+        inner.__dict__.update(self.__dict__)
+        inner._settings = replace(self._settings, robot=clock.robot, on_clock=True)
+        inner._prepare(self.scene, earlier if known is None else known.checker, is_same)
+        self._moving = MovingScene(clock, inner)
+        self.bodies, self._labels, self.paddings, self.pairs = inner.bodies, inner._labels, inner.paddings, inner.pairs
+        self.unreachable, self.static, self._preparation = inner.unreachable, inner.static, inner._preparation
+        self._compile()
+        self._scene_taken(earlier)
+
+    def _at(self: Same, q: Floats, times: ArrayLike | None) -> tuple[Same, Floats]:
+        """The checker of configurations (n, nq) at times, (n,) or a number, s, and its rows."""
+        if self._moving is None:
+            return self, q
+        if times is None:
+            raise self._moving.clock.missing()
+        return self._moving.checker, self._moving.clock.rows(self.robot.check_configurations(q), times)
 
     def _prove(self, at_rest: Ints, earlier: StateChecker | None) -> Ints:
         """Proves pairs apart where it can; returns the pairs (m, 2) fixed to the world that are not proved apart."""
@@ -169,6 +199,10 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         return MeetingProofs(self.robot, self.bodies, self._preparation, self._kernel is not None, earlier)
 
     def _compile(self) -> None:
+        if self._moving is not None:
+            self._tables = cast(CompiledTables, NeedsTimes(self._moving.clock))
+            self._judge_row, self._set_validity = self._tables.judges(self._kernel)
+            return
         is_wanted = self._settings.tuning.apart_cells
         in_cells = self._proofs.in_cells(self.pairs[~self.unreachable]) if is_wanted else ()
         self._tables = CompiledTables(self._pair_source(), self.pairs, self.unreachable, in_cells)
@@ -188,7 +222,8 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._kernel = self.robot.kinematics if state["_kernel"] else None
-        self._proofs = self._meeting_proofs(None)
+        if self._moving is None:
+            self._proofs = self._meeting_proofs(None)
         self._compile()
 
     def __copy__(self: Same) -> Same:
@@ -252,7 +287,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
     @property
     def polytopes(self) -> tuple[Polytope | None, ...]:
         """The prepared body of each of `bodies`; None where no pair needs it."""
-        _ = self._tables.all
+        _ = (self if self._moving is None else self._moving.checker)._tables.all
         return self._preparation.prepared_bodies()
 
     @property
@@ -261,16 +296,19 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         return self._preparation.prepared_bodies()
 
     @compiled_first("_judge_row", 1)
-    def is_valid(self, q: Configuration) -> bool:
+    def is_valid(self, q: Configuration, time: float | None = None) -> bool:
         """Whether one configuration is free of collision.
 
         Args:
             q: (nq,) rad and m, or each joint's value by its name. Limits are not looked at.
+            time: As `times` of `check_states`.
 
         Returns:
             True if no pair of bodies shares a point.
         """
         row = self._single(q)  # it is no array of doubles, nor a list of numbers
+        if time is not None:
+            return bool(self.check_states(row, times=time)[0])
         known = self._judge_row(np.ascontiguousarray(row[0]))
         return bool(self.check_states(row)[0]) if known is None else known
 
@@ -288,37 +326,50 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         """
         return self._tables.state_validity(self._kernel, states, failure)
 
-    def check_states(self, q: ArrayLike, threads: int = 1) -> Bools:
+    def check_states(self, q: ArrayLike, threads: int = 1, *, times: ArrayLike | None = None) -> Bools:
         """Whether each configuration of a set is free of collision.
 
         Args:
             q: (n, nq) rad and m.
             threads: Number of threads to use.
+            times: (n,) or one, s of the scene's clock: needed where something in the scene moves, else without effect.
+                One configuration may have several times.
 
         Returns:
             (n,), True means valid.
+
+        Raises:
+            PlannercheckError: If something moves and there are no times, or a time at which the scene does not say
+                where it is.
         """
         if type(threads) is int and threads >= 1:
             known = self._set_validity(q, min(threads, MOST_THREADS))
             if known is not None:
                 return known.view(bool)
         rows = given_configurations(self.robot, q)
+        if self._moving is not None:
+            checker, rows = self._at(rows, times)
+            return checker.check_states(rows, threads)
         threads = checked_threads(threads, len(rows))
         if self._kernel is None:
             return np.asarray(self._tables.all.core.first_of_poses(self._link_poses(rows), threads) < 0)
         return self._tables.check_states(self._kernel, rows, threads)
 
-    def first_colliding_pair(self, q: ArrayLike, threads: int = 1) -> Ints:
+    def first_colliding_pair(self, q: ArrayLike, threads: int = 1, *, times: ArrayLike | None = None) -> Ints:
         """The first colliding pair of each configuration, in the order of `pairs`.
 
         Args:
             q: (n, nq) rad and m.
             threads: Number of threads to use.
+            times: As of `check_states`.
 
         Returns:
             (n,) rows of `pairs`, -1 where the configuration is valid.
         """
         rows = given_configurations(self.robot, q)
+        if self._moving is not None:
+            checker, rows = self._at(rows, times)
+            return checker.first_colliding_pair(rows, threads)
         threads = checked_threads(threads, len(rows))
         if self._kernel is None:
             return self._tables.all.to_table_rows(self._tables.all.core.first_of_poses(self._link_poses(rows), threads))
@@ -326,27 +377,47 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
             lambda table, part: table.to_table_rows(table.core.first_of_states(self._kernel, part, threads)), rows
         )
 
-    def colliding_pairs(self, q: ArrayLike) -> Bools:
+    def colliding_pairs(self, q: ArrayLike, *, times: ArrayLike | None = None) -> Bools:
         """Which pairs collide, without stopping at the first.
 
         Args:
             q: (n, nq) rad and m.
+            times: As of `check_states`.
 
         Returns:
             (n, k) for the k rows of `pairs`.
         """
-        return self._tables.all.colliding(self._link_poses(given_configurations(self.robot, q)))
+        checker, rows = self._at(given_configurations(self.robot, q), times)
+        return checker._tables.all.colliding(checker._link_poses(rows))
 
-    def body_poses(self, q: ArrayLike) -> Floats:
+    def body_poses(self, q: ArrayLike, *, times: ArrayLike | None = None) -> Floats:
         """World poses of all bodies: the very doubles that verdicts use.
 
         Args:
             q: (n, nq) or (nq,) rad and m.
+            times: As of `check_states`.
 
         Returns:
             (n, bodies, 4, 4), m; NaN for bodies that no pair needs.
         """
-        return self._tables.all.body_poses(self._link_poses(given_configurations(self.robot, q)))
+        checker, rows = self._at(given_configurations(self.robot, q), times)
+        return checker._tables.all.body_poses(checker._link_poses(rows))
+
+    def explain(self, q: Configuration, separations: bool = False, *, time: float | None = None) -> Verdict:
+        """The verdict of one configuration with the names and certificates behind it.
+
+        Args:
+            q: (nq,) rad and m, or each joint's value by its name.
+            separations: Whether to give the planes that separate all other pairs, too.
+            time: As `times` of `check_states`.
+
+        Returns:
+            The verdict; certificates are in world coordinates.
+        """
+        if self._moving is None:
+            return super().explain(q, separations)
+        checker, row = self._at(self._single(q), time)
+        return checker.explain(row, separations)
 
     def _names_of_met(self, a: int, b: int, poses: Floats) -> tuple[str, str]:
         names, shapes = [self.bodies[k].name for k in (a, b)], [self.bodies[k].shape for k in (a, b)]
@@ -379,7 +450,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         Every pair of every state is counted once: as unreachable; by the stage that settled it; or as skipped, where
         another colliding pair had decided the state.
         """
-        return self._tables.statistics()
+        return (self if self._moving is None else self._moving.checker)._tables.statistics()
 
     def _link_poses(self, rows: Floats) -> Floats:
         poses = self.robot.pinocchio_link_poses(rows) if self._kernel is None else self.robot.link_poses(rows)

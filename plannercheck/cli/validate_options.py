@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from plannercheck.cli.cell_paths import is_of_cell
 from plannercheck.cli.common import add_checker_arguments, add_robot_argument, add_scene_argument
 from plannercheck.cli.unused_options import check_used
 from plannercheck.cli.validate_trajectories import OPTIONS as OF_TRAJECTORIES
@@ -206,6 +207,10 @@ def _add_path_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+# Options of one robot's paths.
+_OF_ONE_ROBOT = ("--straight", "--motion-path", "--start", "--message", "--joint-limits")
+
+
 def _names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(",") if name.strip())
 
@@ -224,7 +229,9 @@ def check_options(options: argparse.Namespace) -> None:
         _check_path_options(options)
     else:
         check_used(
-            options, ("--straight", "--motion-path", "--tolerance", *OF_TRAJECTORIES), "with --path, not for sets"
+            options,
+            ("--straight", "--motion-path", "--tolerance", "--delay", *OF_TRAJECTORIES),
+            "with --path, not for sets",
         )
     with error_context("--threads"):
         checked_threads(options.threads, options.threads)
@@ -256,12 +263,16 @@ def _check_proof_option(options: argparse.Namespace) -> None:
         raise PlannercheckError(
             "--proof says where --certify writes the proof of a path: it needs --path and --certify"
         )
-    if len(options.path) > 1:
+    if len(options.path) > 1 and not is_of_cell(options.path):
         raise PlannercheckError(f"--proof is one file, and there are {len(options.path)} paths: leave it out")
 
 
 def _check_path_options(options: argparse.Namespace) -> None:
     check_used(options, _OF_SETS, "for sets, not with --path")
+    if is_of_cell(options.path):
+        check_used(options, _OF_ONE_ROBOT, "for one robot, not with --path ROBOT=FILE")
+    else:
+        check_used(options, ("--delay",), "with --path ROBOT=FILE")
     if options.straight or options.motion_path:
         given = "--straight" if options.straight else "--motion-path"
         check_used(options, OF_TRAJECTORIES, f"without {given}, which is about straight motions")

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from plannercheck.cli.cell_paths import add_delay_argument
 from plannercheck.cli.proved_paths import PathProof, proof_file, write_proofs
 from plannercheck.cli.told_certificates import certificate_as_json, certificate_in_words
 from plannercheck.cli.trajectory_files import add_controller_argument, listed_numbers, trajectory_of
@@ -47,6 +48,7 @@ def add_trajectory_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="V,V,…",
         help="where the robot stands when it gets the trajectory: the way to the first point is proved as well",
     )
+    add_delay_argument(group)
     group.add_argument(
         "--message", type=int, metavar="N", help="which trajectory of a DisplayTrajectory or of a bag, from 0"
     )

@@ -12,12 +12,14 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, get_args
 
+from plannercheck.cli.cell_paths import add_delay_argument, delays_of, is_of_cell, parts_of
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, described, given_options
 from plannercheck.cli.trajectory_files import listed_numbers
 from plannercheck.cli.unused_options import check_used
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs import Proof, Verification, load_proofs
-from plannercheck.proofs.claims import held_joints, least_padding, motion_of, sentence_of
+from plannercheck.proofs.claims import held_joints, least_padding, motion_of, robots_of, sentence_of
+from plannercheck.proofs.executed_cells import cell_proved
 from plannercheck.proofs.executed_curves import RUNNERS, trajectory_proved
 from plannercheck.proofs.paths import path_proved
 from plannercheck.proofs.verify import model_confirmed
@@ -45,7 +47,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--scene-meshes", choices=get_args(MeshKind), default="hull", help="what meshes of the scene are; default: hull"
     )
     parser.add_argument(
-        "--path", type=Path, metavar="FILE", help="confirm that every motion of this path is proved, in its order"
+        "--path",
+        type=Path,
+        nargs="+",
+        metavar="FILE",
+        help="confirm that every motion of this path is proved, in its order; of a cell: ROBOT=FILE …",
     )
     parser.add_argument(
         "--straight", action="store_true", help="with --path: straight motions are meant, whatever its velocities"
@@ -65,6 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="V,V,…",
         help="with --controller: where the robot stands: the way to the first point is proved as well",
     )
+    add_delay_argument(parser)
     parser.add_argument("--format", choices=("table", "json"), default="table", help="format of what is printed")
 
 
@@ -76,6 +83,11 @@ def run(options: argparse.Namespace) -> int:
         check_used(options, given_options(options), "with --robot")
     if options.scene is None:
         check_used(options, ("--scene-meshes",), "with --scene")
+    if not is_of_cell(options.path):
+        check_used(options, ("--delay",), "with --path ROBOT=FILE")
+        _take_path(options)
+    elif options.controller is None or len(options.tube or (0.0,)) > 1 or options.start or options.straight:
+        raise PlannercheckError("--path ROBOT=FILE takes --controller, one --tube and --delay, nothing else")
     if options.path is None:
         check_used(options, ("--straight", "--controller", "--tube", "--start"), "with --path")
     elif len(options.files) > 1:
@@ -91,6 +103,13 @@ def run(options: argparse.Namespace) -> int:
         for result in results:
             print("\n".join(_lines(result)))
     return 0 if all(result["proved"] for result in results) else 1
+
+
+def _take_path(options: argparse.Namespace) -> None:
+    """Leaves the one path that is given in place of a list."""
+    if options.path is not None and len(options.path) > 1:
+        raise PlannercheckError(f"--path is one file, or ROBOT=FILE for each robot of a cell, not {len(options.path)}")
+    options.path = options.path and options.path[0]
 
 
 def _robot(options: argparse.Namespace) -> Any:
@@ -121,6 +140,7 @@ def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
         "joined": _joined(proofs),
         "pairs": len(proofs[0].model.pairs),
         "padding": least_padding(proofs[0]) if any(found) else None,  # else the model may be malformed
+        "robots": robots_of(proofs[0]) if any(found) else {},
         "held": held_joints(proofs[0]) if any(found) else {},
         "entries": sum(each.entries for each in found),
         "seconds": sum(each.seconds for each in found),
@@ -134,9 +154,11 @@ def _path(proofs: tuple[Proof, ...], found: list[Verification], options: argpars
     if options.path is None:
         return {"fault": None}
     if not confirmed:
-        return {"file": str(options.path), "motions": None, "missing": None, "fault": "no motion is proved"}
-    if options.controller is not None:
-        tube = options.tube or (0.0,)
+        return {"file": _named(options), "motions": None, "missing": None, "fault": "no motion is proved"}
+    tube = options.tube or (0.0,)
+    if isinstance(options.path, list):
+        known = cell_proved(confirmed, parts_of(options), delays_of(options), options.controller, tube[0])
+    elif options.controller is not None:
         known = trajectory_proved(
             confirmed, options.path, options.controller, tube[0] if len(tube) == 1 else tube, options.start
         )
@@ -144,7 +166,15 @@ def _path(proofs: tuple[Proof, ...], found: list[Verification], options: argpars
         robot = None if options.robot is None else _robot(options)
         known = path_proved(confirmed, options.path, options.straight, robot)
     missing = list(known.missing)
-    return {"file": str(options.path), "motions": known.motions, "missing": missing, "fault": known.fault}
+    return {"file": _named(options), "motions": known.motions, "missing": missing, "fault": known.fault}
+
+
+def _named(options: argparse.Namespace) -> str:
+    """The path, or those of all robots with their starts."""
+    if not isinstance(options.path, list):
+        return str(options.path)
+    delays = delays_of(options)
+    return ", ".join(f"{name}={part} from {delays.get(name, 0.0):g} s" for name, part in parts_of(options).items())
 
 
 def _motion(proof: Proof, found: Verification) -> dict[str, Any]:
@@ -179,6 +209,10 @@ def _lines(result: dict[str, Any]) -> list[str]:
     for k, motion in enumerate(result["motions"]):
         lines.append(f"  motion {k}: {'proved' if motion['proved'] else 'not proved: ' + motion['fault']}")
         lines += [f"    {sentence_of(motion)}"] if motion["proved"] else []
+    robots = ", ".join(
+        f"{name!r} has columns {columns[0]} to {columns[-1]}" for name, columns in result["robots"].items()
+    )
+    lines += [f"  robots: {robots}"] if robots else []
     held = ", ".join(f"{name!r} = {' '.join(f'{x:.9g}' for x in values)}" for name, values in result["held"].items())
     lines += [f"  held: {held}"] if held else []
     lines += [f"  padding: {result['padding']:.9g} m"] if result["padding"] is not None else []

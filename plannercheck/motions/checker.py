@@ -6,9 +6,11 @@ In: a `Robot`, a `Scene`. Out: an immutable `Checker`. A motion is proved free f
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import ClassVar, TypeVar
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.checking.state_checker import StateChecker
@@ -27,7 +29,7 @@ from plannercheck.motions.joint_drives import split_joints
 from plannercheck.motions.motion_ends import Motions, checked_ends, with_given_ends
 from plannercheck.motions.proof_builder import Builder
 from plannercheck.motions.sampling import MotionSampler
-from plannercheck.motions.trajectory_checks import TrajectoryChecks, named_piece
+from plannercheck.motions.trajectory_checks import TrajectoryChecks, check_several, check_trajectory_of, named_piece
 from plannercheck.motions.trajectory_verdict import TrajectoryVerdict
 from plannercheck.proofs.proof import Proof
 from plannercheck.trajectories.trajectory import Trajectory
@@ -183,24 +185,30 @@ class Checker(StateChecker):
         return explained_motion(self, result, lambda t: certifier.states(start, end, t), tolerance, prover)
 
     def check_trajectory(
-        self, trajectory: Trajectory, tube: ArrayLike = 0.0, tolerance: float = DEFAULT_TOLERANCE
+        self,
+        trajectory: Trajectory,
+        tube: ArrayLike = 0.0,
+        tolerance: float = DEFAULT_TOLERANCE,
+        *,
+        start_time: float = 0.0,
     ) -> bool:
         """Whether a trajectory is proved free at every instant, both ends included.
 
         Every joint follows its polynomial; continuous joints turn as far as it says. Turns of floating and planar bases
-        go from one control point of a piece to the last by slerp.
+        go from one control point of a piece to the last by slerp. What moves in the scene does so meanwhile.
 
         Args:
             trajectory: What the robot executes.
             tube: By how much each number may be off the curve at every instant, all at once: one number or (nq,), rad
-                and m. The proof then covers tracking errors.
+                and m. The proof then covers tracking errors, but no delay.
             tolerance: A trajectory that keeps further than this from all collisions, with its tube, is proved free, in
                 m; how far a tube moves points is bounded by its sum over lever arms. One that touches is never free.
+            start_time: The scene's clock where the trajectory begins, s; without effect where nothing moves.
 
         Returns:
             True if it is free.
         """
-        return bool(self.check_trajectories([trajectory], tube, tolerance)[0])
+        return bool(self.check_trajectories([trajectory], tube, tolerance, start_time=start_time)[0])
 
     def check_trajectories(
         self,
@@ -208,17 +216,52 @@ class Checker(StateChecker):
         tube: ArrayLike = 0.0,
         tolerance: float = DEFAULT_TOLERANCE,
         threads: int = 1,
+        *,
+        start_time: ArrayLike = 0.0,
     ) -> Bools:
-        """Whether each of n trajectories is proved free: (n,); arguments as for `check_trajectory`."""
+        """Whether each of n trajectories is proved free: (n,); arguments as for `check_trajectory`.
+
+        `start_time` is one number, or (n,).
+        """
         threads = checked_threads(threads, MOST_THREADS)
-        return TrajectoryChecks(self, tube, tolerance).are_free(trajectories, threads)
+        checker, trajectories = self._on_clock(trajectories, start_time)
+        return TrajectoryChecks(checker, tube, tolerance).are_free(trajectories, threads)
+
+    def _on_clock(
+        self: Same, trajectories: Sequence[Trajectory], start_time: ArrayLike
+    ) -> tuple[Same, Sequence[Trajectory]]:
+        """The checker that judges trajectories in a scene that moves, and the trajectories on the scene's clock."""
+        if self._moving is None:
+            return self, trajectories
+        check_several(trajectories)
+        given = np.asarray(start_time, dtype=object)
+        if given.shape not in ((), (len(trajectories),)):
+            raise PlannercheckError(f"start_time must be one number, s, or ({len(trajectories)},), not {given.shape}")
+        times = np.broadcast_to(given, len(trajectories)).tolist()
+        for trajectory in trajectories:
+            check_trajectory_of(self.robot, trajectory)
+        clock, checker = self._moving
+        return checker, [clock.on_clock(*each) for each in zip(trajectories, times, strict=True)]
 
     def explain_trajectory(
-        self, trajectory: Trajectory, tube: ArrayLike = 0.0, tolerance: float = DEFAULT_TOLERANCE
+        self,
+        trajectory: Trajectory,
+        tube: ArrayLike = 0.0,
+        tolerance: float = DEFAULT_TOLERANCE,
+        *,
+        start_time: float = 0.0,
     ) -> TrajectoryVerdict:
-        """How far a trajectory is free, what stops it, and how much room it leaves; arguments as above."""
-        prover = partial(self.certify_trajectory, trajectory, tube, tolerance)
-        return TrajectoryChecks(self, tube, tolerance).explain(trajectory, prover)
+        """How far a trajectory is free, what stops it, and how much room it leaves; arguments as above.
+
+        Where something in the scene moves, the verdict's instants are on the scene's clock.
+        """
+        prover = partial(self.certify_trajectory, trajectory, tube, tolerance, start_time=start_time)
+        checker, (judged,) = self._on_clock([trajectory], start_time)
+        late = 0.0 if self._moving is None else start_time - float(trajectory.curve.breaks[0])
+        own = trajectory.limits(self.robot) if len(self.robot.joint_names) == self.robot.nq else ()
+        limits = tuple(replace(each, time=each.time + late) for each in own)
+        found = TrajectoryChecks(checker, tube, tolerance).explain(judged, limits, prover)
+        return found if self._moving is None else replace(found, clock=" of the scene's clock")
 
     def certify_motions(
         self,
@@ -253,25 +296,32 @@ class Checker(StateChecker):
         return tuple(self._proof(q, end, to, tolerance, path) if passed else None for passed, q, end, to in motions)
 
     def certify_trajectory(
-        self, trajectory: Trajectory, tube: ArrayLike = 0.0, tolerance: float = DEFAULT_TOLERANCE
+        self,
+        trajectory: Trajectory,
+        tube: ArrayLike = 0.0,
+        tolerance: float = DEFAULT_TOLERANCE,
+        *,
+        start_time: float = 0.0,
     ) -> tuple[Proof, ...] | None:
         """Proofs of a trajectory's pieces that anyone can check, in order; arguments as for `check_trajectory`.
 
         Returns:
             One for each piece; None where the trajectory is not free, and where it is free but the tube is too wide for
-            a pair that limits keep apart, so that the verdict leaves it out: a proof covers all pairs.
+            a pair that limits keep apart, so that the verdict leaves it out: a proof covers all pairs. Where something
+            in the scene moves, pieces end at its knots as well, and the columns of what moves follow the robot's.
 
         Raises:
             PlannercheckError: As of `certify_motions`.
         """
-        checks = TrajectoryChecks(self, tube, tolerance)
-        if not checks.are_free([trajectory])[0]:
+        checker, (judged,) = self._on_clock([trajectory], start_time)
+        checks = TrajectoryChecks(checker, tube, tolerance)
+        if not checks.are_free([judged])[0]:
             return None
-        around = checks.tube_of(trajectory)
+        around = checks.tube_of(judged)
         proofs = list[Proof | None]()
-        for k, points in enumerate(trajectory.curve.pieces):
-            with error_context(named_piece(trajectory, k)):
-                proofs.append(self._prover.curve_proof(points, around, tolerance))
+        for k, points in enumerate(judged.curve.pieces):
+            with error_context(named_piece(judged, k)):
+                proofs.append(checker._prover.curve_proof(points, around, tolerance))
         found = tuple(proof for proof in proofs if proof is not None)
         return found if len(found) == len(proofs) else None
 

@@ -29,6 +29,7 @@ from plannercheck.proofs.proof import Proof
 from plannercheck.robots.configurations import LARGEST_VALUE
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.curve import Curve
+from plannercheck.trajectories.limits import Excess
 from plannercheck.trajectories.trajectory import Trajectory
 
 # The clearance is looked at so many instants a piece, and at most so many in all.
@@ -58,35 +59,58 @@ class TrajectoryChecks:
     """Judges trajectories for one checker, by one tube and one tolerance."""
 
     def __init__(self, checker: TrajectoryChecker, tube: ArrayLike, tolerance: float) -> None:
-        """Takes a tube, a number or (nq,), rad and m, and a tolerance, m.
+        """Takes a tube, a number or a row of the robot's own width, rad and m, and a tolerance, m.
 
         Raises:
             PlannercheckError: If the tube is malformed, or not 0 for the numbers of unit vectors.
         """
         self._checker, self._tolerance = checker, tolerance
         self._certifier = checker.certifier_of("slerp")
-        self._units = checker.robot.configuration_map.units
+        self._units, self._own = checker.robot.configuration_map.units, checker.robot.own_width
         self.tube = self._checked_tube(named_numbers(tube, "tube"))
 
     def are_free(self, trajectories: Sequence[Trajectory], threads: int = 1) -> Bools:
         """Which of n trajectories are proved free (n,), on a number of threads."""
-        if isinstance(trajectories, Trajectory):
-            raise PlannercheckError("this is one pc.Trajectory, not a list of some: check_trajectory takes one")
+        check_several(trajectories)
         if not trajectories:
             return np.empty(0, dtype=bool)
         free = self._free_pieces(trajectories, self.tube, threads=threads)
         starts = [0, *accumulate(len(each.curve.pieces) for each in trajectories[:-1])]
         return np.logical_and.reduceat(free, starts)
 
+    def free_pieces(self, trajectory: Trajectory, wider: Floats | None = None) -> Bools:
+        """Which pieces of a trajectory are proved free; `wider`: (pieces, nq) what each has besides the tube."""
+        return self._free_pieces([trajectory], self.tube, wider=wider)
+
+    def near_instants(self, trajectory: Trajectory, pieces: Sequence[int]) -> list[float]:
+        """Where pairs came so near on pieces that are not free that these were refused, s."""
+        breaks, tubes = trajectory.curve.breaks, self._tubes([trajectory.curve], self.tube, 0.0)
+        found = []
+        for k in pieces:
+            result = self._certifier.result(Curves(trajectory.curve.pieces[k][None], tubes), self._tolerance)
+            if not result.free:
+                found.append(float(min(breaks[k] + (breaks[k + 1] - breaks[k]) * result.near, breaks[k + 1])))
+        return found
+
     def _free_pieces(
-        self, trajectories: Sequence[Trajectory], tube: Floats, room: float = 0.0, threads: int = 1
+        self,
+        trajectories: Sequence[Trajectory],
+        tube: Floats,
+        room: float = 0.0,
+        threads: int = 1,
+        wider: Floats | None = None,
     ) -> Bools:
-        """Which pieces of all trajectories, one after the other, are proved free; `room`: how far bodies stay apart."""
+        """Which pieces of all trajectories, one after the other, are proved free.
+
+        `room`: how far bodies stay apart; `wider`: (pieces, nq) what the tube of each piece has besides.
+        """
         for trajectory in trajectories:
-            self._check(trajectory)
+            check_trajectory_of(self._checker.robot, trajectory)
         curves = [each.curve for each in trajectories]
         counts = [len(curve.pieces) for curve in curves]
         tubes = self._tubes(curves, tube, room).repeat(counts, axis=0)
+        if wider is not None:
+            tubes[:, :-1] = (tubes[:, :-1] + wider) * (1 + 2.0**-52)
         starts = accumulate(counts[:-1], initial=0)
         by_count: dict[int, list[tuple[Ints64, Floats]]] = {}
         for start, curve in zip(starts, curves, strict=True):
@@ -111,15 +135,16 @@ class TrajectoryChecks:
         tubes[:, :-1] = (tube + np.array([curve.error for curve in curves])) * (1 + 2.0**-52)
         return tubes
 
-    def explain(self, trajectory: Trajectory, prover: Callable[[], tuple[Proof, ...] | None]) -> TrajectoryVerdict:
-        """How far a trajectory is free and what stops it; `prover` computes its proof."""
+    def explain(
+        self, trajectory: Trajectory, limits: tuple[Excess, ...], prover: Callable[[], tuple[Proof, ...] | None]
+    ) -> TrajectoryVerdict:
+        """How far a trajectory is free and what stops it; `limits` it breaks, and `prover` computes its proof."""
         free = self._free_pieces([trajectory], self.tube)
-        robot = self._checker.robot
         made = partial(
             TrajectoryVerdict,
-            tube=self.tube,
+            tube=self.tube[: self._own],
             tolerance=self._tolerance,
-            limits=tuple(trajectory.limits(robot)) if len(robot.joint_names) == robot.nq else (),
+            limits=limits,
             largest_tube=self._largest_tube(trajectory),
         )
         at, least = self._least_clearance(trajectory)
@@ -170,6 +195,7 @@ class TrajectoryChecks:
 
     def _largest_tube(self, trajectory: Trajectory) -> float:
         around = np.ones(len(self.tube))
+        around[self._own :] = 0.0
         for first, past in self._units:
             around[first:past] = 0.0
         return _largest(lambda size: self._is_free(trajectory, around * size, 0.0), _SMALLEST_TUBE, _LARGEST_TUBE)
@@ -183,28 +209,15 @@ class TrajectoryChecks:
         least = int(clearances.argmin())
         return float(times[least]), float(clearances[least])
 
-    def _check(self, trajectory: Trajectory) -> None:
-        robot = self._checker.robot
-        if not isinstance(trajectory, Trajectory):
-            raise PlannercheckError(
-                f"this is no pc.Trajectory but {type(trajectory).__name__}: pc.Trajectory.load reads"
-            )
-        if trajectory.curve.nq != robot.nq:
-            columns = robot.configuration_map.described_columns()
-            raise PlannercheckError(f"the trajectory has {trajectory.curve.nq} columns, but {columns}")
-        if trajectory.curve.units != self._units:
-            raise PlannercheckError(
-                f"columns of {robot.name!r} form unit vectors, which turn by slerp: give trajectory.of_robot(robot)"
-            )
-
     def _checked_tube(self, given: Floats) -> Floats:
-        nq = self._checker.robot.nq
+        nq, robot = self._own, self._checker.robot
         if given.shape not in ((1,), (nq,)) or not ((given >= 0) & (given <= LARGEST_VALUE)).all():
             raise PlannercheckError(
                 f"tube must be a number from 0 to {LARGEST_VALUE:g}, or a row of {nq}, rad and m, not"
                 f" {given.tolist()!s:.80}"
             )
-        row = given if len(given) == nq else np.full(nq, given[0])
+        row = np.zeros(robot.nq)
+        row[:nq] = given
         for first, past in self._units:
             if row[first:past].any():
                 raise PlannercheckError(
@@ -212,6 +225,25 @@ class TrajectoryChecks:
                     f" tube: give tube as a row of {nq} numbers that is 0 there"
                 )
         return row
+
+
+def check_several(trajectories: Sequence[Trajectory]) -> None:
+    """Raises for one trajectory in place of several."""
+    if isinstance(trajectories, Trajectory):
+        raise PlannercheckError("this is one pc.Trajectory, not a list of some: check_trajectory takes one")
+
+
+def check_trajectory_of(robot: Robot, trajectory: Trajectory) -> None:
+    """Raises unless something is a trajectory of a robot."""
+    if not isinstance(trajectory, Trajectory):
+        raise PlannercheckError(f"this is no pc.Trajectory but {type(trajectory).__name__}: pc.Trajectory.load reads")
+    if trajectory.curve.nq != robot.nq:
+        columns = robot.configuration_map.described_columns()
+        raise PlannercheckError(f"the trajectory has {trajectory.curve.nq} columns, but {columns}")
+    if trajectory.curve.units != robot.configuration_map.units:
+        raise PlannercheckError(
+            f"columns of {robot.name!r} form unit vectors, which turn by slerp: give trajectory.of_robot(robot)"
+        )
 
 
 def _named(trajectories: Sequence[Trajectory], piece: int) -> str:

@@ -51,6 +51,7 @@ class TrajectoryVerdict:
             pairs infinity.
         clearance_at: The instant, of some hundred, at which the clearance is least, s.
         prover: Computes `proof`; None if there is none.
+        clock: Whose clock instants are on, in words; "" for the trajectory's own.
     """
 
     free: bool
@@ -62,6 +63,7 @@ class TrajectoryVerdict:
     clearance: float
     clearance_at: float
     prover: Callable[[], tuple[Proof, ...] | None] | None = field(default=None, compare=False)
+    clock: str = ""
 
     @property
     def free_until(self) -> float:
@@ -96,11 +98,11 @@ class TrajectoryVerdict:
 
     def _sentences(self) -> list[str]:
         if self.free:
-            out = [f"free, with {self.clearance:.3g} m of room, least at {self.clearance_at:.6g} s"]
+            out = [f"free, with {self.clearance:.3g} m of room, least at {self.clearance_at:.6g} s{self.clock}"]
         elif self.collides_at is not None:
-            out = [f"free until {self.free_until:.6g} s, collides at {self.collides_at:.6g} s"]
+            out = [f"free until {self.free_until:.6g} s, collides at {self.collides_at:.6g} s{self.clock}"]
         else:
-            out = [f"free until {self.free_until:.6g} s, too near at {self.near_at:.6g} s"]
+            out = [f"free until {self.free_until:.6g} s, too near at {self.near_at:.6g} s{self.clock}"]
         if self.pair is not None:
             out[0] += f": {' – '.join(self.pair.names)}"
         if self.tube.any():

@@ -154,6 +154,9 @@ def plan(
     turning_radius: float | None = None,
     bounds: ArrayLike | None = None,
     sampling: Sampling = "near",
+    *,
+    start_time: float | None = None,
+    latest: float | None = None,
 ) -> Plan:
     """Plans from one configuration to another.
 
@@ -178,6 +181,8 @@ def plan(
         sampling: "near" has RRTConnect sample bounded joints near start and goal first, and ever further from them the
             longer the search takes (near_first.py); "everywhere" samples the whole space from the beginning, as all
             other planners and other joints do.
+        start_time: For plans in space and time, of which OMPL's bindings have no planner: an error says so.
+        latest: Likewise.
 
     Returns:
         The plan; its `goal` says which goal was reached. Free bodies move as on the path "slerp" of
@@ -185,6 +190,11 @@ def plan(
         the resolution. If the start collides or is beyond the limits, or all goals do or are, the plan is unsolved and
         `reason` says why. What is beyond a limit by at most 1e-6 is taken at the limit, with a warning.
     """
+    if start_time is not None or latest is not None:
+        raise PlannercheckError(
+            "there are no plans in space and time: OMPL's Python bindings have no such planner (STRRTstar); plan"
+            " without a clock, and pc.least_delay says how long to wait"
+        )
     planner = planner if planner == AUTO else full_name(planner)
     if not (isfinite(time_limit) and time_limit > 0):
         raise PlannercheckError(f"time_limit must be a positive time in s, not {time_limit!r}")

@@ -83,3 +83,14 @@ def column_names(proof: ProofData) -> tuple[str, ...]:
     for joint in sorted(model.joints, key=lambda joint: joint.offsets[0] != 0 or abs(joint.multipliers[0]) != 1):
         names.setdefault(joint.columns[0], joint.name)  # a leader takes its column as it is, a follower seldom does
     return tuple(name for column, name in sorted(names.items()) if column >= 0)
+
+
+def robots_of(proof: ProofData) -> dict[str, list[int]]:
+    """Of a proof about several robots: each one's columns, by the name before the slash of its joints."""
+    found: dict[str, list[int]] = {}
+    names = column_names(proof)
+    if not all("/" in name for name in names) or len(names) != getattr(proof.model, "columns", 0):
+        return {}
+    for column, name in enumerate(names):
+        found.setdefault(name.partition("/")[0], []).append(column)
+    return found if len(found) > 1 else {}

@@ -13,7 +13,7 @@ without end are those of the proof's model, which `--robot` compares with the ro
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
@@ -56,7 +56,7 @@ class _Point:
 
 
 @dataclass(frozen=True)
-class _Piece:
+class Piece:
     """A piece that a controller runs: the control points of each column, and how far these may be off at most."""
 
     control: list[Row]
@@ -95,20 +95,20 @@ def trajectory_proved(
         raise PlannercheckError("a JointTrajectory is of joints of one number each, and the proof has others")
     if not names or len(names) != model.columns:
         raise PlannercheckError("the proof has no joints, or numbers that no joint takes")
-    widths = _row("tube", [tube] * model.columns if isinstance(tube, int | float) else tube, model.columns)
+    widths = numbers_of("tube", [tube] * model.columns if isinstance(tube, int | float) else tube, model.columns)
     if min(widths) < 0:
         raise PlannercheckError(f"tube must be at least 0 in each number, not {float(min(widths))!r}")
-    stands = None if start is None else _row("start", start, model.columns)
+    stands = None if start is None else numbers_of("start", start, model.columns)
     read = message_reader()(path, names)
     pieces = _pieces(_message(read, path, controller), controller, stands, model.whole_turns, path)
     other = held_elsewhere(proofs[0], read.held)
     if other:
         return PathProved(len(pieces), tuple(range(len(pieces))), other)
-    missing = [k for k, piece in enumerate(pieces) if k >= len(proofs) or not _is_proved(proofs[k], piece, widths)]
+    missing = [k for k, piece in enumerate(pieces) if k >= len(proofs) or not is_proved(proofs[k], piece, widths)]
     return PathProved(len(pieces), tuple(missing), _sentence(missing, len(pieces), len(proofs), widths))
 
 
-def _row(name: str, given: Any, columns: int) -> Row:
+def numbers_of(name: str, given: Any, columns: int) -> Row:
     """A number for each column."""
     try:
         numbers = [Fraction(float(x)) for x in given]  # the infinities and NaN are no fractions
@@ -155,10 +155,10 @@ def _message(read: Any, path: Any, controller: str) -> list[_Point]:
 
 def _pieces(
     points: Sequence[_Point], controller: str, stands: Row | None, turning: Sequence[int], path: Any
-) -> list[_Piece]:
+) -> list[Piece]:
     """The pieces between the points, and before them that from where the robot stands."""
     still = [Fraction(0)] * len(points[0].positions)
-    run, off, unsure, before = list(points), still, still, list[_Piece]()
+    run, off, unsure, before = list(points), still, still, list[Piece]()
     is_bare = not any(point.velocities or point.accelerations for point in points)
     if controller == "jtc-upsampled" and is_bare and len(points) > 1:
         run, off = _upsampled(points)
@@ -228,7 +228,17 @@ def _rounded(x: Fraction) -> Fraction:
     return Fraction(round(x * _GRID), _GRID)
 
 
-def _is_proved(proof: ProofData, piece: _Piece, tube: Row) -> bool:
+def pieces_run(
+    path: Any, names: Sequence[str], controller: str, turning: Sequence[int]
+) -> tuple[Row, list[Piece], Mapping[str, float]]:
+    """The times of a message's points, s, the pieces between them, of joints by name, and what other joints hold."""
+    read = message_reader()(path, names)
+    points = _message(read, path, controller)
+    return [point.time for point in points], _pieces(points, controller, None, turning, path), read.held
+
+
+def is_proved(proof: ProofData, piece: Piece, tube: Row) -> bool:
+    """Whether a proof proves a piece with a tube."""
     motion = proof.motion
     if not isinstance(motion, Motion) or motion.end != motion.asked_end:
         return False
@@ -267,7 +277,7 @@ def _instants(times: Sequence[float], controller: str) -> list[Fraction]:
     return [Fraction(stamp, 10**9) for stamp in stamps] if is_message else [Fraction(time) for time in times]
 
 
-def _piece(a: _Point, b: _Point, unsure: Row, off: Row, named: str) -> _Piece:
+def _piece(a: _Point, b: _Point, unsure: Row, off: Row, named: str) -> Piece:
     """The piece between two points.
 
     Args:
@@ -282,17 +292,17 @@ def _piece(a: _Point, b: _Point, unsure: Row, off: Row, named: str) -> _Piece:
     if has_accelerations and not has_velocities:
         raise PlannercheckError(f"{named} have accelerations without velocities: a controller runs to 0")
     if not has_velocities:
-        return _Piece([list(ends) for ends in zip(p, q, strict=True)], unsure)
+        return Piece([list(ends) for ends in zip(p, q, strict=True)], unsure)
     ends = zip(p, a.velocities, b.velocities, q, strict=True)
     if not has_accelerations:
         control = [[x, x + y * step / 3, z - u * step / 3, z] for x, y, u, z in ends]
-        return _Piece(control, [x + y * step / 3 for x, y in zip(unsure, off, strict=True)])
+        return Piece(control, [x + y * step / 3 for x, y in zip(unsure, off, strict=True)])
     fifth, twentieth = step / 5, step * step / 20
     quintic = [
         [x, x + y * fifth, x + 2 * y * fifth + c * twentieth, z - 2 * u * fifth + d * twentieth, z - u * fifth, z]
         for (x, y, u, z), c, d in zip(ends, a.accelerations, b.accelerations, strict=True)
     ]
-    return _Piece(quintic, unsure)
+    return Piece(quintic, unsure)
 
 
 def _exact(row: Any) -> Row:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -143,7 +144,7 @@ def cell_parts(members: Mapping[str, Member], name: str = "") -> RobotParts:
     model = pin.Model()
     model.name = name or "+".join(each.parts.name for each in members.values())
     for key, member in members.items():
-        _append(model, member.parts.model, key, pin.SE3(member.pose))
+        append(model, member.parts.model, partial("{}/{}".format, key), pin.SE3(member.pose))
     each_parts = {name: member.parts for name, member in members.items()}
     bodies = tuple(
         replace(body, name=f"{name}/{body.name}", link=f"{name}/{body.link}")
@@ -255,8 +256,8 @@ def _with_group(parts: RobotParts) -> RobotParts:
     return replace(parts, group=ALL, joints=joints) if parts.joints is None and joints else parts
 
 
-def _append(model: pin.Model, part: pin.Model, name: str, pose: pin.SE3) -> None:
-    """Appends a robot's joints and frames to a model, in their order, with the robot's base at a pose."""
+def append(model: pin.Model, part: pin.Model, named: Callable[[str], str], pose: pin.SE3) -> None:
+    """Appends a robot's joints and frames to a model, in their order and renamed, with the robot's base at a pose."""
     shift, frames = model.njoints - 1, {0: 0}
     for k in range(1, part.njoints):
         parent, joint = int(part.parents[k]), part.joints[k]
@@ -265,7 +266,7 @@ def _append(model: pin.Model, part: pin.Model, name: str, pose: pin.SE3) -> None
             parent + shift if parent else 0,
             joint,
             part.jointPlacements[k] if parent else pose * part.jointPlacements[k],
-            f"{name}/{part.names[k]}",
+            named(part.names[k]),
             part.effortLimit[v],
             part.velocityLimit[v],
             part.lowerPositionLimit[q],
@@ -276,9 +277,8 @@ def _append(model: pin.Model, part: pin.Model, name: str, pose: pin.SE3) -> None
             continue
         joint = int(frame.parentJoint)
         placement = frame.placement if joint else pose * frame.placement
-        copied = pin.Frame(
-            f"{name}/{frame.name}", joint + shift if joint else 0, frames[frame.parentFrame], placement, frame.type
-        )
+        above = joint + shift if joint else 0
+        copied = pin.Frame(named(frame.name), above, frames[frame.parentFrame], placement, frame.type)
         frames[k] = model.addFrame(copied)
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -216,6 +217,31 @@ def planning_group(
     firsts = tuple(starts.values())
     angles = _plain_angles((joint_by_name(model, name) for name in joints), firsts, len(lower))
     return ConfigurationMap(tuple(joints), lower, upper, columns, multipliers, offsets, roles, lengths, firsts, angles)
+
+
+def side_by_side(model: pin.Model, maps: Sequence[ConfigurationMap]) -> ConfigurationMap:
+    """The map of a model whose joints are those of several models, in their order, given the map of each."""
+    widths = np.array([each.width for each in maps])
+    shifts = np.concatenate([[0], np.cumsum(widths)[:-1]]).tolist()
+    shifted = zip(maps, shifts, strict=True)
+    columns = np.concatenate([np.where(each.columns < 0, -1, each.columns + shift) for each, shift in shifted])
+
+    def joined(name: str) -> NDArray[Any]:
+        return np.concatenate([getattr(each, name) for each in maps])
+
+    offsets, roles = joined("offsets"), joined("roles")
+    return ConfigurationMap(
+        tuple(name for each in maps for name in each.joint_names),
+        joined("lower"),
+        joined("upper"),
+        columns.astype(np.int32),
+        joined("multipliers"),
+        offsets,
+        roles,
+        unit_lengths(model, columns.tolist(), offsets, (roles != PLAIN).tolist()),
+        tuple(start + shift for each, shift in zip(maps, shifts, strict=True) for start in each.starts),
+        joined("angles"),
+    )
 
 
 def followed(name: str, mimics: Mapping[str, Mimic], known: Container[str]) -> tuple[str, float, float]:

@@ -265,6 +265,11 @@ class Robot(PosedRobot):
         return self._map.width
 
     @property
+    def own_width(self) -> int:
+        """Numbers in a configuration without those of what moves in a scene (carriers.py)."""
+        return self.nq
+
+    @property
     def joint_names(self) -> tuple[str, ...]:
         """The joints of the group, in order."""
         return self._map.joint_names

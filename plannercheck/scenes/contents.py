@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.half_spaces import check_stands_still
 from plannercheck.bodies.mesh_files import MeshUnits, checked_units
+from plannercheck.bodies.moving import Moving, Placement
 from plannercheck.bodies.objects import Part, Parts, SceneFrames, SceneObject, scene_object, unplaced
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Hull, Shape, Sphere
@@ -127,14 +128,14 @@ class SceneContents(DeclaredStates):
         other._body_names = set(self._body_names)
         return other
 
-    def add(self, name: str, parts: Parts, pose: ArrayLike | None = None) -> None:
+    def add(self, name: str, parts: Parts, pose: Placement = None) -> None:
         """Adds an object: one shape, or several posed ones; its bodies are "name", or "name/0", "name/1", ...
 
         Args:
             name: The object's name.
             parts: A shape, or parts posed in the object's frame. A shape may also be points (n, 3) in m, a
                 trimesh.Trimesh, or a geometry of coal or python-fcl: of points and meshes, the hull is taken.
-            pose: (4, 4) of the object's frame in the world, m; None is the identity.
+            pose: (4, 4) of the object's frame in the world, m; None is the identity. Or a `Moving`.
         """
         self.put(scene_object(name, parts, pose))
 
@@ -151,27 +152,27 @@ class SceneContents(DeclaredStates):
         (self._objects if item.link is None else self._attached)[item.name] = item
         self._body_names.update(names)
 
-    def add_box(self, name: str, size: Sequence[float], pose: ArrayLike | None = None) -> None:
+    def add_box(self, name: str, size: Sequence[float], pose: Placement = None) -> None:
         """Adds a box of full edge lengths `size` (3,) in m."""
         self.add(name, Box(size), pose)  # type: ignore[arg-type]  # Box checks it
 
-    def add_sphere(self, name: str, radius: float, pose: ArrayLike | None = None) -> None:
+    def add_sphere(self, name: str, radius: float, pose: Placement = None) -> None:
         """Adds a sphere of a radius in m."""
         self.add(name, Sphere(radius), pose)
 
-    def add_cylinder(self, name: str, radius: float, length: float, pose: ArrayLike | None = None) -> None:
+    def add_cylinder(self, name: str, radius: float, length: float, pose: Placement = None) -> None:
         """Adds a cylinder along z about its centre, sizes in m."""
         self.add(name, Cylinder(radius, length), pose)
 
-    def add_capsule(self, name: str, radius: float, length: float, pose: ArrayLike | None = None) -> None:
+    def add_capsule(self, name: str, radius: float, length: float, pose: Placement = None) -> None:
         """Adds a capsule along z about its centre; the length is its segment's, in m."""
         self.add(name, Capsule(radius, length), pose)
 
-    def add_cone(self, name: str, radius: float, length: float, pose: ArrayLike | None = None) -> None:
+    def add_cone(self, name: str, radius: float, length: float, pose: Placement = None) -> None:
         """Adds a cone along z, its apex at +length/2 and its base at -length/2, sizes in m."""
         self.add(name, Cone(radius, length), pose)
 
-    def add_hull(self, name: str, vertices: ArrayLike, pose: ArrayLike | None = None) -> None:
+    def add_hull(self, name: str, vertices: ArrayLike, pose: Placement = None) -> None:
         """Adds the convex hull of points (n, 3) in m."""
         self.add(name, Hull(np.asarray(unmasked(vertices))), pose)
 
@@ -179,7 +180,7 @@ class SceneContents(DeclaredStates):
         self,
         name: str,
         path: str | Path,
-        pose: ArrayLike | None = None,
+        pose: Placement = None,
         scale: float | Sequence[float] = 1.0,
         *,
         geometry: MeshKind = "hull",
@@ -270,6 +271,8 @@ class SceneContents(DeclaredStates):
         if isinstance(pose, Shape):  # `add` takes them in this place
             check_stands_still(name, link, [pose])
             raise PlannercheckError(f"pose of {name!r} is {with_article(type(pose).__name__)}: give shapes by parts=")
+        if isinstance(pose, Moving):
+            raise PlannercheckError(f"object {name!r} on link {link!r} moves with the link: give its pose on the link")
         if parts is None and name not in self._objects:
             raise unknown_name("object to attach", name, self._objects)
         item = self._objects[name] if parts is None else scene_object(name, parts)
@@ -316,8 +319,13 @@ class SceneContents(DeclaredStates):
         return tuple(self._attached.values())
 
     @property
+    def moving(self) -> tuple[SceneObject, ...]:
+        """The obstacles that move."""
+        return tuple(item for item in self._objects.values() if item.moving is not None)
+
+    @property
     def bodies(self) -> tuple[GeometryObject, ...]:
-        """All parts of all obstacles, with `link` None and their pose in the world.
+        """All parts of all obstacles, in the world with `link` None, or if they move as in `SceneObject`.
 
         Raises:
             PlannercheckError: If an object is posed in a link's frame, which only a robot can place.

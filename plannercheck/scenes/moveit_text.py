@@ -247,6 +247,8 @@ def scene_text(scene: SceneContents) -> str:
 def _object_lines(item: SceneObject) -> list[str]:
     if item.pose_frame is not None:
         raise unplaced(item)
+    if item.moving is not None:
+        raise PlannercheckError(f"it moves, which a {SUFFIX} file can't hold: save the scene as .yaml")
     lines = [f"{_OBJECT} {_single_line(item.name, 'its name')}", *_pose_lines(item.pose), str(len(item.parts))]
     for part in item.parts:
         lines += [*_shape_lines(part.shape), *_pose_lines(checked_pose(part.pose, item.name)), _COLOUR]

@@ -49,6 +49,12 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
       - name: wedge
         hull: {vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}   # or {file: wedge.npy}
         matrix: [[1, 0, 0, 0.2], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]   # instead of the above
+      - name: pallet
+        box: {size: [0.4, 0.3, 0.2]}
+        moving:                                # in place of a pose, see `Moving`
+          times: [0, 4]                        # s, growing
+          poses: [{position: [0.5, -1, 0.1]}, {position: [0.5, 1, 0.1], rpy: [0, 0, 1.57]}]
+          outside: stand                       # optional: refuse (default) or stand; also path: slerp or screw
     attached:                                  # optional: objects that links carry, posed on the link
       - name: mug
         link: panda_hand

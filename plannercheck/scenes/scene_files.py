@@ -41,6 +41,7 @@ from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
 from plannercheck.scenes.mjcf_scene import read_mjcf_scene
+from plannercheck.scenes.moving_nodes import MOVING, moving_of_node
 from plannercheck.scenes.scene_meshes import read_hull, read_mesh_node, read_solid_node
 from plannercheck.scenes.scene_paths import FindFile, MeshKind
 from plannercheck.scenes.sensed_shapes import SENSED_KEYS, SensedSource, read_sensed
@@ -140,9 +141,9 @@ def _add_object(scene: SceneContents, node: Node, index: int, find_file: FindFil
     with error_context(f"object {index}"):
         name = text(required(node, "name"), "name")
     with error_context(f"object {name!r}"):
-        check_keys(node, ("name", "parts", *_SHAPE_KEYS, *POSE_KEYS))
-        parts, pose = _parts(node, find_file), pose_of_node(node)
-    scene.add(name, parts, pose)
+        check_keys(node, ("name", "parts", *_SHAPE_KEYS, *POSE_KEYS, MOVING))
+        parts, place = _parts(node, find_file), moving_of_node(node) if MOVING in node else pose_of_node(node)
+    scene.add(name, parts, place)
 
 
 def _attach_object(scene: SceneContents, node: Node, index: int, find_file: FindFile) -> None:

@@ -27,7 +27,7 @@ def _cells(item: SceneObject) -> tuple[str, str, str, str]:
     frame = item.link or "the world"
     if item.pose_frame is not None:  # its pose is in another frame until a checker has placed it
         frame = item.pose_frame.frame or "the world"
-    position = ", ".join(f"{value:.4g}" for value in item.pose[:3, 3])
+    position = ", ".join(f"{value:.4g}" for value in item.pose[:3, 3]) if item.moving is None else repr(item.moving)
     return item.name, ", ".join(_words(part.shape) for part in item.parts), position, frame
 
 

@@ -27,6 +27,7 @@ from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
 from plannercheck.scenes.files_beside import FilesBeside
+from plannercheck.scenes.moving_nodes import node_of_moving
 from plannercheck.scenes.scene_files import LINK_PAIRS, PAIRS, SIZED
 from plannercheck.scenes.sensed_shapes import sensed_kind, sensed_node
 
@@ -58,12 +59,13 @@ def _yaml_text(scene: SceneContents, beside: FilesBeside) -> str:
 def _object_node(item: SceneObject, beside: FilesBeside) -> Node:
     if item.pose_frame is not None:
         raise unplaced(item)
+    place = node_of_pose(item.pose) if item.moving is None else node_of_moving(item.name, item.moving)
     if len(item.parts) == 1 and item.parts[0].pose is None:
-        return {"name": item.name, **_shape_node(item.parts[0], item.name, beside), **node_of_pose(item.pose)}
+        return {"name": item.name, **_shape_node(item.parts[0], item.name, beside), **place}
     nodes = [
         _shape_node(part, item.name, beside) | node_of_pose(checked_pose(part.pose, item.name)) for part in item.parts
     ]
-    return {"name": item.name, **node_of_pose(item.pose), "parts": nodes}
+    return {"name": item.name, **place, "parts": nodes}
 
 
 def _attached_node(item: SceneObject, beside: FilesBeside) -> Node:

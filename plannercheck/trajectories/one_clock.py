@@ -14,7 +14,7 @@ that the robot's own message defines:
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.sizes import array_of
 from plannercheck.common.array_types import Floats, Ints64
+from plannercheck.common.arrays import contiguous
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.robot import CellPart, Robot
 from plannercheck.trajectories.curve import Curve, slerp
@@ -42,8 +43,8 @@ _TIMES = 8
 _SLERPED = 64
 
 
-class _Clocked(NamedTuple):
-    """A robot's curve on the clock.
+class Clocked(NamedTuple):
+    """A curve on the clock.
 
     Attributes:
         curve: Its polynomials.
@@ -68,7 +69,9 @@ class _Cuts(NamedTuple):
     end: Floats
 
 
-def on_one_clock(cell: Robot, trajectories: Mapping[str, Run], starts: Mapping[str, float] | None = None) -> Trajectory:
+def on_one_clock(
+    cell: Robot, trajectories: Mapping[str, Run], starts: Mapping[str, float] | None = None, knots: ArrayLike = ()
+) -> Trajectory:
     """The trajectory of a cell whose robots run their own, each from its start on.
 
     Before its first point a robot stands at it, and after its last point at that.
@@ -77,6 +80,7 @@ def on_one_clock(cell: Robot, trajectories: Mapping[str, Run], starts: Mapping[s
         cell: What `Robot.together` gives.
         trajectories: By robot, of all robots that the group moves; or the configuration (k,) at which a robot stands.
         starts: By robot, when its trajectory's own 0 s is on the clock, s; 0 if not named.
+        knots: (m,) s, of at least 0: where pieces are cut as well; the clock runs to the last one at least.
 
     Returns:
         A trajectory from 0 s to the end of the longest; its error covers all rounding.
@@ -91,7 +95,8 @@ def on_one_clock(cell: Robot, trajectories: Mapping[str, Run], starts: Mapping[s
         for name, run in trajectories.items()
         if isinstance(run, Trajectory)
     }
-    breaks = _common_knots(np.concatenate([each.knots for each in clocked.values()]))
+    listed = [contiguous(knots).ravel(), *(each.knots for each in clocked.values())]
+    breaks = _common_knots(np.concatenate(listed), 0.0)
     cuts = {name: _cuts(each, breaks) for name, each in clocked.items()}
     degrees = np.max([_degrees(clocked[name].curve, cuts[name]) for name in clocked], axis=0)
     shape, error = (len(degrees), int(degrees.max()) + 1, cell.nq), np.zeros(cell.nq)
@@ -106,6 +111,24 @@ def on_one_clock(cell: Robot, trajectories: Mapping[str, Run], starts: Mapping[s
             points[:, :, columns] = standing(cell.parts[name], run)
     pieces = tuple(each[: degree + 1] for each, degree in zip(points, degrees.tolist(), strict=True))
     return Trajectory.of_curve(Curve(breaks, pieces, error, cell.configuration_map.units))
+
+
+def side_by_side(clocked: Sequence[Clocked], begin: float, end: float) -> Curve:
+    """Curves as one curve from begin to end, s of the clock: the columns of the first, then of the second, and so on.
+
+    Each stands still before its first knot and after its last one; the first has knots at begin and end.
+    """
+    knots = np.concatenate([each.knots for each in clocked])
+    breaks = _common_knots(knots[(knots >= begin) & (knots <= end)], begin)
+    cuts = [_cuts(each, breaks) for each in clocked]
+    degrees = np.max([_degrees(each.curve, cut) for each, cut in zip(clocked, cuts, strict=True)], axis=0)
+    both = list(zip(clocked, cuts, strict=True))
+    points = np.concatenate([_cut_points(each.curve, cut, degrees) for each, cut in both], axis=2)
+    error = np.concatenate([_error(each, cut, breaks, int(degrees.max())) for each, cut in both])
+    shifts = np.cumsum([0, *(each.curve.nq for each in clocked)]).tolist()
+    units = tuple((a + by, b + by) for each, by in zip(clocked, shifts, strict=False) for a, b in each.curve.units)
+    pieces = tuple(each[: degree + 1] for each, degree in zip(points, degrees.tolist(), strict=True))
+    return Curve(breaks, pieces, error, units)
 
 
 def check_runs(cell: Robot, runs: Mapping[str, Run]) -> tuple[str, ...]:
@@ -178,32 +201,33 @@ def standing(part: CellPart, configuration: ArrayLike) -> Floats:
     return row
 
 
-def _clocked(part: CellPart, run: Trajectory, start: float) -> _Clocked:
+def _clocked(part: CellPart, run: Trajectory, start: float) -> Clocked:
     knots = run.curve.breaks + start
     if knots[0] < 0:
         raise PlannercheckError(
             f"the trajectory of {part.name!r} begins at {knots[0]:g} s, before the clock: give it a start of at least"
             f" {-run.curve.breaks[0]:g} s"
         )
-    return _Clocked(run.curve, knots)
+    return Clocked(run.curve, knots)
 
 
-def _common_knots(knots: Floats) -> Floats:
-    """Knots in ascending order from 0 s on, those nearer than a nanosecond once: no curve has two of these."""
-    kept = [0.0]
+def _common_knots(knots: Floats, begin: float) -> Floats:
+    """Knots in ascending order from a first one, s, those nearer than a nanosecond once: no curve has two of these."""
+    kept = [begin]
     for knot in np.sort(knots).tolist():
         if knot >= kept[-1] + _SAME_KNOT:
             kept.append(knot)
     return np.array(kept)
 
 
-def _places(knots: Floats, breaks: Floats) -> Ints64:
-    """Which common knot each of a curve's knots became: the last one that is not later."""
-    return np.searchsorted(breaks, knots, side="right") - 1
+def _rounded(knots: Floats, breaks: Floats) -> Floats:
+    """The common knot that each of a curve's knots became: the last one that is not later; others stay."""
+    places = np.searchsorted(breaks, knots, side="right") - 1
+    return np.where((places < 0) | (knots > breaks[-1] + _SAME_KNOT), knots, breaks[places])
 
 
-def _cuts(clocked: _Clocked, breaks: Floats) -> _Cuts:
-    own = breaks[_places(clocked.knots, breaks)]
+def _cuts(clocked: Clocked, breaks: Floats) -> _Cuts:
+    own = _rounded(clocked.knots, breaks)
     if not (np.diff(own) > 0).all():
         raise PlannercheckError("a piece of a trajectory takes less than a nanosecond on the clock: start earlier")
     piece = np.searchsorted(own, breaks[:-1], side="right") - 1
@@ -270,13 +294,13 @@ def _cut_units(points: Floats, ends: Floats, cuts: _Cuts, degrees: Ints64) -> No
         points[k, degrees[k]] = b if s[1] == 1.0 else last
 
 
-def _error(clocked: _Clocked, cuts: _Cuts, breaks: Floats, degree: int) -> Floats:
+def _error(clocked: Clocked, cuts: _Cuts, breaks: Floats, degree: int) -> Floats:
     """(k,) how far a robot's columns are at most from its message's own polynomials at any instant of the clock."""
     curve, knots = clocked
-    late = np.abs(breaks[_places(knots, breaks)] - knots).max()
-    largest = max(float(breaks[-1]), float(np.abs(curve.breaks).max()), float(np.abs(knots).max()))
+    late = np.abs(_rounded(knots, breaks) - knots).max()
+    largest = max(float(np.abs(breaks).max()), float(np.abs(curve.breaks).max()), float(np.abs(knots).max()))
     shift = (late + _TIMES * UNIT * largest) * (1 + 2.0**-40)
-    error = (curve.error + shift * speeds(curve).max(axis=0)) * (1 + 2.0**-40)
+    error = (curve.error + shift * speeds(curve)[1].max(axis=0)) * (1 + 2.0**-40)
     is_cut = (cuts.start > 0) | (cuts.end < 1)
     highest = max(len(piece) - 1 for piece in curve.pieces)
     steps = (highest if is_cut.any() else 0) + degree - min(len(piece) - 1 for piece in curve.pieces)
@@ -298,17 +322,27 @@ def _condition(start: Floats, end: Floats) -> float:
     return 1.0 if angle <= 2.0 else 1 / max(float(np.sin(angle)), 2.0**-53)
 
 
-def speeds(curve: Curve) -> Floats:
-    """(pieces, nq) the largest speed of each number on each piece, from above; rad/s and m/s."""
+def speeds(curve: Curve, parts: int = 1) -> tuple[Floats, Floats]:
+    """The largest speed of each number, from above, on parts of pieces.
+
+    Args:
+        curve: The curve.
+        parts: A piece is looked at in so many parts at most, none shorter than this part of an average piece.
+
+    Returns:
+        (m + 1,) where parts begin and end, s; and (m, nq) rad/s and m/s.
+    """
     steps = durations(curve.breaks)
-    found = np.array(
-        [
-            np.abs(np.diff(piece, axis=0)).max(axis=0) * ((len(piece) - 1) / step)
-            for piece, step in zip(curve.pieces, steps.tolist(), strict=True)
-        ]
-    )
-    for a, b in curve.units:
-        for k, piece in enumerate(curve.pieces):
-            turn = np.abs(slerp(piece[0, a:b], piece[-1, a:b], np.zeros(1), 1)[0])
-            found[k, a:b] = float(np.linalg.norm(turn)) / steps[k]
-    return np.asarray(found * (1 + 2.0**-40))
+    counts = np.clip(np.rint(parts * steps * len(steps) / steps.sum()), 1, parts).astype(np.int64).tolist()
+    places, found = [curve.breaks[:1]], []
+    for piece, begin, step, count in zip(curve.pieces, curve.breaks[:-1].tolist(), steps.tolist(), counts, strict=True):
+        ends = np.arange(count + 1) / count
+        cut = _part(np.repeat(piece[None], count, axis=0), ends[:-1], ends[1:]) if count > 1 else piece[None]
+        degree, off = len(piece) - 1, blossom_error(piece, len(piece) - 1)
+        fastest = (np.abs(np.diff(cut, axis=1)).max(axis=1) + 2 * off) * (degree * count / step)
+        for a, b in curve.units:
+            turn = slerp(piece[0, a:b], piece[-1, a:b], np.zeros(1), 1)[0]
+            fastest[:, a:b] = float(np.linalg.norm(turn)) / step
+        found.append(fastest * (1 + 2.0**-40))
+        places.append(begin + step * ends[1:])
+    return np.concatenate(places), np.concatenate(found)

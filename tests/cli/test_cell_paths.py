@@ -1,0 +1,149 @@
+"""Trajectories of a cell's robots on the command line: judged on one clock, proved, and held against their proofs."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from crossing_boxes import gantries
+
+import plannercheck as pc
+from plannercheck.cli.main import main
+from plannercheck.proofs import load_proofs
+from plannercheck.proofs.executed_cells import cell_proved
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*it is judged from then on")
+
+
+@pytest.fixture(name="folder")
+def _folder(tmp_path, monkeypatch):
+    """A cell of two gantries, and a message of each: left along x, right along y, which cross at 1 s."""
+    checker = gantries(tmp_path, ("left", "right"))
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "cell.yaml").write_text(
+        "robots:\n  left: {load: gantry.urdf, pose: {position: [0, 0, 0]}}\n"
+        "  right: {load: gantry.urdf, pose: {position: [0, 0, 0]}}\n"
+    )
+    rng = np.random.default_rng(0)
+    for name, way in (("left", [1.0, 0.1]), ("right", [0.1, 1.0])):
+        points = np.linspace(-1, 1, 5)[:, None] * way + rng.uniform(-0.01, 0.01, (5, 2))
+        velocities = np.tile(np.array(way), (5, 1))
+        velocities[[0, -1]] = 0.0
+        made = pc.Trajectory(np.array([0.1, 0.6, 1.1, 1.6, 2.1]), points, velocities, joint_names=["x", "y"])
+        made.save(tmp_path / f"{name}.yaml")
+    return checker, tmp_path
+
+
+PATHS = ["--path", "left=left.yaml", "right=right.yaml"]
+
+
+def test_two_that_meet(folder, capsys):
+    assert main(["validate", "--robot", "cell.yaml", *PATHS]) == 1
+    out = capsys.readouterr().out
+    assert out.startswith("left, right on one clock: at 0.")
+    assert "left/tip – right/tip" in out
+    assert main(["validate", "--robot", "cell.yaml", *PATHS, "--format", "json"]) == 1
+    (told,) = json.loads(capsys.readouterr().out)
+    assert told["robots"] == ["left", "right"]
+    assert not told["free"]
+    assert told["collides_at"] == pytest.approx(0.9, abs=0.15)
+    assert told["paths"] == {"left": "left.yaml", "right": "right.yaml"}
+
+
+def test_one_that_waits_is_proved_and_held_against_the_messages(folder, capsys):
+    delayed = [*PATHS, "--delay", "right=0.7", "--controller", "jtc"]
+    assert main(["validate", "--robot", "cell.yaml", *delayed, "--certify"]) == 0
+    assert "right from 0.7 s; certified" in capsys.readouterr().out
+    assert main(["verify", "cell.proof.json", "--robot", "cell.yaml", *delayed]) == 0
+    out = capsys.readouterr().out
+    assert "robots: 'left' has columns 0 to 1, 'right' has columns 2 to 3" in out
+    assert "path 'left=left.yaml from 0 s, right=right.yaml from 0.7 s': all" in out
+    assert "model: confirmed" in out
+    for other in (["right=0.71"], ["left=0.001", "right=0.7"]):
+        assert main(["verify", "cell.proof.json", *PATHS, "--delay", *other, "--controller", "jtc"]) == 1
+        assert "on the clock are not proved" in capsys.readouterr().out
+    assert main(["verify", "cell.proof.json", *delayed, "--tube", "1e-6"]) == 1
+    capsys.readouterr()
+    assert main(["verify", "cell.proof.json", *delayed[:-1], "linear"]) == 1
+
+
+def test_a_tube_and_a_robot_that_stands(folder, capsys):
+    standing = ["--path", "left=left.yaml", "right=0.0,0.9", "--controller", "ur"]
+    proved = ["--certify", "--proof", "made.proof.npz", "--tube", "0.01"]
+    assert main(["validate", "--robot", "cell.yaml", *standing, *proved]) == 0
+    capsys.readouterr()
+    assert main(["verify", "made.proof.npz", *standing, "--tube", "0.01"]) == 0
+    out = capsys.readouterr().out
+    assert "every configuration within 0.01 rad or m" in out
+    assert main(["verify", "made.proof.npz", *standing, "--tube", "0.0101"]) == 1
+    moved = ["--path", "left=left.yaml", "right=0.0,0.92", "--controller", "ur"]
+    assert main(["verify", "made.proof.npz", *moved]) == 1
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_messages_in_fractions(tmp_path, seed):
+    """The proof of what is merged proves the messages: knots that nearly meet, late ones, all controllers."""
+    rng = np.random.default_rng(seed)
+    checker = gantries(tmp_path, ("left", "right"))
+    controller = ("jtc", "ur", "motoros2", "linear")[seed % 4]
+    runs, files = {}, {}
+    for k, name in enumerate(("left", "right")):
+        count = int(rng.integers(2, 5))
+        late = int(10 ** rng.integers(2, 7))
+        times = (late + np.cumsum(rng.integers(1, 2000, count))) / 1e3
+        points = rng.uniform(-1, 1, (count, 2)) + np.array([5.0 * k, 0.0])
+        velocities = rng.uniform(-1, 1, (count, 2))
+        velocities[-1] = 0.0
+        made = pc.Trajectory(times, points, velocities, joint_names=["x", "y"])
+        files[name] = tmp_path / f"{name}.json"
+        made.save(files[name])
+        runs[name] = pc.Trajectory.load(files[name], checker.robot.parts[name].robot, controller)
+    knots = runs["left"].curve.breaks
+    near = float(knots[0] - runs["right"].curve.breaks[0] + rng.choice([0.0, 1e-12, 3e-10]))
+    starts = {"right": near} if near > 0 else {"left": float(rng.uniform(0, 3))}
+    found = pc.first_conflict(checker, runs, starts)
+    assert found.free
+    found.proof[0].save(tmp_path / "one.json")
+    (read,) = load_proofs(tmp_path / "one.json")
+    assert (read.motion, read.hashes) == (found.proof[0].motion, found.proof[0].hashes)
+    assert read.verify()
+    assert cell_proved(found.proof, files, starts, controller).fault is None
+    late = {name: start + 1e-3 for name, start in starts.items()}
+    spans = [runs[name].curve.breaks + starts.get(name, 0.0) for name in runs]
+    both = max(span[0] for span in spans) < min(span[-1] for span in spans)  # else they move one after the other
+    assert (cell_proved(found.proof, files, late, controller).fault is not None) == both
+    assert cell_proved(found.proof[:-1], files, starts, controller).missing == (len(found.proof) - 1,)
+
+
+@pytest.mark.parametrize(
+    ("words", "arguments"),
+    [
+        ("unknown robot of the cell 'lfet': did you mean 'left'", ["--path", "lfet=left.yaml", "right=right.yaml"]),
+        ("no trajectory of right", ["--path", "left=left.yaml"]),
+        ("takes one ROBOT=FILE for each robot", [*PATHS, "left.yaml"]),
+        ("takes one ROBOT=FILE for each robot", [*PATHS, "left=right.yaml"]),
+        ("--delay takes ROBOT=SECONDS", [*PATHS, "--delay", "right"]),
+        ("must be a time of at least 0 s", [*PATHS, "--delay", "right=-1"]),
+        ("--delay counts only with --path ROBOT=FILE", ["--path", "left.yaml", "--delay", "right=1"]),
+        ("--straight counts only for one robot", [*PATHS, "--straight"]),
+    ],
+)
+def test_bad_input(folder, capsys, words, arguments):
+    assert main(["validate", "--robot", "cell.yaml", *arguments]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_bad_input_of_verify(folder, capsys):
+    checker, path = folder
+    found = pc.first_conflict(checker, {"left": [0.0, 0.0], "right": pc.Trajectory([0, 1], [[0.5, 0.5], [1, 1]])})
+    found.proof[0].save(path / "proof.json")
+    for words, arguments in (
+        ("takes --controller, one --tube and --delay", PATHS),
+        ("nothing says what right does", ["--path", "left=left.yaml", "--controller", "jtc"]),
+        ("unknown robot of the proof 'up'", [*PATHS, "up=left.yaml", "--controller", "jtc"]),
+        ("--delay counts only with --path ROBOT=FILE", ["--path", "left.yaml", "--delay", "right=1"]),
+        ("--path is one file, or ROBOT=FILE", ["--path", "left.yaml", "right.yaml"]),
+    ):
+        assert main(["verify", "proof.json", *arguments]) == 2
+        assert words in capsys.readouterr().err

@@ -1,0 +1,110 @@
+"""Trajectories in scenes that move: dense samples of exact verdicts, contacts at a chosen instant, proofs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.moving_scenes import MovingCase, contact_case
+
+import plannercheck as pc
+
+# Trajectories that keep further than this from everything at dense samples may not be refused, m.
+_CLEAR = 3e-4
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_trajectories_past_moving_boxes(tmp_path: Path, seed: int) -> None:
+    """None that touches at a sample is called free; none that stays clear of all is refused."""
+    case = contact_case(np.random.default_rng([7, seed]), tmp_path)
+    free = case.checker.check_trajectory(case.trajectory, start_time=case.start_time)
+    q, times = case.sampled(400)
+    valid = case.checker.check_states(q, times=times)
+    assert not free or valid.all()
+    if not free and valid.all():
+        q, times = case.sampled(4000)
+        assert case.checker.clearances(q, times=times).min() <= _CLEAR
+    if not free and not valid.all():
+        verdict = case.checker.explain_trajectory(case.trajectory, start_time=case.start_time)
+        first = times[np.argmin(valid)]
+        assert verdict.collides_at is not None
+        assert verdict.free_until <= verdict.collides_at <= first + 1e-9
+        assert f"s of the scene's clock: {' – '.join(verdict.pair.names)}" in repr(verdict)
+
+
+def _crossing(start: float = 0.0) -> MovingCase:
+    """Panda at rest, and a box that goes through where its hand is between 3.5 and 4.5 s."""
+    robot, scene = pc.Robot.load("panda"), pc.Scene("belt")
+    hand = robot.link_poses(robot.reference)[robot.link_index("panda_hand")]
+    ends = np.array([np.eye(4)] * 2)
+    ends[:, :3, 3] = hand[:3, 3] + np.array([[0, -2, 0], [0, 2, 0]])
+    scene.add("pallet", pc.Box((0.1, 0.1, 0.1)), pc.Moving([0.0, 8.0], ends))
+    still = np.stack([robot.reference] * 2)
+    return MovingCase(pc.Checker(robot, scene), pc.Trajectory([0.0, 2.0], still, controller="linear"), start)
+
+
+def test_start_time_is_the_scenes_clock_at_the_beginning() -> None:
+    """The same trajectory is free before the box comes and after it has gone."""
+    checker, trajectory, _ = _crossing()
+    starts = [0.0, 1.0, 2.5, 3.5, 5.5, 6.0]
+    free = checker.check_trajectories([trajectory] * 6, start_time=starts)
+    assert free.tolist() == [True, True, False, False, True, True]
+    assert [checker.check_trajectory(trajectory, start_time=start) for start in starts] == free.tolist()
+    later = pc.Trajectory([0.0, 2.0], trajectory.position([0, 2]), controller="linear", start=trajectory.position(0))
+    assert checker.check_trajectory(later)
+    assert not checker.check_trajectories([later], start_time=3.5)[0]
+    verdict = checker.explain_trajectory(trajectory, start_time=2.5)
+    assert 3.2 < verdict.collides_at < 4.0
+    assert verdict.pair.names[1] == "pallet"
+    assert not checker.is_valid(trajectory.position(0), time=verdict.collides_at)
+    assert len(verdict.tube) == 7
+    for wrong in (np.nan, "soon", [0.0, 1.0]):
+        with pytest.raises(pc.PlannercheckError, match="start_time"):
+            checker.check_trajectories([trajectory] * 3, start_time=wrong)
+    for start in (-0.5, 6.5):
+        with pytest.raises(pc.PlannercheckError, match="'pallet' moves from 0 to 8 s"):
+            checker.check_trajectory(trajectory, start_time=start)
+    with pytest.raises(pc.PlannercheckError, match="check_trajectory takes one"):
+        checker.check_trajectories(trajectory)
+    with pytest.raises(pc.PlannercheckError, match=r"no pc\.Trajectory"):
+        checker.check_trajectory(trajectory.position([0, 1]))
+    with pytest.raises(pc.PlannercheckError, match="3 columns"):
+        checker.check_trajectory(pc.Trajectory([0, 1], np.zeros((2, 3)), controller="linear"))
+
+
+def test_a_tube_is_around_the_robots_numbers_alone() -> None:
+    """A wide tube meets the box earlier; a row has as many numbers as the robot."""
+    checker, trajectory, _ = _crossing()
+    assert checker.check_trajectory(trajectory, tube=0.01, start_time=1.0)
+    assert not checker.check_trajectory(trajectory, tube=0.5, start_time=1.0)
+    assert checker.check_trajectory(trajectory, tube=[0.01] * 7, start_time=1.0)
+    with pytest.raises(pc.PlannercheckError, match="row of 7"):
+        checker.check_trajectory(trajectory, tube=[0.01] * 14, start_time=1.0)
+    verdict = checker.explain_trajectory(trajectory, start_time=1.0)
+    assert verdict.free
+    assert 0 < verdict.largest_tube < 0.5
+    assert 1.0 <= verdict.clearance_at <= 3.0
+
+
+def test_a_scene_at_rest_takes_no_notice_of_a_clock() -> None:
+    """Times and start times change nothing."""
+    robot = pc.Robot.load("panda")
+    checker = pc.Checker(robot, pc.Scene.load("bookshelf"))
+    q = robot.random_configurations(50, 0)
+    assert np.array_equal(checker.check_states(q), checker.check_states(q, times=3.0))
+    trajectory = pc.Trajectory([0.0, 2.0], q[:2], controller="linear")
+    assert checker.check_trajectory(trajectory) == checker.check_trajectory(trajectory, start_time=9.0)
+
+
+def test_proofs_hold_and_name_the_columns_of_what_moves() -> None:
+    """One a piece; the box's columns are the robot's and seven more."""
+    pytest.importorskip("flint")
+    checker, trajectory, _ = _crossing()
+    assert checker.certify_trajectory(trajectory, start_time=3.0) is None
+    proofs = checker.certify_trajectory(trajectory, tube=1e-3, start_time=0.5)
+    assert proofs is not None
+    assert all(proof.verify() for proof in proofs)
+    assert proofs[0].model.columns == 14
+    assert "pallet" in {joint.name for joint in proofs[0].model.joints}
+    assert checker.explain_trajectory(trajectory, start_time=0.5).proof is not None

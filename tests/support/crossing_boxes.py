@@ -1,0 +1,48 @@
+"""Cells of gantries, each a box that slides along x and y: whether they meet is a comparison of numbers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+import plannercheck as pc
+
+# Half edges of the boxes, m.
+HALF = 0.1
+
+_URDF = f"""<robot name="gantry"><link name="base"/><link name="bridge"/>
+<link name="tip"><collision><geometry><box size="{2 * HALF} {2 * HALF} {2 * HALF}"/></geometry></collision></link>
+<joint name="x" type="prismatic"><parent link="base"/><child link="bridge"/><axis xyz="1 0 0"/>
+  <limit lower="-9" upper="9" effort="1" velocity="9"/></joint>
+<joint name="y" type="prismatic"><parent link="bridge"/><child link="tip"/><axis xyz="0 1 0"/>
+  <limit lower="-9" upper="9" effort="1" velocity="9"/></joint>
+</robot>"""
+
+
+def gantries(folder: Path, names, post: tuple[float, float] | None = None) -> pc.Checker:
+    """A cell of gantries at one place, and a post of the same size."""
+    urdf = folder / "gantry.urdf"
+    urdf.write_text(_URDF)
+    robot, scene = pc.Robot.from_urdf(urdf), pc.Scene("posts")
+    if post is not None:
+        place = np.eye(4)
+        place[:2, 3] = post
+        scene.add_box("post", (2 * HALF, 2 * HALF, 1.0), place)
+    return pc.Checker(pc.Robot.together({name: (robot, np.eye(4)) for name in names}), scene)
+
+
+def at(trajectory: pc.Trajectory, times, start: float = 0.0) -> np.ndarray:
+    """Where a robot is that stands before and after its own trajectory."""
+    breaks = trajectory.curve.breaks
+    return trajectory.position(np.clip(np.asarray(times) - start, breaks[0], breaks[-1]))
+
+
+def meet(places, post=None, room: float = 0.0) -> np.ndarray:
+    """Whether any two boxes, by name (n, 2), or one and the post come within some room of each other."""
+    rows = [*places.values(), *([] if post is None else [np.broadcast_to(post, next(iter(places.values())).shape)])]
+    found = np.zeros(len(rows[0]), dtype=bool)
+    for a in range(len(rows)):
+        for b in range(a):
+            found |= (np.abs(rows[a] - rows[b]) <= 2 * HALF + room).all(axis=1)
+    return found
