@@ -78,7 +78,8 @@ class Moving:
             PlannercheckError: If times do not grow, a pose is not rigid, or two poses are half a turn apart.
         """
         self.times, self.poses = _checked_times(times), _checked_poses(poses)
-        self.path, self.outside, self.ride = path, _checked_outside(outside), None
+        self.path, self.outside = path, _checked_outside(outside)
+        self.ride: Ride | None = None
         if len(self.times) != len(self.poses):
             raise PlannercheckError(f"Moving takes as many times as poses, not {len(self.times)} and {len(self.poses)}")
         check_path(path)
@@ -107,8 +108,6 @@ class Moving:
         made.path, made.outside = "slerp", _checked_outside(outside)
         made.ride = Ride(trajectory, robot, link, checked_time(start_time, "start_time"))
         return made
-
-    ride: Ride | None
 
     @property
     def carrier(self) -> Hashable:

@@ -51,7 +51,7 @@ class MeasuringChecker(ABC):
         """One configuration (nq,) as a row (1, nq)."""
 
     @abstractmethod
-    def _at(self: Same, q: Floats, times: ArrayLike | None) -> tuple[Same, Floats]:
+    def in_time(self: Same, q: Floats, times: ArrayLike | None) -> tuple[Same, Floats]:
         """The checker of configurations (n, nq) at times, and its rows."""
 
     def clearance(self, q: Configuration, lower_bound: bool = False, *, time: float | None = None) -> float:
@@ -80,7 +80,7 @@ class MeasuringChecker(ABC):
         Returns:
             (n,), m.
         """
-        checker, rows = self._at(given_configurations(self.robot, q), times)
+        checker, rows = self.in_time(given_configurations(self.robot, q), times)
         return checker._clearances(rows, lower_bound)[0]
 
     def nearest_pair(self, q: ArrayLike, *, times: ArrayLike | None = None) -> Ints:
@@ -93,7 +93,7 @@ class MeasuringChecker(ABC):
         Returns:
             (n,) rows of `pairs`; -1 if the checker has no pairs.
         """
-        checker, rows = self._at(given_configurations(self.robot, q), times)
+        checker, rows = self.in_time(given_configurations(self.robot, q), times)
         return checker._clearances(rows, False)[1]
 
     def _clearances(self, rows: Floats, lower_bound: bool) -> tuple[Floats, Ints]:

@@ -55,6 +55,7 @@ class LeftOut(NamedTuple):
 
 def left_out_pairs(checker: StateChecker) -> tuple[LeftOut, ...]:
     """What each place leaves out of a checker's pairs, in the order of the module's list."""
+    checker = checker.with_all_columns
     robot, obstacles = checker.robot, len(checker.scene.bodies)
     own = sum(body.carried is None for body in robot.bodies)
     carried = len(robot.bodies) - own

@@ -175,8 +175,13 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         self._compile()
         self._scene_taken(earlier)
 
-    def _at(self: Same, q: Floats, times: ArrayLike | None) -> tuple[Same, Floats]:
-        """The checker of configurations (n, nq) at times, (n,) or a number, s, and its rows."""
+    @property
+    def with_all_columns(self: Same) -> Same:
+        """The checker whose configurations have the columns of what moves as well; this one where nothing does."""
+        return self if self._moving is None else self._moving.checker
+
+    def in_time(self: Same, q: Floats, times: ArrayLike | None) -> tuple[Same, Floats]:
+        """The checker of configurations (n, nq) at times, (n,) or a number, s, and its rows: `with_all_columns`'s."""
         if self._moving is None:
             return self, q
         if times is None:
@@ -287,7 +292,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
     @property
     def polytopes(self) -> tuple[Polytope | None, ...]:
         """The prepared body of each of `bodies`; None where no pair needs it."""
-        _ = (self if self._moving is None else self._moving.checker)._tables.all
+        _ = self.with_all_columns._tables.all
         return self._preparation.prepared_bodies()
 
     @property
@@ -348,7 +353,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
                 return known.view(bool)
         rows = given_configurations(self.robot, q)
         if self._moving is not None:
-            checker, rows = self._at(rows, times)
+            checker, rows = self.in_time(rows, times)
             return checker.check_states(rows, threads)
         threads = checked_threads(threads, len(rows))
         if self._kernel is None:
@@ -368,7 +373,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         """
         rows = given_configurations(self.robot, q)
         if self._moving is not None:
-            checker, rows = self._at(rows, times)
+            checker, rows = self.in_time(rows, times)
             return checker.first_colliding_pair(rows, threads)
         threads = checked_threads(threads, len(rows))
         if self._kernel is None:
@@ -387,7 +392,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         Returns:
             (n, k) for the k rows of `pairs`.
         """
-        checker, rows = self._at(given_configurations(self.robot, q), times)
+        checker, rows = self.in_time(given_configurations(self.robot, q), times)
         return checker._tables.all.colliding(checker._link_poses(rows))
 
     def body_poses(self, q: ArrayLike, *, times: ArrayLike | None = None) -> Floats:
@@ -400,7 +405,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         Returns:
             (n, bodies, 4, 4), m; NaN for bodies that no pair needs.
         """
-        checker, rows = self._at(given_configurations(self.robot, q), times)
+        checker, rows = self.in_time(given_configurations(self.robot, q), times)
         return checker._tables.all.body_poses(checker._link_poses(rows))
 
     def explain(self, q: Configuration, separations: bool = False, *, time: float | None = None) -> Verdict:
@@ -416,7 +421,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         """
         if self._moving is None:
             return super().explain(q, separations)
-        checker, row = self._at(self._single(q), time)
+        checker, row = self.in_time(self._single(q), time)
         return checker.explain(row, separations)
 
     def _names_of_met(self, a: int, b: int, poses: Floats) -> tuple[str, str]:
@@ -450,7 +455,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         Every pair of every state is counted once: as unreachable; by the stage that settled it; or as skipped, where
         another colliding pair had decided the state.
         """
-        return (self if self._moving is None else self._moving.checker)._tables.statistics()
+        return self.with_all_columns._tables.statistics()
 
     def _link_poses(self, rows: Floats) -> Floats:
         poses = self.robot.pinocchio_link_poses(rows) if self._kernel is None else self.robot.link_poses(rows)

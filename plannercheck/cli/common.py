@@ -16,7 +16,7 @@ import numpy as np
 
 from plannercheck import planar
 from plannercheck.checking.padding import Padding
-from plannercheck.checking.protocols import AnyChecker, AnyRobot
+from plannercheck.checking.protocols import AnyChecker, AnyRobot, AnyScene
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, given_options, robot_of
 from plannercheck.common.array_types import Floats
 from plannercheck.common.atomic_files import write_atomically
@@ -98,6 +98,17 @@ def space_checker(options: argparse.Namespace, own_joints: bool = False) -> Chec
         robot = robot.with_group(joints_of_their_own(robot.model, robot.mimics), "all joints")
     scene = scene_of(options)
     return Checker(robot, scene, self_collision=not options.no_self_collision, padding=padding_of(options, scene))
+
+
+def check_at_rest(scene: AnyScene, where: str) -> None:
+    """Raises if something in a scene moves; `where` says in words what is judged there."""
+    names = [item.name for item in getattr(scene, "moving", ())]
+    if names:
+        raise PlannercheckError(
+            f"{', '.join(map(repr, names))} of scene {scene.name!r} {'moves' if len(names) == 1 else 'move'}, and"
+            f" {where} without a time: validate --path --controller --start-time judges trajectories there, and"
+            " check_states(q, times=) of a checker judges configurations"
+        )
 
 
 def scene_of(options: argparse.Namespace) -> Scene:

@@ -20,7 +20,7 @@ from pathlib import Path
 
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli import validate_paths as validated_paths
-from plannercheck.cli.common import check_folder, load_checker, save_json
+from plannercheck.cli.common import check_at_rest, check_folder, load_checker, save_json
 from plannercheck.cli.unused_options import check_used
 from plannercheck.cli.validate_options import add_set_arguments, check_options
 from plannercheck.cli.validate_proofs import Verification, check_proofs
@@ -70,6 +70,7 @@ def run(options: argparse.Namespace) -> int:
         check_used(options, ("--key",), f"for {', '.join(KEYED_SUFFIXES)} files, which hold several arrays")
     _check_names(options)
     checker, judge = load_checker(options), _judge(options)
+    check_at_rest(checker.scene, "configurations are")
     with _journal(options, checker, judge) as journal:
         outcome = _outcome(options, checker, judge, journal)
         if options.summary is not None:

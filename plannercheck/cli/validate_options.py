@@ -208,7 +208,7 @@ def _add_path_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 # Options of one robot's paths.
-_OF_ONE_ROBOT = ("--straight", "--motion-path", "--start", "--message", "--joint-limits")
+_OF_ONE_ROBOT = ("--straight", "--motion-path", "--start", "--start-time", "--message", "--joint-limits")
 
 
 def _names(text: str) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli.cell_paths import is_of_cell, judge_cell
-from plannercheck.cli.common import padding_of, planar_checker, scene_of
+from plannercheck.cli.common import check_at_rest, padding_of, planar_checker, scene_of
 from plannercheck.cli.proved_paths import PathProof, check_proof_file, proof_file, write_proof
 from plannercheck.cli.robot_options import robot_of
 from plannercheck.cli.told_certificates import certificate_as_json, certificate_in_words
@@ -132,7 +132,9 @@ def _judged_in_space(
     if file.bent_by and not options.straight:
         return judge_trajectory(path, robot, checker_of, options)
     with error_context(f"path file {str(path)!r}"):
-        return _judged(checker_of(file.others), path, file, options)
+        checker = checker_of(file.others)
+        check_at_rest(checker.scene, "a path's motions are")
+        return _judged(checker, path, file, options)
 
 
 def _sentence(verdict: PathVerdict) -> str:

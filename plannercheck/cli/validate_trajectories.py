@@ -26,7 +26,7 @@ from plannercheck.trajectories import Excess, Trajectory, joint_limits
 from plannercheck.validation.formats.paths import read_robot_path
 
 # Options by which a file is judged as a trajectory, whatever is in it.
-OPTIONS = ("--controller", "--tube", "--start", "--message", "--joint-limits")
+OPTIONS = ("--controller", "--tube", "--start", "--start-time", "--message", "--joint-limits")
 
 _MESSAGES = (".json", ".yaml", ".yml")
 
@@ -50,6 +50,12 @@ def add_trajectory_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_delay_argument(group)
     group.add_argument(
+        "--start-time",
+        type=float,
+        metavar="S",
+        help="the scene's clock where the trajectory begins, where something in the scene moves; default: 0",
+    )
+    group.add_argument(
         "--message", type=int, metavar="N", help="which trajectory of a DisplayTrajectory or of a bag, from 0"
     )
     group.add_argument(
@@ -62,7 +68,8 @@ def add_trajectory_arguments(parser: argparse.ArgumentParser) -> None:
 
 def is_asked(options: argparse.Namespace) -> bool:
     """Whether files are to be judged as trajectories, whatever is in them."""
-    given = (options.controller, options.tube, options.start, options.message, options.joint_limits)
+    names = [name.removeprefix("--").replace("-", "_") for name in OPTIONS]
+    given = [getattr(options, name) for name in names]
     return any(value is not None for value in given)
 
 
@@ -98,9 +105,11 @@ class JudgedTrajectory:
         room = f"largest tube {verdict.largest_tube:.3g}"
         if verdict.free:
             found = f"free at every instant ({run}); clearance {verdict.clearance:.3g} m, least at"
-            parts = [f"{found} {verdict.clearance_at:.6g} s; {room}"]
+            parts = [f"{found} {verdict.clearance_at:.6g} s{verdict.clock}; {room}"]
         else:
-            parts = [f"not free ({run}): proved free until {verdict.free_until:.6g} s, {self._stop()}; {room}"]
+            parts = [
+                f"not free ({run}): proved free until {verdict.free_until:.6g} s{verdict.clock}, {self._stop()}; {room}"
+            ]
         parts += [f"breaks a limit: {excess}" for excess in self.limits]
         return "; ".join(parts + ([] if self.proved is None else [self.proved.sentence]))
 
@@ -166,7 +175,10 @@ def judge_trajectory(
     with error_context(f"trajectory file {str(path)!r}"):
         checker = checker_of(held)
         verdict = checker.explain_trajectory(
-            trajectory, 0.0 if options.tube is None else options.tube, options.tolerance
+            trajectory,
+            0.0 if options.tube is None else options.tube,
+            options.tolerance,
+            start_time=0.0 if options.start_time is None else options.start_time,
         )
         limits = tuple(trajectory.limits(robot, *_limits(options, robot)))
         proved = None

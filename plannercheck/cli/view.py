@@ -25,10 +25,11 @@ from plannercheck.cli.common import (
 from plannercheck.cli.robot_options import described
 from plannercheck.cli.trajectory_files import add_controller_argument, trajectory_of
 from plannercheck.cli.unused_options import check_used
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.atomic_files import is_stream
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import PATHS, MotionPath
+from plannercheck.motions.checker import Checker
 from plannercheck.ompl.start_and_goal import checked_end
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.validation.formats.chunks import read_states
@@ -80,6 +81,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_controller_argument(parser, "show, in real time,")
     parser.add_argument(
+        "--start-time",
+        type=float,
+        metavar="S",
+        help="with --controller: the scene's clock where the trajectory begins; default: 0 if something in it moves",
+    )
+    parser.add_argument(
+        "--time", type=float, metavar="S", help="the scene's clock, for configurations where something in it moves"
+    )
+    parser.add_argument(
         "--motion-path",
         choices=PATHS,
         help="how planar and floating joints move on a path; default: as the file says, as plans of free bodies do, "
@@ -114,6 +124,8 @@ def run(options: argparse.Namespace) -> int:
     _check(options)
     checker = load_checker(options)
     shown = _frames(options, checker)
+    if _moves(checker) and shown.times is None and options.time is None:
+        raise PlannercheckError("something in the scene moves: give --time, or a trajectory by --path and --controller")
     rows = shown.rows
     robot = described(options) if options.meshes else None
     meshes, visuals = (None, ()) if robot is None else (delivered_meshes(robot), visual_meshes(robot))
@@ -124,6 +136,7 @@ def run(options: argparse.Namespace) -> int:
         labels=shown.labels,
         animated=is_path,
         times=shown.times,
+        time=options.time,
         planes=options.planes,
         meshes=meshes,
         visuals=visuals,
@@ -136,7 +149,7 @@ def run(options: argparse.Namespace) -> int:
         size = options.html.stat().st_size / 1e6
         print(f"{drawn.title}, {frames}: written to {options.html} ({size:.1f} MB)")
         return 0
-    has_sliders = len(checker.robot.joint_names) == checker.robot.nq > 0
+    has_sliders = not _moves(checker) and len(checker.robot.joint_names) == checker.robot.nq > 0
     joints = joints_of(checker, rows, meshes, visuals) if has_sliders else None
     stage = serve(drawn, options.port, options.host, joints)
     address = f"http://{options.host}:{stage.server.get_port()}"
@@ -153,7 +166,7 @@ def _check(options: argparse.Namespace) -> None:
     if sum(given is not None for given in (options.file, options.q, options.path)) > 1:
         raise PlannercheckError("FILE, --q and --path exclude each other: give one")
     if options.path is None:
-        check_used(options, ("--frames", "--motion-path", "--controller"), "with --path")
+        check_used(options, ("--frames", "--motion-path", "--controller", "--start-time"), "with --path")
     if options.file is None:
         check_used(options, ("--first", "--only-invalid"), "with FILE, a set")
     if options.html is not None:
@@ -196,6 +209,8 @@ def _in_time(options: argparse.Namespace, checker: AnyChecker) -> Shown:
     """A trajectory as its controller runs it."""
     trajectory = trajectory_of(options.path, checker.robot, options.controller)
     rows, times = along_trajectory(trajectory, options.frames)
+    if options.start_time is not None or _moves(checker):
+        times = times + ((options.start_time or 0.0) - times[0])
     return Shown(rows, tuple(f"{time:.3f} s" for time in times.tolist()), times)
 
 
@@ -213,7 +228,9 @@ def _of_set(options: argparse.Namespace, checker: AnyChecker) -> Shown:
     found: list[Floats] = []
     labels: list[str] = []
     for chunk in read_states(options.file, checker.robot):
-        wanted = ~checker.check_states(chunk.rows) if options.only_invalid else np.ones(len(chunk.rows), dtype=bool)
+        wanted = (
+            ~_free(checker, chunk.rows, options.time) if options.only_invalid else np.ones(len(chunk.rows), dtype=bool)
+        )
         rows = np.flatnonzero(wanted)[: options.first - len(labels)]
         found.append(chunk.rows[rows])
         labels += [f"row {chunk.first_row + row}" for row in rows.tolist()]
@@ -223,6 +240,16 @@ def _of_set(options: argparse.Namespace, checker: AnyChecker) -> Shown:
         what = "no configuration that collides" if options.only_invalid else "no configuration"
         raise PlannercheckError(f"file {str(options.file)!r} holds {what}")
     return Shown(np.concatenate(found), tuple(labels))
+
+
+def _moves(checker: AnyChecker) -> bool:
+    """Whether something in the scene moves."""
+    return bool(getattr(checker.scene, "moving", ()))
+
+
+def _free(checker: AnyChecker, rows: Floats, time: float | None) -> Bools:
+    """(n,) which configurations are free, at a time of the scene's clock if it moves."""
+    return checker.check_states(rows, times=time) if isinstance(checker, Checker) else checker.check_states(rows)
 
 
 def _declared(checker: AnyChecker) -> Shown:

@@ -69,23 +69,47 @@ def confirm_model(
         description = dataclasses.replace(description, mesh_units=mesh_units)
     loaded = Robot.from_description(description)
     robots = tuple(_placed_robots(description))
-    _check_all_are_of(model, tuple(place.prefix for _, place in robots))
+    folders = tuple(folder for each, _ in robots for folder in each.package_dirs)
+    obstacles = Scene("empty") if scene is None else Scene.load(scene, folders, meshes=meshes, mesh_units=mesh_units)
+    known = space_model(Checker(loaded, obstacles).with_all_columns)
+    own = _without_carriers(model, known, loaded)
+    _check_all_are_of(own, tuple(place.prefix for _, place in robots))
     compared, of_mjcf = list[str](), list[str]()
     for each, place in robots:
         if each.file.kind == MJCF_ROOT:
             of_mjcf.append(place.prefix)
         else:
-            compared += _confirm_urdf(model, each, place, whole=loaded.group is None)
-    folders = tuple(folder for each, _ in robots for folder in each.package_dirs)
-    obstacles = Scene("empty") if scene is None else Scene.load(scene, folders, meshes=meshes, mesh_units=mesh_units)
-    known = space_model(Checker(loaded, obstacles))
+            compared += _confirm_urdf(own, each, place, whole=loaded.group is None)
     for prefix in of_mjcf:
         _compare_trees(model, known, prefix)
     _compare_columns(model, known)
     _compare_bodies(model, known)
     where = "the empty scene" if scene is None else f"the scene {scene!r}"
     loaded_from = f"{str(description.urdf)!r} and {where}"
-    return (*compared, f"bodies, pairs and columns, bit for bit, with what plannercheck loads of {loaded_from}")
+    compared += [f"bodies, pairs and columns, bit for bit, with what plannercheck loads of {loaded_from}"]
+    return (*compared, *_not_compared(obstacles, loaded))
+
+
+def _without_carriers(model: Model, loaded: Model, robot: Robot) -> Model:
+    """The model without the joints and links by which a scene moves objects; these are compared bit for bit."""
+    links, joints = len(robot.link_names), robot.model.njoints - 1
+    if len(loaded.links) == links:
+        return model
+    if (model.links[links:], model.joints[joints:]) != (loaded.links[links:], loaded.joints[joints:]):
+        raise UnprovedError("what moves in the scene is on other joints in the proof than in the files")
+    bodies = tuple(body for body in model.bodies if body.link < links)
+    return dataclasses.replace(model, links=model.links[:links], joints=model.joints[:joints], bodies=bodies, pairs=())
+
+
+def _not_compared(scene: Scene, robot: Robot) -> tuple[str, ...]:
+    """What is left of the claim about objects that move."""
+    names = ", ".join(repr(item.name) for item in scene.moving)
+    if not names:
+        return ()
+    return (
+        f"not compared: how {names} {'moves' if len(scene.moving) == 1 else 'move'}, which columns from"
+        f" {robot.nq} on say in the proof, and the scene says in time, of which a proof has none",
+    )
 
 
 def _placed_robots(
@@ -122,9 +146,9 @@ def _confirm_urdf(model: Model, description: RobotDescription, place: RobotPlace
 
 def _compare_trees(model: Model, loaded: Model, prefix: str) -> None:
     """Checks that links and joints of a robot are those of the checker, but for the values at which joints are held."""
-    given, known = ([link for link in each.links if link.name.startswith(prefix)] for each in (model, loaded))
-    if given != known:
-        names = sorted({link.name for link in given} ^ {link.name for link in known})[:3]
+    proved, there = ([link for link in each.links if link.name.startswith(prefix)] for each in (model, loaded))
+    if proved != there:
+        names = sorted({link.name for link in proved} ^ {link.name for link in there})[:3]
         raise UnprovedError(f"links of the proof and of the MJCF differ: {names or 'in place'}")
     for joint, other in zip(model.joints, loaded.joints, strict=False):  # their number is compared with the columns
         if joint.name.startswith(prefix) and _as_moved(joint) != _as_moved(other):

@@ -30,7 +30,7 @@ from plannercheck.robots.planning_groups import explicit_group
 from plannercheck.robots.posed_robot import PosedRobot
 from plannercheck.robots.reference_configuration import given_values
 from plannercheck.robots.self_pairs import without_links
-from plannercheck.robots.srdf import DisabledPair, warn_about_ignored_elements
+from plannercheck.robots.srdf import DisabledPair, default_links, warn_about_ignored_elements
 from plannercheck.robots.urdf import Mimic, link_tree
 
 # A robot of a cell, at the origin, or with the pose (4, 4) of its base in m.
@@ -86,10 +86,16 @@ def described_cell(description: RobotDescription, load: Callable[[RobotDescripti
 
 
 def _check_of_cell(description: RobotDescription) -> None:
-    """Raises for what can only be said of one robot."""
+    """Raises for what can only be said of one robot, and for links of no robot of the cell."""
     given = {"floating": description.floating, "xacro_args": description.xacro_args}
     for key in (key for key, value in given.items() if value):
         raise PlannercheckError(f"{key} is said of one robot, not of a cell: give it to a robot in the cell's file")
+    links = () if isinstance(description.geometry, str) else tuple(description.geometry or ())
+    for link in (*links, *(description.decomposition.links or () if description.decomposition else ())):
+        if link.partition("/")[0] not in description.robots or "/" not in link:
+            raise unknown_name(
+                "robot of the cell before the link's name", link, [f"{name}/..." for name in description.robots]
+            )
 
 
 def _as_described(cell: RobotParts, description: RobotDescription) -> RobotParts:
@@ -105,6 +111,7 @@ def _as_described(cell: RobotParts, description: RobotDescription) -> RobotParts
         values={**cell.values, **given_values(cell.model, description.values)},
         pairs=without_links(cell.pairs, cell.bodies, srdf, cell.tree, disabled),
         disabled_pairs=(*cell.disabled_pairs, *disabled),
+        default_links=(*cell.default_links, *(() if srdf is None else default_links(srdf.root))),
         group=group,
         joints=joints,
     )
@@ -152,13 +159,13 @@ def cell_parts(members: Mapping[str, Member], name: str = "") -> RobotParts:
         for body in parts.bodies
     )
     listed = tuple(f"{name}/{joint}" for name, parts in each_parts.items() for joint in parts.joints or ())
-    default_links = _named(each_parts, lambda parts: parts.default_links)
+    idle = _named(each_parts, lambda parts: parts.default_links)
     return RobotParts(
         name=model.name,
         model=model,
         tree=link_tree(model),
         bodies=bodies,
-        pairs=_pairs(model, bodies, each_parts, default_links),
+        pairs=_pairs(model, bodies, each_parts, idle),
         disabled_pairs=tuple(
             DisabledPair(f"{name}/{pair.link_a}", f"{name}/{pair.link_b}", pair.reason)
             for name, parts in each_parts.items()
@@ -175,7 +182,7 @@ def cell_parts(members: Mapping[str, Member], name: str = "") -> RobotParts:
         carried=tuple(_carried(item, name) for name, parts in each_parts.items() for item in parts.carried),
         pieces={f"{name}/{body}": each for name, parts in each_parts.items() for body, each in parts.pieces.items()},
         open_links=_named(each_parts, lambda parts: parts.open_links),
-        default_links=default_links,
+        default_links=idle,
         members=members,
     )
 

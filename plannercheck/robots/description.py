@@ -153,16 +153,21 @@ class RobotDescription:
             changes["package_dirs"] = tuple(dict.fromkeys((*self.package_dirs, *own.package_dirs)))
         if self.mesh_units is not None:
             changes["mesh_units"] = self.mesh_units
-        if self.geometry is not None or self.decomposition is not None:
-            changes |= {"geometry": _of_links(self.geometry, f"{name}/"), "decomposition": self.decomposition}
+        if self.geometry is not None:
+            changes |= {"geometry": _of_links(self.geometry, f"{name}/"), "decomposition": None}
+        if self.decomposition is not None:
+            links = self.decomposition.links
+            own_links = None if links is None else tuple(_of_links(dict.fromkeys(links, "hull"), f"{name}/"))
+            if own_links is None or own_links:
+                changes["decomposition"] = replace(self.decomposition, links=own_links)
         return replace(own, **changes) if changes else own
 
 
-def _of_links(geometry: Geometry | None, prefix: str) -> Geometry | None:
-    """What the links of a cell's robot are taken as."""
-    if geometry is None or isinstance(geometry, str):
-        return geometry
-    return {link.removeprefix(prefix): kind for link, kind in geometry.items() if link.startswith(prefix)}
+def _of_links(by_link: Geometry, prefix: str) -> Geometry:
+    """What is said of the links of a cell's robot, by its own names."""
+    if isinstance(by_link, str):
+        return by_link
+    return {link.removeprefix(prefix): kind for link, kind in by_link.items() if link.startswith(prefix)}
 
 
 def shipped_robots() -> list[str]:

@@ -24,6 +24,7 @@ import pinocchio as pin
 from plannercheck.bodies.intersection import intersects
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import distinct
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.configurations import PLAIN
 
@@ -103,6 +104,15 @@ class Overlaps:
                 if np.isfinite(away) and self._meet(a, b, poses, away):
                     return Overlap(row, away)
         return None
+
+    def moved(self, q: Floats, change: Floats) -> Floats:
+        """(bodies,) how far points of each body leave their places at q (nq,) where numbers change, at most; m."""
+        poses, rates = self._checker.body_poses(q[None])[0], self._rates(change)
+        speeds = np.asarray(pin.computeJointJacobians(self._model, self._data, self._checker.robot.expand(q)))
+        used = distinct(self._checker.pairs).tolist()
+        found = np.zeros(len(poses))
+        found[used] = [_away(self._arms(body, poses[body], speeds), rates) for body in used]
+        return found
 
     def _meet(self, a: int, b: int, poses: Floats, radius: float) -> bool:
         """Whether two convex bodies meet after all translations by no more than a radius."""

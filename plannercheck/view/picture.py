@@ -41,6 +41,7 @@ def picture(
     labels: Sequence[str] | None = None,
     animated: bool = False,
     times: ArrayLike | None = None,
+    time: float | None = None,
     planes: int | None = None,
     meshes: Mapping[str, Surface] | None = None,
     visuals: Sequence[Visual] = (),
@@ -52,7 +53,9 @@ def picture(
         q: (nq,) or (n, nq) a configuration a frame; or each joint's value of one by its name.
         labels: What the frames are called; default: their numbers.
         animated: Whether the frames follow each other in time, as those of `along_path` do.
-        times: (n,) s, growing: frames are played in real time, with the least clearance over time as a plot.
+        times: (n,) s, growing: frames are played in real time, with the least clearance over time as a plot. What
+            moves in the scene is where it is then.
+        time: In place of `times`, one time of the scene's clock for all frames, s.
         planes: Separating planes a frame, of the nearest pairs; default: 3 for one frame, 1 for several; in the plane
             none are drawn.
         meshes: Meshes that `delivered_meshes` gives, to be drawn inside their hulls.
@@ -75,6 +78,8 @@ def picture(
             f"a picture takes 1 to {MOST_FRAMES} configurations, each with a label: not {len(rows)}"
         )
     instants = None if times is None else _checked_times(times, len(rows))
+    if isinstance(checker, Checker):
+        checker, rows = checker.in_time(rows, time if times is None else instants)
     colliding = checker.colliding_pairs(rows)
     if isinstance(checker, PlanarChecker):
         drawn = planar_meshes(checker, rows, _bodies_hit(checker, colliding))
@@ -126,12 +131,13 @@ def space_meshes(
     poses = drawn_poses(checker, rows)
     owners = (*(body.link or body.name for body in checker.robot.bodies), *checker.scene.body_objects)
     drawn: list[Mesh] = []
+    moving = range(len(checker.robot.bodies), len(checker.bodies))
     for k, (body, owner) in enumerate(zip(checker.bodies, owners, strict=True)):
         at = poses[:, k] if (poses[:, k] != poses[0, k]).any() else poses[:1, k]
         if has_many_parts(body.shape):
             continue
         surface = surface_of(body.shape, body.name)
-        if body.link is None:
+        if body.link is None or k in moving:
             drawn.append(Mesh(body.name, owner, "obstacle", *surface, at, hit[:, k], OBSTACLE_OPACITY))
             continue
         inside = delivered.get(body.name)

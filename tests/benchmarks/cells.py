@@ -5,7 +5,8 @@ Run: `python tests/benchmarks/cells.py [--states 1000000] [--rounds 9] [--scene 
 Out: for two Pandas, and a Panda and a UR5, each at ten places, how many of the states are valid, and how many verdicts
 differ from those of the merged URDF with the same disabled pairs (tests/support/merged_robots.py). Then process time of
 one thread, in turns, the least of the rounds: of one Panda, of the same once more in a checker of its own (the null
-control), and of two Pandas, on random states, free ones, states along motions, and motions. The time and the bytes of
+control), of one at the other place, and of both, on random states, free ones, states along motions, and motions.
+"two/mean" is beside the mean of both places. The time and the bytes of
 the bodies that building takes: of one Panda, of two, and of two and a UR5.
 """
 
@@ -35,8 +36,8 @@ _FILES = {
 }
 _PLACES = 10
 _BATCH = 50_000
-# Of the cell whose times are taken: two arms that face each other over a table, m and rad.
-_ACROSS = {"position": (1.1, 0.0, 0.0), "turn": np.pi}
+# How far apart the arms stand whose times are taken: they face each other over a table, m.
+_ACROSS = 1.1
 
 
 def main() -> int:
@@ -52,14 +53,12 @@ def main() -> int:
         row = verdicts(second, options.states)
         found["verdicts"].append(row)
         print("panda and {second}: {states} states, {valid} valid, {differ} verdicts differ".format(**row), flush=True)
-    print(f"\n{'in ' + options.scene:<24} {'one':>9} {'again':>9} {'two':>9} {'again/one':>9} {'two/one':>9}  free")
+    heads = ("one", "again", "other", "two", "again/one", "two/one", "two/mean")
+    print(f"\n{'in ' + options.scene:<22}" + "".join(f"{head:>10}" for head in heads) + "  free of one, two")
     for row in times(options.scene, options.rounds):
         found["times"].append(row)
-        print(
-            "{work:<24} {one:9.2e} {again:9.2e} {two:9.2e} {null:9.3f} {ratio:9.3f}  {free_one:.3f}, {free_two:.3f}"
-            "".format(**row),
-            flush=True,
-        )
+        line = "{work:<22}{one:10.2e}{again:10.2e}{other:10.2e}{two:10.2e}{null:10.3f}{ratio:10.3f}{mean:10.3f}"
+        print((line + "  {free_one:.3f}, {free_two:.3f}").format(**row), flush=True)
     print()
     for row in building():
         found["building"].append(row)
@@ -97,47 +96,50 @@ def verdicts(second: str, states: int) -> dict[str, object]:
 
 
 def times(scene: str, rounds: int) -> list[dict[str, object]]:
-    """Process time of a state and of a motion, s: one Panda, the same again, and two."""
-    robot = pc.Robot.load("panda")
-    turn = np.eye(4)
-    turn[:2, :2] = [
-        [np.cos(_ACROSS["turn"]), -np.sin(_ACROSS["turn"])],
-        [np.sin(_ACROSS["turn"]), np.cos(_ACROSS["turn"])],
-    ]
-    turn[:3, 3] = _ACROSS["position"]
-    cell = pc.Robot.together({"left": robot, "right": (robot, turn)})
-    one, again, two = (pc.Checker(each, pc.Scene.load(scene)) for each in (robot, pc.Robot.load("panda"), cell))
+    """Process time of a state and of a motion, s: one Panda, the same again, one at the other place, and both."""
+    robot, pose = pc.Robot.load("panda"), np.diag([-1.0, -1.0, 1.0, 1.0])
+    pose[0, 3] = _ACROSS
+    cell = pc.Robot.together({"left": robot, "right": (robot, pose)})
+    robots = robot, pc.Robot.load("panda"), pc.Robot.together({"right": (robot, pose)}), cell
+    columns = [*(cell.parts[name].columns for name in ("left", "left", "right")), np.arange(cell.nq)]
+    checkers = [pc.Checker(each, pc.Scene.load(scene)) for each in robots]
     q = cell.random_configurations(100_000, 1)
-    free = q[two.check_states(q)]
+    free = q[checkers[-1].check_states(q)]
     starts = free[:400]
     step = np.random.default_rng(3).normal(size=starts.shape)
     ends = starts + 0.5 * step / np.linalg.norm(step, axis=1)[:, None] * np.sqrt(2)  # 0.5 rad a robot
     along = (starts[:, None] + np.linspace(0, 1, 50)[:, None] * (ends - starts)[:, None]).reshape(-1, cell.nq)
     rows = []
     for work, states in (("random states", q), ("free states", free), ("states along motions", along)):
-        left = np.ascontiguousarray(states[:, :7])
-        calls = [lambda c=c, s=s: c.check_states(s) for c, s in ((one, left), (again, left), (two, states))]
-        rows.append(_row(work, calls, rounds))
-    passed = two.check_motions(starts, ends)
+        rows.append(
+            _row(work, [_call(c.check_states, k, states) for c, k in zip(checkers, columns, strict=True)], rounds)
+        )
+    passed = checkers[-1].check_motions(starts, ends)
     for work, chosen in (("motions of 0.5 rad", slice(None)), ("of these free", passed)):
         both = starts[chosen], ends[chosen]
-        left = [np.ascontiguousarray(each[:, :7]) for each in both]
-        calls = [lambda c=c, s=s: c.check_motions(*s) for c, s in ((one, left), (again, left), (two, both))]
-        rows.append(_row(work, calls, rounds))
+        rows.append(
+            _row(work, [_call(c.check_motions, k, *both) for c, k in zip(checkers, columns, strict=True)], rounds)
+        )
     return rows
 
 
+def _call(check: Callable[..., np.ndarray], columns: np.ndarray, *rows: np.ndarray) -> Callable[[], np.ndarray]:
+    own = [np.ascontiguousarray(each[:, columns]) for each in rows]
+    return lambda: check(*own)
+
+
 def _row(work: str, calls: list[Callable[[], np.ndarray]], rounds: int) -> dict[str, object]:
-    """The least time of each call over rounds in turns, a row of its arguments; threads are one."""
-    least, verdicts_of = [np.inf] * len(calls), [call() for call in calls]
+    """The least time of each call over rounds in turns, a row of its arguments."""
+    least, found = [np.inf] * len(calls), [call() for call in calls]
     for turn in range(rounds):
         for k in (range(len(calls)), reversed(range(len(calls))))[turn % 2]:
             began = time.process_time()
             calls[k]()
             least[k] = min(least[k], time.process_time() - began)
-    a, b, c = (found / len(verdicts_of[0]) for found in least)
-    shares = {"free_one": float(verdicts_of[0].mean()), "free_two": float(verdicts_of[2].mean())}
-    return {"work": work, "one": a, "again": b, "two": c, "null": b / a, "ratio": c / a, **shares}
+    one, again, other, two = (each / len(found[0]) for each in least)
+    row = {"work": work, "one": one, "again": again, "other": other, "two": two, "null": again / one}
+    shares = {"free_one": float(found[0].mean()), "free_two": float(found[-1].mean())}
+    return row | {"ratio": two / one, "mean": 2 * two / (one + other), **shares}
 
 
 def building() -> list[dict[str, object]]:

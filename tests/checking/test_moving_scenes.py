@@ -11,6 +11,7 @@ import pytest
 from support.moving_scenes import arm_urdf, random_pose
 
 import plannercheck as pc
+from plannercheck.checking.left_out_pairs import left_out_pairs
 
 _SIZE = (0.3, 0.2, 0.25)
 
@@ -190,6 +191,12 @@ def test_changed_scenes_pickles_and_copies_agree_with_new_checkers(tmp_path: Pat
     group = checker.with_group(robot.joint_names[:2])
     assert group.check_states(q[:, :2], times=times).shape == (300,)
     assert checker.statistics()["states"] > 0
+    assert left_out_pairs(checker)[-1].left >= 0
+    assert np.array_equal(checker.with_bodies(checker.bodies).check_states(q, times=times), expected)
+    posed = pc.Checker(robot, scene, kinematics="pinocchio")
+    assert np.array_equal(posed.check_states(q, times=times), expected)
+    plain = pc.Checker(robot, scene, tuning=pc.Tuning(reach=False, apart_cells=False, static_poses=False))
+    assert np.array_equal(plain.check_states(q, times=times), expected)
     assert len(checker.polytopes) == len(checker.bodies)
 
 

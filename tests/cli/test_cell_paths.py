@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -114,6 +115,22 @@ def test_random_messages_in_fractions(tmp_path, seed):
     both = max(span[0] for span in spans) < min(span[-1] for span in spans)  # else they move one after the other
     assert (cell_proved(found.proof, files, late, controller).fault is not None) == both
     assert cell_proved(found.proof[:-1], files, starts, controller).missing == (len(found.proof) - 1,)
+
+
+def test_moved_knots_cost_tube(tmp_path):
+    """Right begins 0.5 ns after a knot of left, so that both are one: its tube has to be as wide as it moves then."""
+    checker = gantries(tmp_path, ("left", "right"))
+    runs, files = {}, {}
+    for k, name in enumerate(("left", "right")):
+        made = pc.Trajectory([0, 1, 2], np.array([[0, k], [1, k], [3, k]]), joint_names=["x", "y"])
+        files[name] = tmp_path / f"{name}.json"
+        made.save(files[name])
+        runs[name] = made
+    starts = {"right": 1 + 5e-10}
+    proofs = pc.first_conflict(checker, runs, starts).proof
+    assert cell_proved(proofs, files, starts).fault is None
+    thin = [replace(proof, motion=replace(proof.motion, tube=(1e-12,) * 4)) for proof in proofs]
+    assert cell_proved(thin, files, starts).fault is not None
 
 
 @pytest.mark.parametrize(

@@ -81,6 +81,9 @@ def test_a_tube_is_around_the_robots_numbers_alone() -> None:
     assert checker.check_trajectory(trajectory, tube=[0.01] * 7, start_time=1.0)
     with pytest.raises(pc.PlannercheckError, match="row of 7"):
         checker.check_trajectory(trajectory, tube=[0.01] * 14, start_time=1.0)
+    wide = checker.explain_trajectory(trajectory, start_time=1.0).largest_tube
+    assert checker.check_trajectory(trajectory, tube=0.98 * wide, start_time=1.0)
+    assert not checker.check_trajectory(trajectory, tube=1.1 * wide, start_time=1.0)
     verdict = checker.explain_trajectory(trajectory, start_time=1.0)
     assert verdict.free
     assert 0 < verdict.largest_tube < 0.5

@@ -80,6 +80,7 @@ MAKERS: dict[str, Maker] = {
     ),
     "Hull": lambda given: pc.Hull(given(TETRAHEDRON)),
     "Part": lambda given: pc.Part(pc.Sphere(0.1), given(_space_pose(1))),
+    "Moving": lambda given: pc.Moving(given([0.0, 1.0]), given(np.stack([_space_pose(0), _space_pose(1)]))),
     "Scene": _scene,
     "Checker": _checker,
     "Robot": lambda given: pc.Robot.load("panda"),

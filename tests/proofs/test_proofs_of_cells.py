@@ -118,8 +118,8 @@ def transposed(monkeypatch):
 
 
 def all_at_the_origin(monkeypatch):
-    real = cells._append
-    monkeypatch.setattr(cells, "_append", lambda model, part, name, pose: real(model, part, name, pose.Identity()))
+    real = cells.append
+    monkeypatch.setattr(cells, "append", lambda model, part, named, pose: real(model, part, named, pose.Identity()))
 
 
 def rounded(monkeypatch):

@@ -232,6 +232,44 @@ def test_meshes_and_looks_of_a_cell_have_its_names(files):
     assert {each.link.split("/")[0] for each in looks} == {"left", "right"}
     solid = pc.Robot.load(path, geometry={"left/panda_link1": "solid"})
     assert [body.name for body in solid.bodies if isinstance(body.shape, pc.Solid)] == ["left/panda_link1_0"]
+    for link in ("panda_link1", "lfet/panda_link1"):
+        with pytest.raises(PlannercheckError, match=f"'{link}'"):
+            pc.Robot.load(path, geometry={link: "solid"})
+    with pytest.raises(PlannercheckError, match="panda_lnik1"):
+        pc.Robot.load(path, geometry={"left/panda_lnik1": "solid"})
+
+
+def test_an_srdf_of_a_cell_leaves_links_out_by_default(files):
+    (files / "cell.srdf").write_text('<robot name="c"><disable_default_collisions link="left/panda_hand"/></robot>')
+    text = f"robots:\n  left: {{load: panda}}\n  right: {{load: panda, {POSE}}}\nsrdf: cell.srdf\n"
+    cell = pc.Robot.load(written(files, text))
+    assert cell.default_links == ("left/panda_hand",)
+    assert not {pair for pair in names_of(cell) if "left/panda_hand_0" in pair}
+    assert {pair for pair in names_of(cell) if "right/panda_hand_0" in pair}
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["inspect", "--states", "20"],
+        ["validate", "q.npy", "--explain", "--output", "out.csv"],
+        ["acm", "--states", "20", "--audit"],
+        ["plan", "--start", "START", "--goal", "GOAL", "--output", "plan.json"],
+        ["view", "--q", "START", "--html", "page.html"],
+        ["bench", "states", "--states", "20", "--methods", "inner", "--rounds", "1", "--scene", "empty"],
+    ],
+)
+def test_every_command_takes_a_cell(files, monkeypatch, command):
+    monkeypatch.chdir(files)
+    path = written(files, f"robots:\n  left: {{load: panda}}\n  right: {{load: panda, {POSE}}}\n")
+    cell = pc.Robot.load(path)
+    rows = cell.reference + np.linspace(0, 0.1, 3)[:, None]
+    np.save("q.npy", rows)
+    ends = {"START": ",".join(map(str, rows[0])), "GOAL": ",".join(map(str, rows[-1]))}
+    first, *more = [ends.get(word, word) for word in command]
+    first = [first, more.pop(0)] if first == "bench" else [first]
+    assert main([*first, "--robot", "cell.yaml", *more]) in (0, 1)
+    assert main([*first, "--robot", "cell.yaml", "--floating", *more]) == 2
 
 
 # ---- scenes and messages by prefixed names

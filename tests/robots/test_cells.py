@@ -71,6 +71,8 @@ def test_parts_hold_what_the_cell_holds_and_move_what_it_moves(panda, cell):
     assert (right.robot.joint_names, right.columns.tolist()) == (("panda_joint2",), [0])
     assert right.robot.expand(right.robot.reference)[7] == 0.01
     assert cell.parts["right"].robot.expand(panda.reference)[7] == 0.04
+    held = cell.holding({"right/panda_finger_joint1": 0.02}).parts["right"].robot  # which moves all of its own group
+    assert held.expand(panda.reference)[7] == 0.02
 
 
 def test_robots_without_a_group_get_one_beside_a_robot_with_one(panda, arm):
@@ -112,6 +114,41 @@ def test_the_planning_frame_is_no_base_that_stands_elsewhere(cell, tmp_path):
         else:
             with pytest.raises(PlannercheckError, match=r"planning frame .* 'right/panda_link0'"):
                 pc.Checker(cell, scene)
+
+
+def test_robots_keep_what_they_carry(panda):
+    scene = pc.Scene()
+    scene.attach("tool", "panda_hand", at(0, 0, 0.2), ["panda_leftfinger"], pc.Box((0.02, 0.02, 0.3)))
+    scene.attach("tip", "panda_hand", at(0, 0, 0.5), ["tool"], pc.Sphere(0.01))
+    cell = pc.Robot.together({"left": panda.carrying(scene.attached), "right": (panda, at(0.9))})
+    assert [item.name for item in cell.carried] == ["left/tool", "left/tip"]
+    pairs = {frozenset(cell.bodies[k].name for k in pair) for pair in cell.self_pairs.tolist()}
+    assert frozenset(("left/tool", "right/panda_hand_0")) in pairs
+    assert frozenset(("left/tool", "left/panda_link3_0")) in pairs
+    assert frozenset(("left/tool", "left/panda_leftfinger_0")) not in pairs
+    assert frozenset(("left/tool", "left/tip")) not in pairs
+    alone = pc.Checker(panda.carrying(scene.attached))
+    q = panda.random_configurations(2000, 4)
+    far = pc.Robot.together({"left": panda.carrying(scene.attached), "right": (panda, at(9))})
+    both = far.join({"left": q, "right": panda.reference})
+    assert np.array_equal(pc.Checker(far).check_states(both), alone.check_states(q))
+    both = cell.join({"left": q, "right": panda.reference})
+    assert pc.Checker(cell).check_states(both).mean() < alone.check_states(q).mean()
+    other = pc.Scene()
+    other.attach("cup", "right/panda_hand", at(0, 0, 0.1), (), pc.Sphere(0.03))
+    pc.Checker(cell, other)
+
+
+def test_links_that_an_srdf_leaves_out_by_default_meet_no_other_robot(panda, arm):
+    text = arm[1].read_text().replace("</robot>", '<disable_default_collisions link="tip"/></robot>')
+    arm[1].write_text(text)
+    cell = pc.Robot.together({"a": pc.Robot.from_urdf(*arm), "b": (panda, at(1))})
+    met = {
+        cell.bodies[k].link for pair in cell.self_pairs.tolist() for k in pair if cell.bodies[pair[1]].link[0] == "b"
+    }
+    assert "a/lower" in met
+    assert "a/tip" not in met
+    assert cell.default_links == ("a/tip",)
 
 
 # ---- bad input

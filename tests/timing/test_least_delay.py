@@ -8,6 +8,7 @@ from crossing_boxes import HALF, at, gantries, meet
 from random_trees import random_tree
 
 import plannercheck as pc
+from plannercheck.timing.least_delay import _Judge
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*look like degrees")
 
@@ -99,6 +100,25 @@ def check_refutations(found: pc.LeastDelay, collide) -> None:
             there = all(collide(d, np.array([each.instant]))[0] for d in delays)
             along = all(collide(d, np.array([each.instant + d - middle]))[0] for d in delays)
             assert there or along
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_every_free_delay_is_free(tmp_path, seed):
+    """Intervals of delays that are called free, judged one by one, against many delays in each by numbers."""
+    rng, found = np.random.default_rng(4000 + seed), 0
+    checker = gantries(tmp_path, ("a", "b"))
+    times = np.linspace(0, 10, 4001)
+    for _ in range(8):
+        runs = {"a": random_way(rng), "b": random_way(rng)}
+        judge = _Judge(checker, runs, ("b",), {}, 5.0, 0.0, 1e-4)
+        for start in rng.uniform(0, 4, 20):
+            width = 10.0 ** rng.uniform(-3, 0)
+            settled, _ = judge.settled(start, start + width)
+            if settled.settled == "free":
+                found += 1
+                for delay in np.linspace(start, start + width, 9):
+                    assert not meet({"a": at(runs["a"], times), "b": at(runs["b"], times, delay)}).any()
+    assert found > 20
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -51,7 +51,7 @@ def relatives(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: 
             except PlannercheckError as error:
                 declined(error, row, judged)  # rounding is a larger part of it than of the curve itself
                 continue
-            _alike(draw, used, row, answers[row] == FREE, answer, how, judged)
+            _alike(draw, used, row, place, answers[row] == FREE, answer, how, judged)
     for row in rng.permutation(known)[:_EXPLAINED].tolist():
         _explained(draw, used, row, answers[row] == FREE, judged, rng)
 
@@ -69,13 +69,16 @@ def _straight(draw: Draw, used: CurveSubject, answers: Answers, judged: Judged) 
             judged.add(HISTORY, row, f"as a motion {bool(free)}, as a curve {answers[row]}")
 
 
-def _alike(draw: Draw, used: CurveSubject, row: int, first: bool, other: bool, how: str, judged: Judged) -> None:
-    """The answer to the same states; what is refused has to be near enough."""
+def _alike(
+    draw: Draw, used: CurveSubject, row: int, place: float, first: bool, other: bool, how: str, judged: Judged
+) -> None:
+    """The answer to the same states; what is refused has to be near enough, perhaps only at the place of the cut."""
     if other and draw.motions.touching[row]:
         judged.add(COLLISION, row, f"{how}, it is free though it touches by construction")
     if first != other:
         q0, q1 = draw.motions.q0[row], draw.motions.q1[row]
-        least = least_clearance(used, q0, q1)
+        at_cut = float(used.clearances(used.states(q0, q1, np.array([place]))).min()) - used.padding
+        least = min(least_clearance(used, q0, q1), at_cut)
         if least > refused_within(draw, used, q0, q1):
             judged.add(UNREASONED, row, f"{how}, it is {other} instead of {first}, and its clearance is {least} m")
 

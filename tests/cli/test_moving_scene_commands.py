@@ -1,0 +1,100 @@
+"""Commands in a scene that moves: trajectories are judged, proved and shown; what has no time is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import plannercheck as pc
+from plannercheck.cli.main import main
+from plannercheck.view.picture import picture
+
+_SCENE = """
+objects:
+  - name: table
+    box: {size: [1.2, 1.2, 0.04]}
+    position: [0.3, 0, -0.05]
+  - name: pallet
+    box: {size: [0.2, 0.2, 0.2]}
+    moving:
+      times: [0, 8]
+      poses: [{position: [0.4, -2, 0.5]}, {position: [0.4, 2, 0.5]}]
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """With a scene, a trajectory and a set."""
+    robot = pc.Robot.load("panda")
+    rows = np.stack([robot.reference, robot.reference])
+    rows[1, 0] -= 0.3
+    (tmp_path / "moving.yaml").write_text(_SCENE)
+    pc.Trajectory([0.0, 2.0], rows, joint_names=robot.joint_names).save(tmp_path / "way.yaml")
+    np.save(tmp_path / "set.npy", rows)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def _run(command: str, *words: str) -> int:
+    return main([command, "--robot", "panda", "--scene", "moving.yaml", *words])
+
+
+def test_a_trajectory_is_judged_on_the_scenes_clock(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It is free before the pallet comes, and collides while it passes."""
+    path = ("--path", "way.yaml", "--controller", "jtc")
+    assert _run("validate", *path) == 0
+    assert "least at 2 s of the scene's clock" in capsys.readouterr().out
+    assert _run("validate", *path, "--start-time", "3.3", "--format", "json") == 1
+    (found,) = json.loads(capsys.readouterr().out)
+    assert "pallet" in json.dumps(found)
+    assert found["collides_at"] > 3.3
+    assert _run("validate", *path, "--start-time", "7") == 2
+    assert "'pallet' moves from 0 to 8 s" in capsys.readouterr().err
+
+
+def test_what_has_no_time_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With the remedy."""
+    for words in (("validate", "set.npy"), ("validate", "--path", "way.yaml"), ("view", "--html", "page.html")):
+        assert _run(*words) == 2
+        said = capsys.readouterr().err
+        assert "move" in said
+        assert "--controller" in said
+    assert not (folder / "page.html").exists()
+
+
+def test_a_proof_says_what_of_it_is_not_compared(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Bodies, pairs and columns are the files'; the motion of the pallet has no time in a proof."""
+    pytest.importorskip("flint")
+    assert _run("validate", "--path", "way.yaml", "--controller", "jtc", "--certify") == 0
+    compared = ["verify", "way.proof.json", "--robot", "panda", "--scene"]
+    capsys.readouterr()
+    assert main([*compared, "moving.yaml"]) == 0
+    assert "not compared: how 'pallet' moves, which columns from 7 on say" in capsys.readouterr().out
+    for old, new in (("0.2, 0.2, 0.2", "0.2, 0.2, 0.3"), ("pallet", "crate"), ("moving", "# moving")):
+        text = _SCENE.replace(old, new)
+        if new == "# moving":
+            text = _SCENE[: _SCENE.index("    moving:")]
+        (folder / "other.yaml").write_text(text)
+        assert main([*compared, "other.yaml"]) == 1
+        capsys.readouterr()
+
+
+def test_a_page_shows_all_that_moves_in_real_time(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The pallet is where it is at each frame, as an obstacle."""
+    assert _run("view", "--path", "way.yaml", "--controller", "jtc", "--start-time", "3", "--html", "page.html") == 0
+    assert _run("view", "--time", "4", "--only-invalid", "--html", "set.html", "set.npy") in (0, 2)
+    assert (folder / "page.html").stat().st_size > 10_000
+    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("moving.yaml"))
+    times = np.linspace(2, 6, 9)
+    shown = picture(checker, np.repeat(checker.robot.reference[None], 9, axis=0), times=times)
+    (pallet,) = [mesh for mesh in shown.meshes if mesh.name == "pallet"]
+    assert pallet.layer == "obstacle"
+    assert np.allclose(pallet.poses[:, 1, 3], np.linspace(-1, 1, 9))
+    assert shown.clearances is not None
+    assert np.array_equal(shown.clearances, checker.clearances(checker.robot.reference, times=times))
+    assert len(picture(checker, checker.robot.reference, time=1.0).meshes) == len(shown.meshes)
+    with pytest.raises(pc.PlannercheckError, match="say when"):
+        picture(checker, checker.robot.reference)
