@@ -87,6 +87,11 @@ class Tuning:
     )
     sorted_states: bool = _switch("Like states of a set are judged together.")
     float_poses: bool = _switch("Filters of sets look at poses in floats, whose error is bounded.")
+    thin_tubes: bool = _switch("Along curves, tubes as thin as rounding are covered as rounding is, at no cost.")
+    hollows: bool = _switch(
+        "Along motions, sets of parts in the hollow of a solid are settled where they are further from all of it than "
+        "they go; off, on intervals on which they go less far than the tolerance."
+    )
     reach: bool = _switch("Pairs that can't meet within the limits are left out there.", compiled=False)
     static_poses: bool = _switch(
         "Links that no joint of the group moves are posed once, as obstacles are.", compiled=False

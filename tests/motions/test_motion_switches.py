@@ -357,3 +357,20 @@ def test_ends_that_often_collide_are_judged_first():
     mixed = np.random.default_rng(3).permutation(np.concatenate([colliding[:300], free[:300], blocked[:150]]))
     a, b = starts[mixed], ends[mixed]
     assert (checker.check_motions(a, b) == plain.check_motions(a, b)).all()
+
+
+def test_tubes_as_thin_as_rounding_change_no_verdict():
+    """What a controller runs has such a tube: how far its own evaluation may be off."""
+    robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
+    generator = np.random.default_rng(8)
+    on, off = (pc.Checker(robot, scene, tuning=pc.Tuning(thin_tubes=each)) for each in (True, False))
+    starts, ends = motions(on, generator, 200)
+    run = [
+        pc.Trajectory([0.0, 1.0, 2.0], [a, b, a], [0 * a, generator.normal(size=7), 0 * a])
+        for a, b in zip(starts, ends, strict=True)
+    ]
+    assert min(each.curve.error.min() for each in run) > 0
+    for tolerance in TOLERANCES:
+        free = on.check_trajectories(run, 0.0, tolerance)
+        assert 0 < free.mean() < 1
+        assert (off.check_trajectories(run, 0.0, tolerance) == free).all()

@@ -165,3 +165,50 @@ def test_the_filter_before_half_spaces_has_its_switch(height):
     valid = on.check_states(q)
     assert (off.check_states(q) == valid).all()
     assert 0 < valid.mean() < 1
+
+
+# A cup: a square ring of corners each at the foot, the rim outside and inside, and the ground inside.
+CUP_RINGS = ((0.1, 0.0), (0.1, 0.2), (0.08, 0.2), (0.08, 0.02))
+CUP_LINKS = """<link name="{child}"/><joint name="to {child}" type="prismatic"><parent link="{parent}"/>
+<child link="{child}"/><axis xyz="{axis}"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>"""
+
+
+def cup(folder):
+    """A robot that is a cup, a solid, and slides in all directions."""
+    corners = [(x * h, y * h, z) for h, z in CUP_RINGS for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    faces = [(0, 2, 1), (0, 3, 2), (12, 13, 14), (12, 14, 15)]
+    for ring in (0, 4, 8):
+        for k in range(4):
+            a, b = ring + k, ring + (k + 1) % 4
+            faces += [(a, b, b + 4), (a, b + 4, a + 4)]
+    lines = ["v {} {} {}".format(*corner) for corner in corners]
+    lines += ["f {} {} {}".format(*(k + 1 for k in face)) for face in faces]
+    (folder / "cup.obj").write_text("\n".join(lines) + "\n")
+    links = [("base", "x", "1 0 0"), ("x", "y", "0 1 0"), ("y", "cup", "0 0 1")]
+    made = "".join(CUP_LINKS.format(parent=a, child=b, axis=axis) for a, b, axis in links)
+    body = '<link name="cup"><collision><geometry><mesh filename="cup.obj"/></geometry></collision></link>'
+    made = made.replace('<link name="cup"/>', body)
+    (folder / "cup.urdf").write_text(f'<robot name="cup"><link name="base"/>{made}</robot>')
+    return pc.Robot.from_urdf(folder / "cup.urdf", geometry="solid")
+
+
+def test_parts_in_a_hollow_are_settled_as_on_ever_shorter_intervals(tmp_path):
+    """A cup goes a little with balls in its hollow, from contact to a few tolerances."""
+    rng = np.random.default_rng(2)
+    scene = pc.Scene("balls")
+    scene.add("cloud", pc.PointCloud(rng.uniform(-0.02, 0.02, (5, 3)) + np.array([0, 0, 0.1]), 0.005))
+    robot = cup(tmp_path)
+    on, off = (pc.Checker(robot, scene, tuning=pc.Tuning(hollows=each)) for each in (True, False))
+    start = rng.uniform(-0.03, 0.03, (60, 3))
+    start[:, 0] = rng.choice([-1, 1], 60) * rng.uniform(0.048, 0.06, 60)
+    end = start + rng.uniform(-0.003, 0.003, (60, 3))
+    for tolerance in (5e-4, 1e-3, 4e-3):
+        free = on.check_motions(start, end, tolerance=tolerance)
+        assert 0 < free.mean() < 1
+        np.testing.assert_array_equal(off.check_motions(start, end, tolerance=tolerance), free)
+    grids = [checker.motion_certifier.statistics()["grids"] for checker in (on, off)]
+    assert grids[0] < 0.8 * grids[1]
+    # Far from contact, parts in the hollow need few grids for long motions.
+    before = on.motion_certifier.statistics()["grids"]
+    assert on.check_motions(0.4 * start, -0.4 * start).all()
+    assert on.motion_certifier.statistics()["grids"] - before < 10 * len(start)

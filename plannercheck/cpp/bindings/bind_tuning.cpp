@@ -33,7 +33,9 @@ void bind_tuning(nb::module_& m) {
       .def_rw("overlaps", &Tuning::overlaps)
       .def_rw("learning", &Tuning::learning)
       .def_rw("sorted_states", &Tuning::sorted_states)
-      .def_rw("float_poses", &Tuning::float_poses);
+      .def_rw("float_poses", &Tuning::float_poses)
+      .def_rw("thin_tubes", &Tuning::thin_tubes)
+      .def_rw("hollows", &Tuning::hollows);
 }
 
 }  // namespace plannercheck

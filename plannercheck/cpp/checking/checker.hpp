@@ -42,6 +42,8 @@ struct Tuning : PairOptions {
   bool learning = true;       // tests the pair that collided most often first, where any collision decides
   bool sorted_states = true;  // like states of a set are judged together
   bool float_poses = true;    // for the filters of sets; those in doubles where a pair is left
+  bool thin_tubes = true;     // along curves, tubes as thin as rounding count as rounding
+  bool hollows = true;        // along motions, parts in the hollow of a solid by their distance from all of it
 };
 
 // What a state's verdict depends on: whether any pair shares a point, or which ones.

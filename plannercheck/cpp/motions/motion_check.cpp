@@ -63,7 +63,7 @@ class MotionRun : private MotionPairs {
 
   void begin_motion(const Segment& motion) {
     w_.begin_motion();
-    w_.path.set(motion);
+    w_.path.set(motion, tuning_.thin_tubes);
     rates_of(model_.chains, w_.path, w_.rates);
   }
 

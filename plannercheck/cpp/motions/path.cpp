@@ -120,7 +120,7 @@ Path::Path(std::size_t width, std::vector<PathPart> parts)
   }
 }
 
-void Path::set(const Segment& motion) {
+void Path::set(const Segment& motion, bool thin_tubes) {
   const std::size_t width = q0_.size();
   std::copy_n(motion.start, width, q0_.begin());
   std::copy_n(motion.end, width, q1_.begin());
@@ -135,12 +135,12 @@ void Path::set(const Segment& motion) {
     sizes_[c] = larger(std::fabs(low), std::fabs(high));
   }
   for (std::size_t c = 0; c < width; ++c) largest_ = larger(largest_, size(c));
-  set_tube(motion.tube);
+  set_tube(motion.tube, thin_tubes);
   for (std::size_t part = 0; part < parts_.size(); ++part) set_part(part);
 }
 
 // A tube as thin as rounding is covered as rounding is, at no cost.
-void Path::set_tube(const double* tube) {
+void Path::set_tube(const double* tube, bool thin_tubes) {
   constexpr double kThin = 0x1p-40;
   const std::size_t width = q0_.size();
   tube_.clear();
@@ -148,7 +148,7 @@ void Path::set_tube(const double* tube) {
   if (tube == nullptr) return;
   room_ = tube[width];
   const double widest = *std::max_element(tube, tube + width);
-  if (widest <= kThin && room_ == 0) {
+  if (widest <= (thin_tubes ? kThin : 0) && room_ == 0) {
     off_curve_ = widest;
   } else {
     tube_.assign(tube, tube + width);

@@ -98,8 +98,9 @@ class Path {
   Path(std::size_t width, std::vector<PathPart> parts);
 
   // Columns that no part covers are interpolated linearly, or follow their control points; for continuous joints the
-  // caller chooses the short way. Bounds are those of the whole path.
-  void set(const Segment& motion);
+  // caller chooses the short way. Bounds are those of the whole path. `thin_tubes`: whether a tube as thin as rounding
+  // counts as rounding.
+  void set(const Segment& motion, bool thin_tubes = true);
   // Of a curve: from here on bounds are those of an interval.
   void look_at(double from, double to);
 
@@ -159,7 +160,7 @@ class Path {
     const double a = multiplier * on.low + offset, b = multiplier * on.high + offset, factor = std::fabs(multiplier);
     return {factor * on.rate, larger(std::fabs(a), std::fabs(b)), factor * on.change};
   }
-  void set_tube(const double* tube);
+  void set_tube(const double* tube, bool thin_tubes);
   void cut_up_to(double place);
   void cut_from(double place);
   void curve_at(const double* t, std::size_t n, std::size_t stride, double* q) const;
