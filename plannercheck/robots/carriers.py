@@ -84,7 +84,7 @@ class CarriedRobot(Robot):
         for carrier in carriers:
             _append(model, carrier)
         tree = link_tree(model)
-        parts = robot.parts_of_files
+        parts = robot.parts_of_files()
         self._parts = replace(parts, model=model, tree=tree, memory=RobotMemory(), carried=robot.carried)
         self.name, self.model, self.group = robot.name, model, robot.group
         self.disabled_pairs, self.pieces, self.open_links = robot.disabled_pairs, robot.pieces, robot.open_links

@@ -55,7 +55,7 @@ def members_of(robots: Mapping[str, Placed]) -> dict[str, Member]:
         robot, pose = given if isinstance(given, tuple) and len(given) == 2 else (given, None)
         if not isinstance(robot, PosedRobot):
             raise PlannercheckError(f"robot {name!r} of a cell must be a Robot or (Robot, pose), not {given!r:.80}")
-        members[name] = Member(robot.parts_of_files, checked_pose(pose, f"robot {name!r}"))
+        members[name] = Member(robot.parts_of_files(), checked_pose(pose, f"robot {name!r}"))
         at_origin += [name] if pose is None else []
     check_places(at_origin)
     return _alike(members)

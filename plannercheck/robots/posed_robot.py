@@ -44,9 +44,8 @@ class PosedRobot:
         """The URDF's links in the order of Pinocchio's body frames."""
         return self._parts.tree.names
 
-    @property
     def parts_of_files(self) -> RobotParts:
-        """What the robot is made of, as its files say it."""
+        """What the robot is made of, as its files say it; for robots that are made of it, which must not change it."""
         return self._parts
 
     def link_index(self, name: str) -> int:

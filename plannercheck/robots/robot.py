@@ -195,7 +195,7 @@ class Robot(PosedRobot):
     def from_description(cls, description: RobotDescription, reference: Reference = None) -> Robot:
         """Builds a robot from a description; `reference` as for `from_urdf`, where the description of one has none."""
         if description.robots:
-            return cls(described_cell(description, lambda each: cls.from_description(each).parts_of_files))
+            return cls(described_cell(description, lambda each: cls.from_description(each).parts_of_files()))
         with reported(f"loading robot {description.name or description.urdf.stem}"):
             return cls(robot_parts(description, reference))
 

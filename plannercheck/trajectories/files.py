@@ -35,7 +35,8 @@ def read_points(path: str | Path, robot: Robot, message: int | None = None) -> P
     """
     with error_context(f"trajectory file {str(path)!r}"):
         check_plain_joints(robot)
-        points = read_points_of(path, robot, message)
+    points = read_points_of(path, robot, message)  # which names the file itself
+    with error_context(f"trajectory file {str(path)!r}"):
         check_held(robot, points.held)
     return points
 
