@@ -319,8 +319,8 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
     const std::array<PosedPair, 2> ends{filters_.posed(s.pair, i), filters_.posed(s.pair, i + 1)};
     return parts_stay_further(s.pair, ends.data(), 2, s.apart) || stays_in_hollow(s, i);
   }
-  // No plane keeps parts in the hollow of a solid from all of it, but they may be further from it than they go, by twice
-  // the tolerance: then no state of the interval is within it, and smaller ones would be settled as well.
+  // No plane keeps parts in the hollow of a solid from all of it, but they may be further from it than they go, by
+  // twice the tolerance: then no state of the interval is within it, and smaller ones would be settled as well.
   bool stays_in_hollow(PairState& s, std::size_t i) {
     if (!tuning_.hollows) return false;
     if (filters_.body(s.pair.a).kind() != Kind::kSolid && filters_.body(s.pair.b).kind() != Kind::kSolid) return false;
