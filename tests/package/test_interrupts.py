@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 import signal
 import subprocess
@@ -22,10 +23,15 @@ BEGUN, AT_MOST, COMMAND_AT_MOST = 0.5, 1.0, 1.5
 
 @pytest.fixture(autouse=True)
 def _alarm_as_ctrl_c():
-    """A timer of the system, which needs no thread that waits for the GIL."""
-    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    """A timer of the system, which needs no thread that waits for the GIL.
+
+    An interrupt that comes while a callback of the garbage collector runs, as Hypothesis has one, is lost there.
+    """
+    before, callbacks = signal.signal(signal.SIGALRM, signal.default_int_handler), gc.callbacks[:]
+    gc.callbacks.clear()
     yield
     signal.setitimer(signal.ITIMER_REAL, 0)
+    gc.callbacks.extend(callbacks)
     signal.signal(signal.SIGALRM, before)
 
 
