@@ -32,6 +32,15 @@ def gantries(folder: Path, names, post: tuple[float, float] | None = None) -> pc
     return pc.Checker(pc.Robot.together({name: (robot, np.eye(4)) for name in names}), scene)
 
 
+def way(*points, times=None) -> pc.Trajectory:
+    """Straight from point to point (2,), a second each unless times are given, s."""
+    return pc.Trajectory(np.arange(len(points)) if times is None else times, points, controller="linear")
+
+
+# Left is within 0.2 m of the crossing from 0.8 s to 1.2 s, and right, that waits by d, from 0.8 + d to 1.2 + d.
+LEFT, RIGHT = way([-1, 0], [1, 0], times=[0, 2]), way([0, -1], [0, 1], times=[0, 2])
+
+
 def at(trajectory: pc.Trajectory, times, start: float = 0.0) -> np.ndarray:
     """Where a robot is that stands before and after its own trajectory."""
     breaks = trajectory.curve.breaks

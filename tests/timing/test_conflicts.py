@@ -6,19 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from crossing_boxes import at, gantries, meet
+from crossing_boxes import LEFT, RIGHT, at, gantries, meet, way
 from random_trees import random_tree
 
 import plannercheck as pc
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*look like degrees")
-
-
-def way(*points, times=None) -> pc.Trajectory:
-    return pc.Trajectory(np.arange(len(points)) if times is None else times, points, controller="linear")
-
-
-LEFT, RIGHT = way([-1, 0], [1, 0], times=[0, 2]), way([0, -1], [0, 1], times=[0, 2])
 
 
 @pytest.fixture(name="checker", scope="module")

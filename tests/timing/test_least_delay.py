@@ -4,21 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from crossing_boxes import HALF, at, gantries, meet
+from crossing_boxes import HALF, LEFT, RIGHT, at, gantries, meet, way
 from random_trees import random_tree
 
 import plannercheck as pc
 from plannercheck.timing.least_delay import _Judge
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*look like degrees")
-
-
-def way(*points, times=None) -> pc.Trajectory:
-    return pc.Trajectory(np.arange(len(points)) if times is None else times, points, controller="linear")
-
-
-# Left is within 0.2 m of the crossing from 0.8 s to 1.2 s, and right, that waits by d, from 0.8 + d to 1.2 + d.
-LEFT, RIGHT = way([-1, 0], [1, 0], times=[0, 2]), way([0, -1], [0, 1], times=[0, 2])
 
 
 @pytest.fixture(name="checker", scope="module")

@@ -4,14 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from crossing_boxes import at, gantries, meet
+from crossing_boxes import at, gantries, meet, way
 
 import plannercheck as pc
-
-
-def way(*points, times=None) -> pc.Trajectory:
-    return pc.Trajectory(np.arange(len(points)) if times is None else times, points, controller="linear")
-
 
 A = way([-1, 0], [1, 0], times=[0, 2])
 B = way([0, -1], [0, 1], times=[0, 2])
