@@ -26,7 +26,7 @@ LAYERS = [
     ["narrow_phase", "broad_phase"],
     ["checking"],
     ["motions"],
-    ["planar"],
+    ["planar", "library"],
     ["bindings"],
 ]
 # What the core is held against shares nothing with it.
