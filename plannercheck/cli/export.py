@@ -27,7 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_robot_argument(parser)
     add_scene_argument(parser)
     add_checker_arguments(parser)
-    parser.add_argument("--output", type=Path, required=True, metavar="FILE", help="where it goes, by custom ….plannercheck")
+    parser.add_argument(
+        "--output", type=Path, required=True, metavar="FILE", help="where it goes, by custom ….plannercheck"
+    )
 
 
 def run(options: argparse.Namespace) -> int:

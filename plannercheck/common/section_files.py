@@ -2,7 +2,7 @@
 
 In: sections, in the order in which they are read. Out: bytes. A file has a header of 48 bytes (magic word, format of
 the file and of bodies, size, number of sections, CRC-32 of all that follows the header), an entry of 64 bytes for each
-section (name, type, columns, rows, place), and the sections, each at the next multiple of 64. Numbers are little-endian.
+section (name, type, columns, rows, place), and the sections, each at a multiple of 64. Numbers are little-endian.
 """
 
 from __future__ import annotations

@@ -66,7 +66,9 @@ def check_can_be_saved(robot: Robot, scene: Scene, kernel: core.Kinematics | Non
     """The kinematics of a checker that can be a prepared cell, or an error that says why it can't."""
     what = f"the checker of {robot.name!r} in {scene.name!r} can't be saved as a prepared cell"
     if scene.moving:
-        raise PlannercheckError(f"{what}: {', '.join(item.name for item in scene.moving)} moves, and a cell's scene stands still")
+        raise PlannercheckError(
+            f"{what}: {', '.join(item.name for item in scene.moving)} moves, and a cell's scene stands still"
+        )
     if kernel is None:
         raise PlannercheckError(f"{what}: Pinocchio itself poses the robot, and C++ has the compiled kinematics only")
     return kernel
@@ -112,8 +114,8 @@ def _configurations(robot: Robot, certifier: MotionCertifier) -> Iterator[Sectio
 def _kinematics(robot: Robot) -> Iterator[Section]:
     table = robot.joint_table
     assert table is not None
-    for name, values in zip(table._fields[1:], table[1:], strict=True):
-        yield Section(name.replace("_", " "), values)
+    for name in table._fields[1:]:  # all but the width
+        yield Section(name.replace("_", " "), getattr(table, name))
     yield Section("sampled poses", robot.sampled_link_poses.reshape(-1, 16))
 
 

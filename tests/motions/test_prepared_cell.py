@@ -1,6 +1,6 @@
 """Prepared cells: what is in the file, what can't be saved, and what the C++ reader of the container refuses.
 
-`python tests/benchmarks/cpp_library.py` builds the library and compares its verdicts with Python's, which takes minutes.
+`python tests/benchmarks/cpp_library.py` builds the library and compares its verdicts with Python's, in minutes.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def two_tetrahedra():
 
 def test_what_a_cell_does_not_hold_is_refused(tmp_path):
     robot = pc.Robot.load("ur5")
-    with pytest.raises(pc.PlannercheckError, match="'ur5' in 'empty' can't be saved .*: Pinocchio itself poses"):
+    with pytest.raises(pc.PlannercheckError, match=r"'ur5' in 'empty' can't be saved .*: Pinocchio itself poses"):
         pc.Checker(robot, kinematics="pinocchio").save(tmp_path / "cell")
     belt = pc.Scene("belt")
     belt.add("pallet", pc.Box((0.1, 0.1, 0.1)), pc.Moving([0.0, 1.0], np.stack([np.eye(4)] * 2)))

@@ -1,8 +1,7 @@
 // Loads a cell, checks the middle of the joint range, and proves the motion from there to the lower limits:
 // ./check cell.plannercheck, after `plannercheck export --robot panda --scene bookshelf --output cell.plannercheck`.
-#include <plannercheck/checker.hpp>
-
 #include <cstdio>
+#include <plannercheck/checker.hpp>
 #include <string>
 #include <vector>
 

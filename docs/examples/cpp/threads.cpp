@@ -1,7 +1,6 @@
 // Judges random configurations on four threads, each with a workspace of its own: ./threads cell.plannercheck
-#include <plannercheck/checker.hpp>
-
 #include <cstdio>
+#include <plannercheck/checker.hpp>
 #include <random>
 #include <string>
 #include <thread>

@@ -90,9 +90,9 @@ Polytope read_columns(CellFile& file) {
   const CellFile::Table heights = file.table("heights");
   const auto lattice = file.doubles("lattice", 5);
   const auto is_height = [](double height) { return std::isnan(height) || is_coordinate(height); };
-  require_sound(heights.rows > 1 && heights.columns > 1 &&
-                    std::all_of(heights.numbers.begin(), heights.numbers.end(), is_height),
-                "heights");
+  require_sound(
+      heights.rows > 1 && heights.columns > 1 && std::all_of(heights.numbers.begin(), heights.numbers.end(), is_height),
+      "heights");
   const double longest = static_cast<double>(std::max(heights.rows, heights.columns));
   require_sound(lattice.size() == 5 && are_coordinates(lattice) && lattice[0] > 0 && lattice[1] > 0 &&
                     is_coordinate(longest * lattice[0]) && is_coordinate(longest * lattice[1]),
@@ -162,7 +162,8 @@ PairsInCells read_cell_table(CellFile& file, std::size_t width, std::size_t reac
     of_columns[k] = {at(columns[k]), lows[k], per_unit[k], static_cast<int>(counts[k])};
   }
   PairsInCells out;
-  out.cells = std::make_shared<ApartCells>(of_columns, std::vector<std::uint8_t>(flags.bytes.begin(), flags.bytes.end()));
+  out.cells =
+      std::make_shared<ApartCells>(of_columns, std::vector<std::uint8_t>(flags.bytes.begin(), flags.bytes.end()));
   for (std::size_t bit = 0; bit < pairs.size(); ++bit) {
     require_sound(is_index_or_none(pairs[bit], reachable), "pairs in cells");
     out.pairs[bit] = pairs[bit];

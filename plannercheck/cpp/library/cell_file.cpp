@@ -12,7 +12,8 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "prepared cells are little-endian");
 
 constexpr char kMagic[16] = "plannercheck\n";  // and three zeros
-constexpr std::size_t kMagicBytes = sizeof kMagic, kHeaderBytes = 48, kEntryBytes = 64, kNameBytes = 32, kAlignment = 64;
+constexpr std::size_t kMagicBytes = sizeof kMagic, kHeaderBytes = 48, kEntryBytes = 64, kNameBytes = 32,
+                      kAlignment = 64;
 
 // Header: magic, u32 format, u32 body format, u64 size of the file, u32 sections, u32 CRC-32 of all after the header,
 // u64 zero.

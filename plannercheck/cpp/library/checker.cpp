@@ -1,7 +1,5 @@
 // The face of the library: inputs are checked as plannercheck/robots/configurations.py does, then an engine judges.
 // Nothing that is thrown behind it gets past `guarded`.
-#include <plannercheck/checker.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -11,6 +9,7 @@
 #include <cstring>
 #include <fstream>
 #include <new>
+#include <plannercheck/checker.hpp>
 #include <sstream>
 #include <stdexcept>
 

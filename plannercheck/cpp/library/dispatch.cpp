@@ -23,7 +23,9 @@ namespace plannercheck {
 namespace {
 
 #if defined(__x86_64__)
-[[maybe_unused]] bool runs_v2() { return __builtin_cpu_supports("sse4.2") != 0 && __builtin_cpu_supports("popcnt") != 0; }
+[[maybe_unused]] bool runs_v2() {
+  return __builtin_cpu_supports("sse4.2") != 0 && __builtin_cpu_supports("popcnt") != 0;
+}
 
 // Processors with these have MOVBE, F16C and LZCNT as well.
 [[maybe_unused]] bool runs_v3() {

@@ -1,8 +1,8 @@
 // What a level of instructions does for the library: the checkers and certifiers of one cell, behind a table of virtual
 // functions, since of each level the library knows one function only (library.cmake).
 //
-// In: a prepared cell's file; configurations and motions that are finite and of the right width. Out: the core's answers. This
-// header is free of lanes. What is thrown ends at the face (checker.cpp).
+// In: a prepared cell's file; configurations and motions that are finite and of the right width. Out: the core's
+// answers. This header is free of lanes. What is thrown ends at the face (checker.cpp).
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// Angles less whole turns, within half a turn of others: the very doubles of plannercheck/common/angles.py, which proves
-// the rounding.
+// Angles less whole turns, within half a turn of others: the very doubles of plannercheck/common/angles.py, which
+// proves the rounding.
 #pragma once
 
 #include <cmath>

@@ -86,8 +86,7 @@ void read_joints(CellFile& file, PreparedCell& cell) {
                     offsets.size() == columns.size() && are_finite(multipliers) && are_finite(offsets),
                 "joints");
   for (std::size_t i = 0; i < count; ++i) {
-    JointSpec joint =
-        joint_from(parents[i], kinds[i], axes.data() + 3 * i, rigid_at(placements, i), i);
+    JointSpec joint = joint_from(parents[i], kinds[i], axes.data() + 3 * i, rigid_at(placements, i), i);
     for (std::size_t k = 0; k < kJointNumbers; ++k) {
       const std::size_t from = kJointNumbers * i + k;
       require_sound(is_index_or_none(columns[from], cell.width()), "a joint's columns");
@@ -112,8 +111,8 @@ void read_sampled_poses(CellFile& file, PreparedCell& cell) {
   const auto poses = file.doubles("sampled poses", kPoseNumbers);
   const std::size_t of_state = kPoseNumbers * cell.links.size();
   require_sound(are_finite(poses) && (of_state == 0 ? poses.empty() : poses.size() % of_state == 0), "sampled poses");
-  cell.sampled = std::make_shared<SampledPoses>(
-      SampledPoses{numbers(poses), of_state == 0 ? 0 : poses.size() / of_state});
+  cell.sampled =
+      std::make_shared<SampledPoses>(SampledPoses{numbers(poses), of_state == 0 ? 0 : poses.size() / of_state});
 }
 
 }  // namespace

@@ -37,8 +37,8 @@ struct PreparedCell {
   std::string about, robot, scene;
   std::vector<std::string> joint_names, link_names, body_names;  // of each body its link or obstacle
 
-  std::vector<double> lower, upper;                            // (nq)
-  double largest_value = 0;                                    // of a configuration's numbers
+  std::vector<double> lower, upper;                             // (nq)
+  double largest_value = 0;                                     // of a configuration's numbers
   std::vector<std::pair<std::size_t, std::size_t>> unit_parts;  // first and past columns of unit vectors
   double unit_tolerance = 0;
   std::vector<std::size_t> turning_columns;  // whose whole turns change no pose
@@ -56,7 +56,7 @@ struct PreparedCell {
   bool has_limits = false;                // whether the unreachable pairs are left out within the limits
   std::vector<PairsInCells> in_cells;     // of the pairs that are reachable, by their places among these
 
-  MotionModel motion;         // without bodies, pairs and chains, but for the joints of these
+  MotionModel motion;  // without bodies, pairs and chains, but for the joints of these
   ChainedTable within_limits;
   ChainedTable all;  // none unless `has_limits`
 

@@ -1,8 +1,6 @@
-// Damaged cells: fuzz_cell CELL COUNT SEED changes bytes of a cell, or cuts it short, COUNT times. Half of the files get
-// the right checksum again, as a hostile file has it. Each is refused, or judges some configurations and motions; under
-// the sanitizers, no step may leave its memory. Prints how many were refused, and the slowest file's time.
-#include <plannercheck/checker.hpp>
-
+// Damaged cells: fuzz_cell CELL COUNT SEED changes bytes of a cell, or cuts it short, COUNT times. Half of the files
+// get the right checksum again, as a hostile file has it. Each is refused, or judges some configurations and motions;
+// under the sanitizers, no step may leave its memory. Prints how many were refused, and the slowest file's time.
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -11,6 +9,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <plannercheck/checker.hpp>
 #include <random>
 #include <set>
 #include <string>
@@ -51,7 +50,9 @@ void sign(Bytes& file) {
   put(file, kChecksumAt, crc32(file.data() + kHeader, file.size() - kHeader));
 }
 
-std::size_t below(Random& random, std::size_t end) { return std::uniform_int_distribution<std::size_t>(0, end - 1)(random); }
+std::size_t below(Random& random, std::size_t end) {
+  return std::uniform_int_distribution<std::size_t>(0, end - 1)(random);
+}
 
 // A place in the file: anywhere, or in the numbers of a section, since large sections would get nearly all others.
 std::size_t place(const Bytes& file, Random& random) {
@@ -60,8 +61,11 @@ std::size_t place(const Bytes& file, Random& random) {
   const std::size_t entry = kHeader + below(random, sections) * kEntry;
   if (below(random, 8) == 0) return entry + below(random, kEntry);
   const auto columns = get<std::uint32_t>(file, entry + kShapeAt + 4);
-  const auto rows = get<std::uint64_t>(file, entry + kShapeAt + 8), offset = get<std::uint64_t>(file, entry + kShapeAt + 16);
-  const auto width = get<std::uint32_t>(file, entry + kShapeAt) == 3 ? 8U : get<std::uint32_t>(file, entry + kShapeAt) == 2 ? 4U : 1U;
+  const auto rows = get<std::uint64_t>(file, entry + kShapeAt + 8),
+             offset = get<std::uint64_t>(file, entry + kShapeAt + 16);
+  const auto width = get<std::uint32_t>(file, entry + kShapeAt) == 3   ? 8U
+                     : get<std::uint32_t>(file, entry + kShapeAt) == 2 ? 4U
+                                                                       : 1U;
   const std::size_t numbers = columns * rows;
   return numbers == 0 ? entry + below(random, kEntry) : offset + width * below(random, numbers);
 }

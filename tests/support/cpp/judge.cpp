@@ -1,10 +1,9 @@
 // Judges configurations and motions of a prepared cell, for comparison with Python: judge CELL STATES STARTS ENDS OUT.
 // Inputs are files of doubles; OUT gets a byte for each state and one for each motion. Prints processor times.
-#include <plannercheck/checker.hpp>
-
 #include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <plannercheck/checker.hpp>
 #include <string>
 #include <vector>
 
