@@ -57,7 +57,7 @@ def measure(
     checker: Checker, n: int, rounds: int, seed: int, skipped: Callable[[str], None] = lambda reason: None
 ) -> list[DistanceRow]:
     """Times all methods by turns; arguments as of `trajectories.measure`, `n` states."""
-    drawn = {"at random": _free(checker, n, seed), "along motions": _along(checker, n, seed)}
+    drawn = {"at random": free_states(checker, n, seed), "along motions": _along(checker, n, seed)}
     return [row for name, q in drawn.items() for row in _of_states(checker, q, name, rounds, skipped)]
 
 
@@ -70,7 +70,7 @@ def _of_states(
         "nearest=1": Contender([partial(checker.distances, q, nearest=1)], len(q)),
     }
     some = q[:: max(1, len(q) // _FEW)]
-    for name, make in (("Pinocchio, all pairs", _pinocchio), ("coal, near pairs", _coal), ("drake", _drake)):
+    for name, make in (("Pinocchio, all pairs", _pinocchio), ("coal, near pairs", coal_distances), ("drake", _drake)):
         try:
             works[name] = Contender([make(checker, some)], len(some))
         except (PlannercheckError, ImportError) as error:
@@ -92,7 +92,8 @@ def _of_states(
     ]
 
 
-def _free(checker: Checker, n: int, seed: int) -> Floats:
+def free_states(checker: Checker, n: int, seed: int) -> Floats:
+    """Random free configurations (n, nq)."""
     rng, found = np.random.default_rng(seed), np.empty((0, checker.robot.nq))
     while len(found) < n:
         q = checker.robot.random_configurations(4 * n, rng)
@@ -102,7 +103,7 @@ def _free(checker: Checker, n: int, seed: int) -> Floats:
 
 def _along(checker: Checker, n: int, seed: int) -> Floats:
     """States of free motions, one after the other."""
-    ends = _free(checker, 2 * n, seed + 1)
+    ends = free_states(checker, 2 * n, seed + 1)
     kept = np.flatnonzero(checker.check_motions(ends[:-1], ends[1:]))[: n // _ON_A_MOTION + 1]
     if not len(kept):
         raise PlannercheckError(f"no free motion of {2 * n} was found in {checker.scene.name!r}")
@@ -126,7 +127,7 @@ def _pinocchio(checker: Checker, q: Floats) -> Work:
     return work
 
 
-def _coal(checker: Checker, q: Floats) -> Work:
+def coal_distances(checker: Checker, q: Floats) -> Callable[[], list[float]]:
     """Coal's distance for the pairs that are near, at poses computed before."""
     import coal
 
@@ -147,10 +148,12 @@ def _coal(checker: Checker, q: Floats) -> Work:
     request, result = coal.DistanceRequest(), coal.DistanceResult()
     request.enable_signed_distance = True
 
-    def work() -> None:
+    def work() -> list[float]:
+        found = []
         for call in calls:
             result.clear()
-            coal.distance(*call, request, result)
+            found.append(coal.distance(*call, request, result))
+        return found
 
     return work
 
