@@ -83,12 +83,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--regions", type=int, default=100)
     parser.add_argument("--cells", type=int, default=1000)
-    parser.add_argument("--samples", type=int, default=1_000_000, help="of all regions together")
+    parser.add_argument("--samples", type=int, default=1_000_000, help="states of each region of ours")
     parser.add_argument("--drake", type=int, default=0, help="regions that drake makes")
     given = parser.parse_args()
     checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
     q = free_states(checker, given.regions, 0)
-    methods = [(f"free_box, {given.cells} cells", len(q), ours(checker, q, given.cells, given.samples // len(q)))]
+    methods = [(f"free_box, {given.cells} cells", len(q), ours(checker, q, given.cells, given.samples))]
     if given.drake:
         few = q[: given.drake]
         one = ours(checker, few, given.cells, 1000)
