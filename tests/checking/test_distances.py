@@ -142,11 +142,49 @@ def test_gradients_are_in_pinocchios_tangent(tmp_path, kind):
             assert (apart[0] - apart[1]) / 2e-6 == pytest.approx(table.gradient[0, k], abs=1e-7)
 
 
+def test_mimic_joints_and_slides_have_gradients(tmp_path):
+    """Fingers that slide together, one as the other's mimic with a multiplier."""
+    path = tmp_path / "hand.urdf"
+    limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    finger = '<collision><geometry><box size="0.02 0.04 0.1"/></geometry></collision>'
+    path.write_text(
+        f'<robot name="hand"><link name="palm"/><link name="left">{finger}</link><link name="right">{finger}</link>'
+        f'<joint name="open" type="prismatic"><parent link="palm"/><child link="left"/><axis xyz="1 0 0"/>{limit}</joint>'
+        f'<joint name="follow" type="prismatic"><parent link="palm"/><child link="right"/><axis xyz="1 0 0"/>{limit}'
+        '<origin xyz="0.01 0.01 0"/><mimic joint="open" multiplier="-0.5" offset="-0.2"/></joint></robot>'
+    )
+    checker = pc.Checker(pc.Robot.from_urdf(path, group=["open"]))
+    table = checker.distances([[0.1], [0.3]], np.inf)
+    # the left finger is at x, the right one at 0.01 - 0.5 x - 0.2
+    np.testing.assert_allclose(table.distance, [0.1 + 0.24 - 0.02, 0.3 + 0.34 - 0.02], atol=1e-12)
+    np.testing.assert_allclose(table.gradient, [[1.5], [1.5]], atol=1e-12)
+
+
 def self_configuration(robot, full):
     """The group's configuration from Pinocchio's: a continuous joint's angle from its cosine and sine."""
     if robot.nq == len(full):
         return full
     return np.array([np.arctan2(full[1], full[0])])
+
+
+@pytest.mark.parametrize("shift", [(0.3, 0.05, 0.02), (0.3, 0.3, 0.05)], ids=["faces", "edges"])
+def test_what_is_parallel_up_to_rounding_is_not_unique(tmp_path, shift):
+    """Two boxes that are turned alike, face to face or edge along edge, whatever the turn rounds to."""
+    path = tmp_path / "one.urdf"
+    path.write_text(free_boxes_urdf(JOINTS["floating"], "0.2 0.2 0.2"))
+    robot, rng = pc.Robot.from_urdf(path), np.random.default_rng(0)
+    for _ in range(40):
+        quaternion = rng.normal(size=4)
+        quaternion /= np.linalg.norm(quaternion)
+        turn = pin.Quaternion(*quaternion[[3, 0, 1, 2]]).matrix()
+        scene, pose = pc.Scene("box"), np.eye(4)
+        pose[:3, :3], pose[:3, 3] = turn, rng.normal(size=3)
+        scene.add("box", Box((0.2, 0.2, 0.2)), pose)
+        table = pc.Checker(robot, scene).distances([*(pose[:3, 3] + turn @ shift), *quaternion], np.inf)
+        assert not table.unique[0]
+        assert table.gap[0] > 0.01
+        rates = [table.directional(0, dq) for dq in (np.eye(6)[4], -np.eye(6)[4])]
+        assert sum(rates) < -0.01  # it gets nearer by a turn either way
 
 
 def parallel_boxes(tmp_path):
