@@ -183,12 +183,13 @@ def test_what_is_parallel_up_to_rounding_is_not_unique(tmp_path, shape, shift):
     text = f'<box size="{SIDE} {SIDE} {SIDE}"/>' if shape is CUBE else f'<capsule radius="0.05" length="{SIDE}"/>'
     path.write_text(one_body_urdf(JOINTS["floating"], text))
     robot, rng = pc.Robot.from_urdf(path), np.random.default_rng(0)
+    half = pin.AngleAxis(np.pi, np.array([1.0, 0.0, 0.0])).matrix()  # its axes are off by 1e-16
     for _ in range(30):
         quaternion = rng.normal(size=4)
         quaternion /= np.linalg.norm(quaternion)
         turn = pin.Quaternion(*quaternion[[3, 0, 1, 2]]).matrix()
         scene, pose = pc.Scene("box"), np.eye(4)
-        pose[:3, :3], pose[:3, 3] = turn, rng.normal(size=3)
+        pose[:3, :3], pose[:3, 3] = turn @ half, rng.normal(size=3)
         scene.add("box", shape, pose)
         table = pc.Checker(robot, scene).distances([*(pose[:3, 3] + turn @ shift), *quaternion], np.inf)
         assert not table.unique[0]
