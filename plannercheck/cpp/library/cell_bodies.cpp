@@ -28,18 +28,18 @@ bool are_coordinates(std::span<const double> numbers) {
   return std::all_of(numbers.begin(), numbers.end(), is_coordinate);
 }
 
-bool is_length(double x) { return x >= 0 && x <= kLargestCoordinate; }
+bool is_radius(double x) { return x >= 0 && x <= kLargestCoordinate; }
 
 double read_inflation(CellFile& file) {
   const double radius = file.number("inflation radius");
-  require_sound(is_length(radius), "an inflation radius");
+  require_sound(is_radius(radius), "an inflation radius");
   return radius;
 }
 
 Polytope read_hull(CellFile& file) {
   const auto data = file.bytes("hull");
   Polytope body = parse_polytope(reinterpret_cast<const char*>(data.data()), data.size());
-  require_sound(is_length(body.inflation_radius), "an inflation radius");
+  require_sound(is_radius(body.inflation_radius), "an inflation radius");
   for (const Vec3& p : body.inner.points) require_sound(norm_max(p) <= kLargestCoordinate, "a vertex");
   return body;
 }
@@ -68,7 +68,7 @@ Polytope read_balls(CellFile& file) {
   const auto points = file.doubles("points", 3), radii = file.doubles("radii");
   const std::size_t count = points.size() / 3;
   require_sound(count > 0 && (radii.size() == 1 || radii.size() == count), "a cloud's radii");
-  require_sound(are_coordinates(points) && std::all_of(radii.begin(), radii.end(), is_length), "a cloud's points");
+  require_sound(are_coordinates(points) && std::all_of(radii.begin(), radii.end(), is_radius), "a cloud's points");
   return around(PartSet::balls(points.data(), count, radii.data(), radii.size() == 1), inflation);
 }
 
