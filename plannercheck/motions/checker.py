@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property, partial
+from pathlib import Path
 from typing import ClassVar, TypeVar
 
 import numpy as np
@@ -25,8 +26,10 @@ from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import MOST_THREADS, checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE, JudgeMotion, MotionCertifier
 from plannercheck.motions.explanation import explained_motion
+from plannercheck.motions.free_boxes import FreeBox, FreeBoxes
 from plannercheck.motions.joint_drives import split_joints
 from plannercheck.motions.motion_ends import Motions, checked_ends, with_given_ends
+from plannercheck.motions.prepared_cell import CellInputs, check_can_be_saved, write_cell
 from plannercheck.motions.proof_builder import Builder
 from plannercheck.motions.sampling import MotionSampler
 from plannercheck.motions.trajectory_checks import TrajectoryChecks, check_several, check_trajectory_of, named_piece
@@ -184,6 +187,28 @@ class Checker(StateChecker):
         prover = partial(self._proof, start, end, given, tolerance, path)
         return explained_motion(self, result, lambda t: certifier.states(start, end, t), tolerance, prover)
 
+    def free_box(self, q: Configuration, shape: ArrayLike | None = None, cells: int = 1000) -> FreeBox | None:
+        """A box of configurations around a configuration, within the limits, every one proved free.
+
+        The box is the largest of its proportions that the cells cover; then its sides move out one by one.
+
+        Args:
+            q: (nq,) rad and m.
+            shape: (nq,) the proportions of its sides, or one number; None for equal sides.
+            cells: How many cells may cover it: a larger number proves larger boxes, and takes longer.
+
+        Returns:
+            The box; None if none is proved.
+
+        Raises:
+            PlannercheckError: If an argument is malformed, the robot's configurations have unit vectors, or the scene
+                moves.
+        """
+        if self._moving is not None:
+            raise PlannercheckError("free_box is of a scene that stands still: replace what moves by where it may be")
+        row = self.robot.check_configurations(self._single(q))[0]
+        return FreeBoxes(self, self.certifier_of("slerp"), shape, cells).around(row)
+
     def check_trajectory(
         self,
         trajectory: Trajectory,
@@ -324,6 +349,23 @@ class Checker(StateChecker):
                 proofs.append(checker._prover.curve_proof(points, around, tolerance))
         found = tuple(proof for proof in proofs if proof is not None)
         return found if len(found) == len(proofs) else None
+
+    def save(self, path: str | Path) -> None:
+        """Writes a prepared cell: all that plannercheck's C++ library needs to judge as this checker does.
+
+        There, no URDF, mesh or Pinocchio is read (plannercheck/cpp/library/include/plannercheck/checker.hpp). Motions
+        along screws are judged, as `check_motion` does by default.
+
+        Args:
+            path: The file, "….plannercheck"; its folder must exist.
+
+        Raises:
+            PlannercheckError: If Pinocchio itself poses the robot, or something in the scene moves: a cell has neither;
+                or the file can't be written.
+        """
+        kernel, robot = check_can_be_saved(self.robot, self.scene, self._kernel), self.robot
+        parts = self._labels, self.polytopes, self.pairs, self.unreachable, self._tables, self.motion_certifier
+        write_cell(CellInputs(robot, kernel, self.scene.name, *parts), Path(path))
 
     def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:
         return self._prover.proof(start, end, asked_end, tolerance, path)

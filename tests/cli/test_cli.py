@@ -309,7 +309,7 @@ def test_help_imports_nothing_heavy():
 
 
 @pytest.mark.parametrize(
-    "command", ["validate", "verify", "plan", "demo", "view", "robots", "inspect", "stress", "bench"]
+    "command", ["validate", "verify", "plan", "demo", "view", "robots", "inspect", "export", "stress", "bench"]
 )
 def test_every_command_has_help(command, capsys):
     assert main([command, "--help"]) == 0

@@ -31,6 +31,7 @@ COMMANDS = {
     "summary": (VALIDATE + "--summary {}", ".json"),
     "plan": ("plan --robot panda --scene bookshelf --time 5 --seed 1 --output {}", ".json"),
     "page": ("view --robot panda --scene table --html {}", ".html"),
+    "cell": ("export --robot ur5 --output {}", ".plannercheck"),
     "pairs": ("acm --robot ur5 --states 500 --output {}", ".srdf"),
 }
 SAVED: dict[str, tuple[Callable[[Path], object], str]] = {

@@ -12,10 +12,10 @@ from plannercheck.checking.scene_clock import Course
 from plannercheck.cli.main import main
 from plannercheck.evaluation.campaign.campaign import run
 from plannercheck.evaluation.campaign.cases import load, save
-from plannercheck.evaluation.campaign.tallies import total
-from plannercheck.evaluation.stress_motions import cell_subject
+from plannercheck.evaluation.campaign.tallies import Tally, total
+from plannercheck.evaluation.stress_motions import cell_numbers
 from plannercheck.evaluation.stress_motions.campaign import campaign, families_of
-from plannercheck.evaluation.stress_motions.cases import shrunk
+from plannercheck.evaluation.stress_motions.cases import MotionCase, shrunk
 from plannercheck.evaluation.stress_motions.cell_draws import CELL_WEIGHTS, cell_draw
 from plannercheck.evaluation.stress_motions.cell_subject import CellSubject
 from plannercheck.evaluation.stress_motions.outcomes import COLLISION, HISTORY, UNREASONED
@@ -32,6 +32,15 @@ def test_nothing_fails_on_a_sample() -> None:
     assert counted["free"] > SAMPLE / 10
     assert counted["sharp"] > SAMPLE / 20
     assert counted["verified"] > 0
+
+
+@pytest.mark.parametrize("number", [51, 117])
+def test_what_is_too_imprecise_is_declined_in_every_call(number: int) -> None:
+    """Of draw 51 one piece is refused and another imprecise; of draw 117 a base turns by nearly half a turn."""
+    found = Tally[MotionCase]()
+    campaign(4801, families_of(False, False, True)).judge(number, found)
+    assert total(found.counts, outcome="declined") > 0
+    assert not found.faults
 
 
 @pytest.mark.parametrize("family", CELL_WEIGHTS)
@@ -67,7 +76,7 @@ def test_wrong_answers_are_found(asked: str, wrong: Any, kind: str, monkeypatch:
 
 
 def test_a_merge_that_forgets_starts_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cell_subject, "on_one_clock", lambda cell, runs, starts: on_one_clock(cell, runs))
+    monkeypatch.setattr(cell_numbers, "on_one_clock", lambda cell, runs, starts: on_one_clock(cell, runs))
     found = run(campaign(4, ("arms",)), 40)
     assert total(found.faults, family="arms", outcome=COLLISION) > 0
 

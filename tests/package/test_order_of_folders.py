@@ -25,8 +25,9 @@ LAYERS = [
     ["bodies", "robots"],
     ["narrow_phase", "broad_phase"],
     ["checking"],
+    ["distances"],
     ["motions"],
-    ["planar"],
+    ["planar", "library"],
     ["bindings"],
 ]
 # What the core is held against shares nothing with it.
