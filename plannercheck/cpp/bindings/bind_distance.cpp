@@ -88,10 +88,11 @@ class ClearanceSearch {
   PosedPolytope body_b(std::size_t k, const double* poses) const { return posed(pairs_(k, 1), poses); }
   double padding(std::size_t k) const { return paddings_(at(pairs_(k, 0))) + paddings_(at(pairs_(k, 1))); }
 
-  // The distance if it is below the limit, else some number that is at least the limit.
+  // The distance if it is below the limit, else some number that is at least the limit. Of bodies that overlap, minus a
+  // depth that surely separates them.
   double distance_below(const PosedPolytope& a, const PosedPolytope& b, double limit) {
     const PairDistance found = pair_distance(a, b, limit, counters_);
-    return found.lower > limit ? found.lower : found.upper;
+    return found.overlap || found.lower > limit ? found.lower : found.upper;
   }
 };
 
