@@ -50,9 +50,12 @@ if TYPE_CHECKING:
     from plannercheck.bodies.solids import Solid as Solid
     from plannercheck.bodies.tuning import Tuning as Tuning
     from plannercheck.bodies.voxel_grids import VoxelGrid as VoxelGrid
+    from plannercheck.checking.clearance import distances_along as distances_along
+    from plannercheck.checking.distances import Distances as Distances
     from plannercheck.checking.verdicts import ValidityReport as ValidityReport
     from plannercheck.checking.verdicts import Verdict as Verdict
     from plannercheck.motions.checker import Checker as Checker
+    from plannercheck.motions.free_boxes import FreeBox as FreeBox
     from plannercheck.robots.robot import Robot as Robot
     from plannercheck.scenes.scene import Scene as Scene
     from plannercheck.timing.conflicts import Conflict as Conflict
@@ -76,6 +79,8 @@ _HOMES = {
     "Cylinder": "bodies.shapes",
     "Decomposition": "bodies.convex_decomposition",
     "Distance": "bodies.distance",
+    "Distances": "checking.distances",
+    "FreeBox": "motions.free_boxes",
     "Ellipsoid": "bodies.ellipsoids",
     "Enclosure": "bodies.solid_certificates",
     "HalfSpace": "bodies.half_spaces",
@@ -106,6 +111,7 @@ _HOMES = {
     "certify": "bodies.intersection",
     "depth": "bodies.penetration_depth",
     "distance": "bodies.distance",
+    "distances_along": "checking.clearance",
     "first_conflict": "timing.conflicts",
     "intersects": "bodies.intersection",
     "least_delay": "timing.least_delay",
@@ -153,8 +159,10 @@ __all__ = [
     "Decomposition",
     "Depth",
     "Distance",
+    "Distances",
     "Ellipsoid",
     "Enclosure",
+    "FreeBox",
     "HalfSpace",
     "HeightField",
     "Hull",
@@ -184,6 +192,7 @@ __all__ = [
     "certify",
     "depth",
     "distance",
+    "distances_along",
     "first_conflict",
     "intersects",
     "least_delay",

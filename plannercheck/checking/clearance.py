@@ -1,22 +1,29 @@
-"""Clearances: the least distance of all pairs of bodies.
+"""Distances of a checker's pairs: the least ones, and tables of all that are near.
 
-In: a checker's pairs, prepared bodies and their poses. Out: `MeasuringChecker` with `clearance`, `clearances` and
-`nearest_pair`. Distances are the core's (cpp/narrow_phase/distance), whatever the padding.
+In: a checker's pairs, as they are compiled. Out: `MeasuringChecker` with `distances`, `clearances` and `nearest_pair`,
+which rest on the same rows of the core (cpp/distances), without padding.
 """
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
-from typing import TypeVar
+from collections.abc import Callable
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.checking.compiled_tables import CompiledTables
+from plannercheck.checking.distances import Bodies, Distances, Posed
 from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.common.array_types import Floats, Ints
-from plannercheck.common.arrays import Configuration, distinct
+from plannercheck.common.arrays import Configuration
 from plannercheck.common.core import core
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.threads import checked_threads
 from plannercheck.robots.robot import Robot
 
 Same = TypeVar("Same", bound="MeasuringChecker")
@@ -24,8 +31,15 @@ Same = TypeVar("Same", bound="MeasuringChecker")
 # Steps of the descent for a lower bound of a distance.
 _BOUND_ROUNDS = 2
 
-# Configurations whose poses are held at once.
+# Configurations whose links Pinocchio poses at once.
 _BLOCK = 1024
+
+
+class Positions(Protocol):
+    """A trajectory."""
+
+    def position(self, time: ArrayLike) -> Floats:
+        """Configurations (n, nq) at times (n,), s."""
 
 
 class MeasuringChecker(ABC):
@@ -40,11 +54,18 @@ class MeasuringChecker(ABC):
     robot: Robot
     pairs: Ints
     paddings: Floats
+    excess: float
     _preparation: Preparation
+    _tables: CompiledTables
+    _kernel: core.Kinematics | None
 
     @abstractmethod
     def body_poses(self, q: ArrayLike) -> Floats:
         """World poses of all bodies (n, bodies, 4, 4), m."""
+
+    @abstractmethod
+    def _link_poses(self, rows: Floats) -> Floats:
+        """World poses of all links (n, links, 4, 4), m, at checked configurations."""
 
     @abstractmethod
     def _single(self, q: Configuration) -> Floats:
@@ -96,17 +117,136 @@ class MeasuringChecker(ABC):
         checker, rows = self.in_time(given_configurations(self.robot, q), times)
         return checker._clearances(rows, False)[1]
 
+    def distances(
+        self,
+        q: ArrayLike,
+        limit: float = 0.1,
+        nearest: int | None = None,
+        gradients: bool = True,
+        threads: int = 1,
+        *,
+        times: ArrayLike | None = None,
+    ) -> Distances:
+        """Distances of the pairs that are near, with nearest points and gradients.
+
+        Args:
+            q: (n, nq) rad and m.
+            limit: Pairs that are further apart are left out, m; infinite for all pairs. A new limit is prepared once.
+            nearest: So many pairs of each configuration, the nearest ones, in place of those within the limit.
+            gradients: Whether to give gradients.
+            threads: How many threads measure.
+            times: As of `check_states`; gradients are by the robot's own configuration, at a standing clock.
+
+        Returns:
+            A table; the same rows whatever the threads and the other configurations.
+
+        Raises:
+            PlannercheckError: If the limit is not positive, `nearest` is below 1, or gradients are asked for where
+                Pinocchio poses the links.
+        """
+        if not limit > 0:
+            raise PlannercheckError(f"limit must be positive, in m, not {limit!r}")
+        if nearest is not None and (isinstance(nearest, bool) or not isinstance(nearest, int) or nearest < 1):
+            raise PlannercheckError(f"nearest must be a number of pairs, 1 or more, not {nearest!r}")
+        if gradients and self._kernel is None:
+            raise PlannercheckError(
+                "gradients need the compiled kinematics, and Pinocchio poses this robot's links: "
+                "ask for distances(..., gradients=False)"
+            )
+        checker, rows = self.in_time(given_configurations(self.robot, q), times)
+        own = self.robot.configuration_map.tangent_places if gradients else None
+        return checker._measured(rows, float(limit), nearest or 0, own, checked_threads(threads, len(rows)))
+
+    def distance_function(self, limit: float = 0.1) -> Callable[[ArrayLike], tuple[Floats, Floats]]:
+        """A function of one configuration for optimisers, which take as many numbers at every configuration.
+
+        Args:
+            limit: Distances beyond it count as the limit, and don't change, m.
+
+        Returns:
+            f(q) with q (nq,): distances (k,), m, of the k rows of `pairs`, at most the limit; and their derivatives (k,
+            nv), see `Distances.gradient`; 0 beyond the limit.
+        """
+        count = len(self.pairs)
+        if not (limit > 0 and math.isfinite(limit)):
+            raise PlannercheckError(f"limit must be positive and finite, in m, not {limit!r}")
+
+        def values(q: ArrayLike) -> tuple[Floats, Floats]:
+            table = self.distances(self._single(q), limit)
+            distance, jacobian = np.full(count, float(limit)), np.zeros((count, table.gradient.shape[1]))
+            distance[table.pair], jacobian[table.pair] = table.distance, table.gradient
+            return distance, jacobian
+
+        return values
+
     def _clearances(self, rows: Floats, lower_bound: bool) -> tuple[Floats, Ints]:
         if not len(self.pairs):
             return np.full(len(rows), np.inf), np.full(len(rows), -1, dtype=np.int32)
-        used = distinct(self.pairs)
-        table = np.searchsorted(used, self.pairs).astype(np.int32)
-        polytopes = [self._preparation.polytope(k) for k in used.tolist()]
-        bodies = [polytope.core for polytope in polytopes]
-        rounds = _BOUND_ROUNDS if lower_bound else 0
-        distances, nearest = np.empty(len(rows)), np.empty(len(rows), dtype=np.int32)
-        for first in range(0, len(rows), _BLOCK):
-            block = slice(first, first + _BLOCK)
-            poses = np.ascontiguousarray(self.body_poses(rows[block])[:, used])
-            distances[block], nearest[block] = core.clearances(bodies, poses, table, self.paddings[used], rounds)
-        return distances, nearest
+        _, pairs, found, *_ = self._rows(self.robot.check_configurations(rows), math.inf, 1, None, 1, lower_bound)
+        return found, pairs
+
+    def _measured(self, rows: Floats, limit: float, nearest: int, own: Ints | None, threads: int) -> Distances:
+        """A table of configurations of this checker; `own`: the places of the first columns' gradients."""
+        rows = self.robot.check_configurations(rows)
+        places = None if own is None else self.robot.configuration_map.tangent_places
+        found = self._rows(rows, limit, nearest, places, threads)
+        state, pair, distance, lower, points, normal, gap, unique, gradient = found
+        width = 0 if own is None else int(own.max(initial=-1)) + 1
+        posed = self._posed(rows, state, pair, normal, width, limit) if width else None
+        tables = gap, unique.view(bool), np.ascontiguousarray(gradient[:, :width])
+        return Distances(state, pair, distance, lower, points, normal, *tables, posed)
+
+    def _rows(
+        self, rows: Floats, limit: float, nearest: int, places: Ints | None, threads: int, lower_bound: bool = False
+    ) -> Any:
+        """The core's columns of a table."""
+        measure, rounds = self._tables.all.distances(limit), _BOUND_ROUNDS if lower_bound else 0
+        if self._kernel is not None:
+            return measure.of_states(self._kernel, places, rows, nearest, rounds, threads)
+        blocks = [
+            measure.of_poses(self._link_poses(rows[first : first + _BLOCK]), nearest, rounds, threads)
+            for first in range(0, max(len(rows), 1), _BLOCK)
+        ]
+        for k, block in enumerate(blocks):
+            block[0][:] += k * _BLOCK
+        return tuple(np.concatenate(columns) for columns in zip(*blocks, strict=True))
+
+    def _posed(self, rows: Floats, state: Any, pair: Ints, normal: Floats, width: int, limit: float) -> Posed:
+        """The bodies of a row, and gradients at other points of the first one."""
+
+        def of_row(k: int) -> tuple[Bodies, Callable[[Floats], Floats]]:
+            q, (a, b) = rows[state[k]], self.pairs[pair[k]].tolist()
+            poses, kernel = self.body_poses(q[None])[0], self._kernel
+            places, measure = self.robot.configuration_map.tangent_places, self._tables.all.distances(limit)
+            assert kernel is not None  # or there are no gradients
+
+            def gradients_at(points: Floats) -> Floats:
+                found = measure.gradients_at(kernel, places, q, int(pair[k]), normal[k], points)
+                return np.asarray(found)[:, :width]
+
+            p, r = self._body(a), self._body(b)
+            return (p, poses[a], r, poses[b]), gradients_at
+
+        return of_row
+
+    def _body(self, k: int) -> Polytope:
+        return self._preparation.polytope(k)
+
+
+def distances_along(
+    checker: MeasuringChecker, trajectory: Positions, at: ArrayLike, limit: float = 0.1, *, start_time: float = 0.0
+) -> Distances:
+    """`distances` at instants of a trajectory.
+
+    Args:
+        checker: The checker.
+        trajectory: A `Trajectory`.
+        at: (n,) instants, s.
+        limit: As of `distances`.
+        start_time: The scene's time at which the trajectory starts, s, where the scene moves.
+
+    Returns:
+        A table whose `state` is the row of `at`.
+    """
+    instants = np.atleast_1d(np.asarray(at, dtype=np.float64))
+    return checker.distances(trajectory.position(instants), limit, times=instants + start_time)

@@ -22,6 +22,9 @@ from plannercheck.common.core import core
 from plannercheck.robots.configurations import LARGEST_VALUE
 from plannercheck.robots.robot import Robot
 
+# So many limits of distances are kept compiled.
+_MOST_LIMITS = 4
+
 
 @dataclass(frozen=True, eq=False)
 class PairSource:
@@ -90,18 +93,22 @@ class CompiledPairs:
         self.is_still = (links < 0)[places].all(axis=1)
         least, most = limits or (np.full(robot.nq, -LARGEST_VALUE), np.full(robot.nq, LARGEST_VALUE))
         lower, upper = np.maximum(least, -LARGEST_VALUE), np.minimum(most, LARGEST_VALUE)
-        self.core = core.Checker(
-            [polytope.core for polytope in self.polytopes.values()],
-            links,
-            placements,
-            places,
-            len(robot.link_names),
-            lower,
-            upper,
-            source.tuning,
-            robot.remembered("sampled poses", lambda: core.sampled_poses(robot.sampled_link_poses)),
-            [(each.cells, each.pairs) for each in in_cells],
-        )
+        self._bodies = [polytope.core for polytope in self.polytopes.values()]
+        self._tables = links, placements, places, len(robot.link_names)
+        self._sampled = robot.remembered("sampled poses", lambda: core.sampled_poses(robot.sampled_link_poses))
+        self._tuning, self._paddings = source.tuning, source.preparation.paddings[self._used]
+        self._distances: dict[float, core.Distances] = {}
+        cells = [(each.cells, each.pairs) for each in in_cells]
+        self.core = core.Checker(self._bodies, *self._tables, lower, upper, self._tuning, self._sampled, cells)
+
+    def distances(self, limit: float) -> core.Distances:
+        """Measures pairs that are nearer than a limit, m, which may be infinite; the padding is left out."""
+        found = self._distances.get(limit)
+        if found is None:
+            found = core.Distances(self._bodies, self._paddings, *self._tables, limit, self._tuning, self._sampled)
+            recent = list(self._distances.items())[1 - _MOST_LIMITS :]
+            self._distances = {**dict(recent), limit: found}  # replaced as one: threads may share it
+        return found
 
     def to_table_rows(self, first: Ints) -> Ints:
         """Indices of these pairs (n,) as indices of the checker's, −1 kept."""

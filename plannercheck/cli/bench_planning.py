@@ -25,7 +25,8 @@ from plannercheck.cli.bench_options import (
 )
 from plannercheck.cli.robot_options import robot_of
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench import from_files, many_boxes, motions, plans, set_up, trajectories
+from plannercheck.evaluation.bench import distances, from_files, many_boxes, motions, plans, set_up, trajectories
+from plannercheck.evaluation.bench.distances import DistanceRow
 from plannercheck.evaluation.bench.from_files import FromFilesRow
 from plannercheck.evaluation.bench.many_boxes import BoxesRow
 from plannercheck.evaluation.bench.motion_sets import MotionSet, random_sets, recorded_set
@@ -267,7 +268,33 @@ def _run_trajectories(options: argparse.Namespace) -> None:
     keep(options.output, "trajectories", rows)
 
 
+def _add_distances(parser: argparse.ArgumentParser) -> None:
+    add_robot(parser)
+    add_scenes(parser)
+    parser.add_argument("--states", type=positive, default=2000, help="free ones (default: %(default)s)")
+    add_seed(parser)
+
+
+def _run_distances(options: argparse.Namespace) -> None:
+    rows: list[DistanceRow] = []
+    for scene in options.scene:
+        checker = checker_in(robot_of(options), scene)
+        found = distances.measure(checker, options.states, options.rounds, options.seed, note)
+        print(f"\n{checker.robot.name} in {checker.scene.name}: pairs within {distances.LIMIT} m, points and gradients")
+        columns: dict[str, Callable[[DistanceRow], object]] = {
+            "states": lambda row: row.states,
+            "method": lambda row: row.method,
+            "µs a state": lambda row: f"{row.microseconds:.2f}",
+            "x": ratio_of,
+            "near pairs": lambda row: f"{row.near:.1f}",
+        }
+        show(found, columns)
+        rows += found
+    keep(options.output, "distances", rows)
+
+
 SUBCOMMANDS = {
+    "distances": Subcommand("distances of near pairs beside other libraries", _add_distances, _run_distances),
     "motions": Subcommand("proved motions beside motions that others sample", _add_motions, _run_motions),
     "setup": Subcommand("loading, building a checker, changing its scene", _add_setup, _run_setup),
     "trajectories": Subcommand("proved trajectories beside samples at 1 kHz", _add_trajectories, _run_trajectories),

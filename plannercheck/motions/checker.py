@@ -25,6 +25,7 @@ from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import MOST_THREADS, checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE, JudgeMotion, MotionCertifier
 from plannercheck.motions.explanation import explained_motion
+from plannercheck.motions.free_boxes import FreeBox, FreeBoxes
 from plannercheck.motions.joint_drives import split_joints
 from plannercheck.motions.motion_ends import Motions, checked_ends, with_given_ends
 from plannercheck.motions.proof_builder import Builder
@@ -183,6 +184,28 @@ class Checker(StateChecker):
         result = certifier.motion_result(start, end, tolerance, proofs, given)
         prover = partial(self._proof, start, end, given, tolerance, path)
         return explained_motion(self, result, lambda t: certifier.states(start, end, t), tolerance, prover)
+
+    def free_box(self, q: Configuration, shape: ArrayLike | None = None, cells: int = 1000) -> FreeBox | None:
+        """A box of configurations around a configuration, within the limits, every one proved free.
+
+        The box is the largest of its proportions that the cells cover; then its sides move out one by one.
+
+        Args:
+            q: (nq,) rad and m.
+            shape: (nq,) the proportions of its sides, or one number; None for equal sides.
+            cells: How many cells may cover it: a larger number proves larger boxes, and takes longer.
+
+        Returns:
+            The box; None if none is proved.
+
+        Raises:
+            PlannercheckError: If an argument is malformed, the robot's configurations have unit vectors, or the scene
+                moves.
+        """
+        if self._moving is not None:
+            raise PlannercheckError("free_box is of a scene that stands still: replace what moves by where it may be")
+        row = self.robot.check_configurations(self._single(q))[0]
+        return FreeBoxes(self, self.certifier_of("slerp"), shape, cells).around(row)
 
     def check_trajectory(
         self,

@@ -74,6 +74,21 @@ class ConfigurationMap(OwnsArrays):
         """How many numbers a configuration of the group has."""
         return len(self.lower)
 
+    @property
+    def tangent_places(self) -> Ints:
+        """(nq,) the place in Pinocchio's tangent of what each number changes; -1 for a quaternion's last number.
+
+        An angle or a distance has a place of its own, a cosine and its sine have one together, and x, y and z of a
+        quaternion have those of turns about x, y and z.
+        """
+        is_counted = np.ones(self.width, dtype=bool)
+        for _, stop in self.units:
+            is_counted[stop - 1] = False
+        places = np.cumsum(is_counted, dtype=np.int32) - 1
+        for start, stop in self.units:
+            places[stop - 1] = places[start] if stop - start == 2 else -1
+        return np.asarray(places, dtype=np.int32)
+
     def described_columns(self) -> str:
         """Says in words which joint takes which columns."""
         if not self.joint_names:

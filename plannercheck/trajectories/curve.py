@@ -8,7 +8,7 @@ are the derivative's control points up to a factor, and a piece of degree 1 is a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -52,11 +52,31 @@ class Curve(OwnsArrays):
         return int(self.pieces[0].shape[1])
 
     @cached_property
+    def counts(self) -> NDArray[np.int64]:
+        """(m,) how many control points each piece has."""
+        return np.array([len(piece) for piece in self.pieces])
+
+    @cached_property
     def by_count(self) -> dict[int, tuple[NDArray[np.int64], Floats]]:
         """The pieces by the count of their control points: their numbers (m,), and (m, degree + 1, nq)."""
-        counts = np.array([len(piece) for piece in self.pieces])
-        numbers = {count: np.flatnonzero(counts == count) for count in sorted(set(counts.tolist()))}
+        numbers = {count: np.flatnonzero(self.counts == count) for count in sorted(set(self.counts.tolist()))}
         return {count: (some, np.array([self.pieces[k] for k in some.tolist()])) for count, some in numbers.items()}
+
+    def points_of(self, piece: NDArray[np.int64]) -> Iterator[tuple[NDArray[np.int64], Floats]]:
+        """Of pieces (n,), by the count of their control points: which these are (k,), and (k, degree + 1, nq)."""
+        if len(self.by_count) == 1:
+            yield np.arange(len(piece)), self.by_count[self.counts[0]][1][piece]
+            return
+        counts = self.counts[piece]
+        for count, (numbers, points) in self.by_count.items():
+            rows = (counts == count).nonzero()[0]
+            if len(rows):
+                yield rows, points[numbers.searchsorted(piece[rows])]
+
+    @cached_property
+    def ends(self) -> Floats:
+        """(m, 2, nq) the first and the last control point of each piece."""
+        return np.array([piece[[0, -1]] for piece in self.pieces])
 
     def at(self, times: ArrayLike, derivative: int = 0) -> Floats:
         """Positions, or derivatives by time.
@@ -78,30 +98,35 @@ class Curve(OwnsArrays):
                 f"times must be within {self.breaks[0]} and {self.breaks[-1]} s, not {asked[outside][0]}"
             )
         piece = np.searchsorted(self.breaks[1:-1], asked, side="right")
+        start, end = self.breaks[piece], self.breaks[piece + 1]
+        s = ((asked - start) / (end - start))[:, None]
         found = np.empty((len(asked), self.nq))
-        for k in np.flatnonzero(np.bincount(piece, minlength=1)).tolist():
-            here = piece == k
-            start, end = self.breaks[k], self.breaks[k + 1]
-            control = differentiated(self.pieces[k], end - start, derivative)
-            s = (asked[here] - start) / (end - start)
-            found[here] = _de_casteljau(control, s)
-            for first, past in self.units:
-                a, b = self.pieces[k][[0, -1], first:past]
-                found[here, first:past] = slerp(a, b, s, derivative) / (end - start) ** derivative
+        for rows, points in self.points_of(piece):
+            control = differentiated(points, (end - start)[rows, None, None], derivative)
+            found[rows] = _de_casteljau(control, s[rows])
+        for first, past in self.units:
+            a, b = np.moveaxis(self.ends[piece, :, first:past], 1, 0)
+            found[:, first:past] = slerp(a, b, s, derivative) / (end - start)[:, None] ** derivative
         return found[0] if np.ndim(times) == 0 else found
 
 
 def slerp(start: Floats, end: Floats, s: Floats, derivative: int) -> Floats:
-    """Unit vectors (n, 2) or (n, 4) on the way from one to another at s (n,) from 0 to 1, or derivatives by s."""
-    a, b = start / np.linalg.norm(start), end / np.linalg.norm(end)
-    if len(a) == 4 and a @ b < 0:  # quaternions of both signs turn alike
-        b = -b
-    across = b - (a @ b) * a
-    length = np.linalg.norm(across)
-    angle = np.arctan2(length, a @ b)
-    phase = angle * s[:, None] + derivative * np.pi / 2
-    sideways = across / length if length > 0 else across
+    """Unit vectors (n, 2) or (n, 4) on the way from one to another at s (n, 1) from 0 to 1, or derivatives by s."""
+    a, b = start / _length(start), end / _length(end)
+    cosine = (a * b).sum(axis=1, keepdims=True)
+    if a.shape[1] == 4:  # quaternions of both signs turn alike
+        b, cosine = np.where(cosine < 0, -b, b), np.abs(cosine)
+    across = b - cosine * a
+    length = _length(across)
+    angle = np.arctan2(length, cosine)
+    phase = angle * s + derivative * np.pi / 2
+    sideways = across / np.where(length > 0, length, 1.0)
     return np.asarray(angle**derivative * (np.cos(phase) * a + np.sin(phase) * sideways))
+
+
+def _length(vectors: Floats) -> Floats:
+    """(n, 1) of vectors (n, k)."""
+    return np.asarray(np.sqrt((vectors * vectors).sum(axis=1, keepdims=True)))
 
 
 def check_curve(curve: Curve) -> None:
@@ -124,11 +149,11 @@ def check_size(breaks: Floats, pieces: Sequence[Floats]) -> None:
             raise PlannercheckError(f"piece {k} has control points beyond {LARGEST_VALUE:g}")
 
 
-def differentiated(control: Floats, duration: float, times: int = 1) -> Floats:
-    """Control points of a derivative by time, one point fewer each time, but at least one."""
+def differentiated(control: Floats, duration: ArrayLike, times: int = 1) -> Floats:
+    """Control points (…, degree + 1, nq) of a derivative by time, one fewer each time, but at least one."""
     for _ in range(times):
-        degree = len(control) - 1
-        control = np.diff(control, axis=0) * (degree / duration) if degree else np.zeros_like(control)
+        degree = control.shape[-2] - 1
+        control = np.diff(control, axis=-2) * (degree / duration) if degree else np.zeros_like(control)
     return control
 
 
@@ -144,10 +169,9 @@ def bernstein(powers: Floats) -> Floats:
     return control
 
 
-def _de_casteljau(control: Floats, s: Floats) -> Floats:
-    """Values (n, nq) at parameters s (n,) from 0 to 1."""
-    points = np.repeat(control[:, None, :], len(s), axis=1)
-    s = s[None, :, None]
-    while len(points) > 1:
-        points = points[:-1] * (1 - s) + points[1:] * s
-    return np.asarray(points[0])
+def _de_casteljau(points: Floats, s: Floats) -> Floats:
+    """Values (n, nq) of polynomials by control points (n, degree + 1, nq), at parameters s (n, 1) from 0 to 1."""
+    s = s[:, None]
+    while points.shape[1] > 1:
+        points = points[:, :-1] * (1 - s) + points[:, 1:] * s
+    return np.asarray(points[:, 0])

@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.sizes import array_of
-from plannercheck.common.array_types import Floats, Ints64
-from plannercheck.common.arrays import contiguous, read_only
+from plannercheck.common.array_types import Bools, Floats, Ints64
+from plannercheck.common.arrays import contiguous, distinct, read_only
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.robot import CellPart, Robot
 from plannercheck.trajectories.curve import Curve, slerp
@@ -72,6 +72,11 @@ class _Cuts(NamedTuple):
     start: Floats
     end: Floats
 
+    @property
+    def are_cut(self) -> Bools:
+        """(m,) whether each is less than a piece of the robot."""
+        return np.asarray((self.start > 0) | (self.end < 1))
+
 
 def on_one_clock(
     cell: Robot, trajectories: Mapping[str, Run], starts: Mapping[str, float] | None = None, knots: ArrayLike = ()
@@ -113,7 +118,7 @@ def on_one_clock(
             error[columns] = _error(each, cuts[name], breaks, int(degrees.max()))
         else:
             points[:, :, columns] = standing(cell.parts[name], run)
-    pieces = tuple(each[: degree + 1] for each, degree in zip(points, degrees.tolist(), strict=True))
+    pieces = tuple(each[: degree + 1] for each, degree in zip(read_only(points), degrees.tolist(), strict=True))
     return Trajectory.of_curve(Curve(breaks, pieces, error, cell.configuration_map.units))
 
 
@@ -131,7 +136,7 @@ def side_by_side(clocked: Sequence[Clocked], begin: float, end: float) -> Curve:
     error = np.concatenate([_error(each, cut, breaks, int(degrees.max())) for each, cut in both])
     shifts = np.cumsum([0, *(each.curve.nq for each in clocked)]).tolist()
     units = tuple((a + by, b + by) for each, by in zip(clocked, shifts, strict=False) for a, b in each.curve.units)
-    pieces = tuple(each[: degree + 1] for each, degree in zip(points, degrees.tolist(), strict=True))
+    pieces = tuple(each[: degree + 1] for each, degree in zip(read_only(points), degrees.tolist(), strict=True))
     return Curve(breaks, pieces, error, units)
 
 
@@ -243,37 +248,34 @@ def _cuts(clocked: Clocked, breaks: Floats) -> _Cuts:
 
 def _degrees(curve: Curve, cuts: _Cuts) -> Ints64:
     """(m,) of the pieces of the clock; a robot that stands has degree 1."""
-    own = np.array([1, *(len(piece) - 1 for piece in curve.pieces), 1])
-    return np.asarray(own[cuts.piece + 1])
+    return np.concatenate([[1], curve.counts - 1, [1]])[cuts.piece + 1]
 
 
 def _cut_points(curve: Curve, cuts: _Cuts, degrees: Ints64) -> Floats:
     """(m, highest degree + 1, k) control points of the pieces of the clock, by the first degrees[i] + 1 rows."""
-    first, last = curve.pieces[0][:1], curve.pieces[-1][-1:]
-    own = [np.repeat(first, 2, axis=0), *curve.pieces, np.repeat(last, 2, axis=0)]
-    counts = _degrees(curve, cuts)
-    points = np.zeros((len(degrees), int(degrees.max()) + 1, curve.nq))
-    for count, degree in {*zip(counts.tolist(), degrees.tolist(), strict=True)}:
-        rows = np.flatnonzero((counts == count) & (degrees == degree))
-        control = np.array([own[k + 1] for k in cuts.piece[rows].tolist()])
-        points[rows, : degree + 1] = _raised(_part(control, cuts.start[rows], cuts.end[rows]), degree)
+    points = np.empty((len(degrees), int(degrees.max()) + 1, curve.nq))
+    points[:], points[cuts.piece >= len(curve.pieces)] = curve.pieces[0][0], curve.pieces[-1][-1]
+    moves, is_cut = np.flatnonzero((cuts.piece >= 0) & (cuts.piece < len(curve.pieces))), cuts.are_cut
+    for some, own in curve.points_of(cuts.piece[moves]):
+        rows = moves[some]
+        if is_cut[rows].any():
+            own = _part(own, cuts.start[rows], cuts.end[rows])
+        for degree in distinct(degrees[rows]).tolist():
+            alike = degrees[rows] == degree
+            points[rows[alike], : degree + 1] = _raised(own[alike], degree)
     for a, b in curve.units:
-        ends = np.array([piece[[0, -1], a:b] for piece in own])[cuts.piece + 1]
-        _cut_units(points[:, :, a:b], ends, cuts, degrees)
+        _cut_units(points[:, :, a:b], curve.ends[:, :, a:b], cuts, degrees)
     return points
 
 
 def _part(control: Floats, start: Floats, end: Floats) -> Floats:
     """Control points (m, degree + 1, k) of parts of polynomials, from `start` (m,) to `end`: their polar forms."""
-    degree = control.shape[1] - 1
-    out = np.empty_like(control)
-    for j in range(degree + 1):
-        points = control
-        for k in range(degree):
-            at = (end if k < j else start)[:, None, None]
-            points = points[:, :-1] * (1 - at) + points[:, 1:] * at
-        out[:, j] = points[:, 0]
-    return out
+    count = control.shape[1]
+    points = np.repeat(control[:, None], count, axis=1)
+    for k in range(count - 1):
+        at = np.where(np.arange(count) > k, end[:, None], start[:, None])[:, :, None, None]
+        points = points[:, :, :-1] * (1 - at) + points[:, :, 1:] * at
+    return np.asarray(points[:, :, 0])
 
 
 def _raised(control: Floats, degree: int) -> Floats:
@@ -287,30 +289,34 @@ def _raised(control: Floats, degree: int) -> Floats:
 
 
 def _cut_units(points: Floats, ends: Floats, cuts: _Cuts, degrees: Ints64) -> None:
-    """Sets the unit vectors of pieces: from their place on the slerp between `ends` (m, 2, 2 or 4) to the next one.
+    """Sets the unit vectors of pieces: from their place on the slerp between `ends` (pieces, 2, 2 or 4) to the next.
 
     A place is computed once for the piece that ends there and the piece that begins there, so that they meet.
     """
-    for k, (a, b) in enumerate(ends):
-        s = np.array([cuts.start[k], cuts.end[k]])
-        first, last = (a, b) if s[0] == 0.0 and s[1] == 1.0 else slerp(a, b, s, 0)
-        points[k] = a if s[0] == 0.0 else first
-        points[k, degrees[k]] = b if s[1] == 1.0 else last
+    own = np.concatenate([ends[:1, [0, 0]], ends, ends[-1:, [1, 1]]])[cuts.piece + 1]
+    first, last = own[:, 0].copy(), own[:, 1].copy()
+    after, before = np.flatnonzero(cuts.start > 0), np.flatnonzero(cuts.end < 1)
+    first[after] = slerp(own[after, 0], own[after, 1], cuts.start[after, None], 0)
+    if len(before) and before[-1] == len(own) - 1:
+        last[-1:] = slerp(own[-1:, 0], own[-1:, 1], cuts.end[-1:, None], 0)
+        before = before[:-1]
+    last[before] = first[before + 1]
+    points[:] = first[:, None]
+    points[np.arange(len(own)), degrees] = last
 
 
 def _error(clocked: Clocked, cuts: _Cuts, breaks: Floats, degree: int) -> Floats:
     """(k,) how far a robot's columns are at most from its message's own polynomials at any instant of the clock."""
     curve, knots = clocked
     late = np.abs(_rounded(knots, breaks) - knots).max()
-    largest = max(float(np.abs(breaks).max()), float(np.abs(curve.breaks).max()), float(np.abs(knots).max()))
+    largest = max(float(np.abs(each).max()) for each in (breaks, curve.breaks, knots))
     shift = (late + _TIMES * UNIT * largest) * (1 + 2.0**-40)
     error = (curve.error + shift * _largest_speeds(curve)) * (1 + 2.0**-40)
-    is_cut = (cuts.start > 0) | (cuts.end < 1)
-    highest = max(len(piece) - 1 for piece in curve.pieces)
-    steps = (highest if is_cut.any() else 0) + degree - min(len(piece) - 1 for piece in curve.pieces)
-    error = error + np.max([blossom_error(piece, steps) for piece in curve.pieces], axis=0)
+    is_cut, degrees = cuts.are_cut.any(), curve.counts - 1
+    steps = (int(degrees.max()) if is_cut else 0) + degree - int(degrees.min())
+    error = error + blossom_error(np.concatenate(curve.pieces), steps)
     for a, b in curve.units:
-        if is_cut.any():
+        if is_cut:
             error[a:b] += _SLERPED * UNIT * _largest_condition(curve, a, b)
         if float(error[a:b].max()) > MOST_OFF:
             raise PlannercheckError(
@@ -328,14 +334,14 @@ def _largest_speeds(curve: Curve) -> Floats:
 
 @lru_cache(maxsize=_KEPT)
 def _largest_condition(curve: Curve, first: int, past: int) -> float:
-    """Of all pieces, for the unit vector of some columns."""
-    return max(_condition(piece[0, first:past], piece[-1, first:past]) for piece in curve.pieces)
-
-
-def _condition(start: Floats, end: Floats) -> float:
     """By how much the rounding of a slerp grows: near half a turn of a cosine and sine, sideways is hardly known."""
-    angle = float(np.linalg.norm(slerp(start, end, np.zeros(1), 1)[0]))
-    return 1.0 if angle <= 2.0 else 1 / max(float(np.sin(angle)), 2.0**-53)
+    angles = _turns(curve.ends[:, :, first:past])
+    return float(np.where(angles <= 2.0, 1.0, 1 / np.maximum(np.sin(angles), 2.0**-53)).max())
+
+
+def _turns(ends: Floats) -> Floats:
+    """(m,) rad, the turns of unit vectors between `ends` (m, 2, 2 or 4)."""
+    return np.asarray(np.linalg.norm(slerp(ends[:, 0], ends[:, 1], np.zeros((1, 1)), 1), axis=1))
 
 
 def speeds(curve: Curve, parts: int = 1) -> tuple[Floats, Floats]:
@@ -349,16 +355,16 @@ def speeds(curve: Curve, parts: int = 1) -> tuple[Floats, Floats]:
         (m + 1,) where parts begin and end, s; and (m, nq) rad/s and m/s.
     """
     steps = durations(curve.breaks)
-    counts = np.clip(np.rint(parts * steps * len(steps) / steps.sum()), 1, parts).astype(np.int64).tolist()
-    places, found = [curve.breaks[:1]], []
-    for piece, begin, step, count in zip(curve.pieces, curve.breaks[:-1].tolist(), steps.tolist(), counts, strict=True):
-        ends = np.arange(count + 1) / count
-        cut = _part(np.repeat(piece[None], count, axis=0), ends[:-1], ends[1:]) if count > 1 else piece[None]
-        degree, off = len(piece) - 1, blossom_error(piece, len(piece) - 1)
-        fastest = (np.abs(np.diff(cut, axis=1)).max(axis=1) + 2 * off) * (degree * count / step)
-        for a, b in curve.units:
-            turn = slerp(piece[0, a:b], piece[-1, a:b], np.zeros(1), 1)[0]
-            fastest[:, a:b] = float(np.linalg.norm(turn)) / step
-        found.append(fastest * (1 + 2.0**-40))
-        places.append(begin + step * ends[1:])
-    return np.concatenate(places), np.concatenate(found)
+    counts = np.clip(np.rint(parts * steps * len(steps) / steps.sum()), 1, parts).astype(np.int64)
+    owners, ends = np.repeat(np.arange(len(steps)), counts), np.cumsum(counts)
+    place = np.arange(len(owners)) - (ends - counts)[owners]
+    start, end = place / counts[owners], (place + 1) / counts[owners]
+    spans = (steps / counts)[owners, None]
+    found = np.empty((len(owners), curve.nq))
+    for rows, own in curve.points_of(owners):
+        degree = own.shape[1] - 1
+        cut, off = _part(own, start[rows], end[rows]) if parts > 1 else own, blossom_error(own, degree)
+        found[rows] = (np.abs(np.diff(cut, axis=1)).max(axis=1) + 2 * off) * (degree / spans[rows])
+    for a, b in curve.units:
+        found[:, a:b] = (_turns(curve.ends[:, :, a:b]) / steps)[owners, None]
+    return np.append(curve.breaks[0], curve.breaks[owners] + steps[owners] * end), found * (1 + 2.0**-40)

@@ -103,5 +103,5 @@ def powers_error(powers: Floats) -> Floats:
 
 
 def blossom_error(points: Floats, degree: int) -> Floats:
-    """(nq,) of de Boor's algorithm: `degree` steps of averages, whose shares have 3 errors, with 9 errors a step."""
-    return _bound(9 * degree * UNIT * np.abs(points).max(axis=0))
+    """(…, nq) of de Boor's algorithm: `degree` steps of averages, whose shares have 3 errors, with 9 errors a step."""
+    return _bound(9 * degree * UNIT * np.abs(points).max(axis=-2))

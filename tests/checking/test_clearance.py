@@ -7,6 +7,7 @@ import pytest
 
 import plannercheck as pc
 from plannercheck.bodies.shapes import Box, Capsule, Sphere
+from plannercheck.bodies.tuning import core_tuning
 from plannercheck.common.core import core
 
 EYE = np.eye(4)
@@ -318,7 +319,10 @@ def test_clearances_of_the_core_skip_only_what_is_further():
     cube = pc.Polytope([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     poses = np.array([[posed(3.0 * k + 0.3 * k * k) for k in range(5)]])
     pairs = np.array([(a, b) for a in range(5) for b in range(a)], dtype=np.int32)
+    on_links = np.arange(5, dtype=np.int32), np.repeat(EYE[None], 5, axis=0)
     for order in (pairs, pairs[::-1].copy()):
-        found, nearest = core.clearances([cube.core] * 5, poses, order, np.zeros(5), 0)
+        sampled, tuning = core.sampled_poses(poses), core_tuning()
+        distances = core.Distances([cube.core] * 5, np.zeros(5), *on_links, order, 5, np.inf, tuning, sampled)
+        _, nearest, found, *_ = distances.of_poses(poses, 1, 0, 1)
         assert found[0] == pytest.approx(2.3)
         assert set(order[nearest[0]].tolist()) == {0, 1}

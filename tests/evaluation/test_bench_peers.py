@@ -12,7 +12,7 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Sphere
 from plannercheck.common.cache import cache_folder, read_cached, write_to_cache
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench import compiled_coal_loop, pairs
+from plannercheck.evaluation.bench import compiled_coal_loop, distances, pairs
 from plannercheck.evaluation.bench.coal_loop import COLD_VARIANTS, VARIANTS, CoalLoop, PosedBodies
 from plannercheck.evaluation.bench.methods import methods
 from plannercheck.evaluation.bench.motion_sets import along_motions
@@ -171,3 +171,14 @@ def test_vamp_has_only_its_own_robots():
     pytest.importorskip("vamp")
     with pytest.raises(PlannercheckError, match="VAMP has no robot 'talos'"):
         VampModel(Checker(Robot.load("talos")))
+
+
+def test_other_libraries_measure_the_distances_of_the_same_pairs(checker):
+    left_out: list[str] = []
+    rows = distances.measure(checker, 60, 1, 0, left_out.append)
+    assert {row.states for row in rows} == {"at random", "along motions"}
+    assert {row.method for row in rows} >= {"distances", "Pinocchio, all pairs", "coal, near pairs"}
+    assert all("drake" in reason for reason in left_out)
+    q = distances.free_states(checker, 20, 1)
+    found, table = distances.coal_distances(checker, q)(), checker.distances(q, distances.LIMIT)
+    np.testing.assert_allclose(found, table.distance, atol=1e-5)

@@ -13,7 +13,7 @@ from plannercheck.cli.main import main
 from plannercheck.evaluation.campaign.campaign import run
 from plannercheck.evaluation.campaign.cases import load, save
 from plannercheck.evaluation.campaign.tallies import total
-from plannercheck.evaluation.stress_motions import cell_subject
+from plannercheck.evaluation.stress_motions import cell_numbers
 from plannercheck.evaluation.stress_motions.campaign import campaign, families_of
 from plannercheck.evaluation.stress_motions.cases import shrunk
 from plannercheck.evaluation.stress_motions.cell_draws import CELL_WEIGHTS, cell_draw
@@ -67,7 +67,7 @@ def test_wrong_answers_are_found(asked: str, wrong: Any, kind: str, monkeypatch:
 
 
 def test_a_merge_that_forgets_starts_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cell_subject, "on_one_clock", lambda cell, runs, starts: on_one_clock(cell, runs))
+    monkeypatch.setattr(cell_numbers, "on_one_clock", lambda cell, runs, starts: on_one_clock(cell, runs))
     found = run(campaign(4, ("arms",)), 40)
     assert total(found.faults, family="arms", outcome=COLLISION) > 0
 

@@ -25,6 +25,7 @@ LAYERS = [
     ["bodies", "robots"],
     ["narrow_phase", "broad_phase"],
     ["checking"],
+    ["distances"],
     ["motions"],
     ["planar"],
     ["bindings"],

@@ -19,6 +19,7 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   plannercheck::bind_planar_motion(m);
   plannercheck::bind_motion(m);
   plannercheck::bind_distance(m);
+  plannercheck::bind_distance_tables(m);
   plannercheck::bind_pair_queries(m);
   plannercheck::bind_points(m);
   plannercheck::bind_game(m);

@@ -24,6 +24,7 @@ void bind_planar_checker(nanobind::module_& m);
 void bind_planar_motion(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
 void bind_distance(nanobind::module_& m);
+void bind_distance_tables(nanobind::module_& m);
 void bind_pair_queries(nanobind::module_& m);
 void bind_points(nanobind::module_& m);
 void bind_game(nanobind::module_& m);

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -89,6 +90,12 @@ class CheckerCore {
   void first_collisions(const double* links, std::size_t n, std::int32_t* first, Workspace& workspace) const;
   // The same for every pair: colliding[i * pair_count() + k] for configuration i and pair k.
   void all_collisions(const double* links, std::size_t n, std::uint8_t* colliding, Workspace& workspace) const;
+
+  // Calls visit(row, pairs) once for each row, in any order, with the pairs that no filter proves apart.
+  using NearVisitor = std::function<void(std::size_t row, const std::vector<std::int32_t>& pairs)>;
+  void near_pairs(const Kinematics& kinematics, const double* q, std::size_t n, const NearVisitor& visit,
+                  Workspace& workspace) const;
+  void near_pairs(const double* links, std::size_t n, const NearVisitor& visit, Workspace& workspace) const;
 
   // Whether the states (1 − t) q0 + t q1 at t = 0, 1/steps, …, 1 are all free; coarse to fine, to meet a collision
   // early.

@@ -259,6 +259,16 @@ void CheckerCore::all_collisions(const double* links, std::size_t n, std::uint8_
   });
 }
 
+void CheckerCore::near_pairs(const Kinematics& kinematics, const double* q, std::size_t n, const NearVisitor& visit,
+                             Workspace& w) const {
+  each_state(kinematics, q, n, Query::kWhichCollide, w,
+             [&](std::size_t row, std::size_t state, Found& found) { visit(row, found.near.of(state)); });
+}
+
+void CheckerCore::near_pairs(const double* links, std::size_t n, const NearVisitor& visit, Workspace& w) const {
+  each_state(links, n, w, [&](std::size_t row, std::size_t state, Found& found) { visit(row, found.near.of(state)); });
+}
+
 bool CheckerCore::motion_is_free(const Kinematics& kinematics, const double* q0, const double* q1, long steps,
                                  Workspace& w) const {
   begin_posing(kinematics, w);

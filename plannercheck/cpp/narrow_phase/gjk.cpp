@@ -98,16 +98,8 @@ void keep_corners(const CornerFace& face, Simplex& simplex) {
 bool reduce_to_nearest_face(Simplex& simplex, double& square) {
   const unsigned newest = 1U << (simplex.count - 1);
   CornerFace face, best;
-  if (simplex.count == 4) {  // first of all, as nothing is nearer
-    take_corners(simplex, 2 * newest - 1, face);
-    if (project(face) && square > 0) {
-      keep_corners(face, simplex);
-      square = 0;
-      return true;
-    }
-  }
-  const unsigned faces = simplex.count == 4 ? newest - 1 : newest;
-  for (unsigned others = 0; others < faces; ++others) {
+  // From all corners on: where the projection on them is inside, it is the nearest point of all.
+  for (unsigned others = newest; others-- > 0;) {
     take_corners(simplex, others | newest, face);
     if (face.count == 1) {
       face.weight = {1, 0, 0, 0};
@@ -115,8 +107,9 @@ bool reduce_to_nearest_face(Simplex& simplex, double& square) {
       continue;
     }
     const Vec3 v = face.nearest();
-    const double found = dot(v, v);
+    const double found = face.count == 4 ? 0 : dot(v, v);
     if (found < square) best = face, square = found;
+    if (face.count == simplex.count) break;
   }
   if (best.count > 0) keep_corners(best, simplex);
   return best.count > 0;

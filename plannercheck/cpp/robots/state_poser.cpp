@@ -70,8 +70,10 @@ void StatePoser::begin(const Kinematics& kinematics, const unsigned char* needed
     const int home = order.home[static_cast<std::size_t>(joint)];
     return home < 0 ? links + joint : home;
   };
+  places_.assign(kinematics.joints().size(), -1);
   for (const int i : order.joints) {
     const auto& joint = kinematics.joints()[static_cast<std::size_t>(i)];
+    places_[at(i)] = place(i);
     add(place(joint.parent), place(i), joint.placement, joint.form, &joint);
   }
   for (const int i : order.links) {

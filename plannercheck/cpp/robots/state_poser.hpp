@@ -25,6 +25,8 @@ class StatePoser {
 
   // q: width() numbers. Returns link_count() poses, of which only needed ones are written; valid until the next call.
   const PoseColumns* pose(const double* q);
+  // A joint that carries a needed link, as it was posed last.
+  const PoseColumns& of_joint(int joint) const { return poses_[at(places_[at(joint)])]; }
 
  private:
   // What is posed on `parent`, a place among the poses, or in the world if that is below 0.
@@ -50,7 +52,8 @@ class StatePoser {
 
   std::vector<Angles> angles_;
   std::vector<AngleLanes> cos_, sin_;
-  std::vector<PoseColumns> poses_;  // of links, then of joints that are no link's
+  std::vector<PoseColumns> poses_;    // of links, then of joints that are no link's
+  std::vector<std::int32_t> places_;  // of the joints among them, below 0 for those that carry no needed link
 
   int add_angle(const JointValue& value);
   void add(int parent, int to, const Rigid& placement, PlacementForm form, const Kinematics::Joint* joint);

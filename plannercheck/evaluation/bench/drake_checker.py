@@ -21,7 +21,17 @@ from plannercheck.motions.checker import Checker
 
 
 def drake(checker: Checker) -> Judge:
-    """Judges states by drake.
+    """Judges states by drake; errors as of `drake_model`."""
+    made = drake_model(checker)
+
+    def judge(q: Floats) -> NDArray[np.bool_]:
+        return np.array([made.CheckConfigCollisionFree(row) for row in checker.robot.expand(q)], dtype=bool)
+
+    return judge
+
+
+def drake_model(checker: Checker) -> Any:
+    """Drake's SceneGraphCollisionChecker.
 
     Raises:
         PlannercheckError: If drake is not installed, or a body or a joint has no counterpart here.
@@ -39,11 +49,7 @@ def drake(checker: Checker) -> Judge:
         model=builder.Build(), robot_model_instances=[robot], edge_step_size=0.05, implicit_context_parallelism=False
     )
     _filter(made, bodies, checker)
-
-    def judge(q: Floats) -> NDArray[np.bool_]:
-        return np.array([made.CheckConfigCollisionFree(row) for row in checker.robot.expand(q)], dtype=bool)
-
-    return judge
+    return made
 
 
 def _add_joints(plant: Any, model: Any) -> list[Any]:

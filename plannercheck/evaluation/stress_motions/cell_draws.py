@@ -30,6 +30,7 @@ from plannercheck.evaluation.stress_motions.tangents import tangents_of
 from plannercheck.evaluation.stress_motions.trees import CONTINUOUS, SLIDES, TURNS, Wishes, random_states, random_tree
 from plannercheck.robots.robot import CellPart, Robot
 from plannercheck.trajectories.controllers import Controller
+from plannercheck.trajectories.curve import Curve
 from plannercheck.trajectories.trajectory import Trajectory
 
 # Families: what the robots of a cell are.
@@ -250,16 +251,16 @@ def _rows(
         for name in names:
             columns = cell.parts[name].columns
             if name in moves:
-                run, passes = curves[name][k]
-                runs[name] = run._replace(start=instant - passes)
+                curve, passes = curves[name][k]
+                runs[name] = Run(instant - passes, curve)
             else:
-                runs[name] = Run(0.0, np.zeros(0), (middle[row : row + 1, columns],), np.zeros(len(columns)))
+                runs[name] = Run(0.0, middle[row, columns])
         at = min(instant / duration(runs), 1.0)
         found.append((row_of(float(times[row] - instant), list(runs.values())), at))
     return found
 
 
-def _curves(part: CellPart, motions: Motions, middle: Floats, rng: np.random.Generator) -> list[tuple[Run, float]]:
+def _curves(part: CellPart, motions: Motions, middle: Floats, rng: np.random.Generator) -> list[tuple[Curve, float]]:
     """Curves of one robot through its part of states, and when they pass it, s of their own clock."""
     own = Motions(
         motions.q0[:, part.columns],
@@ -287,8 +288,8 @@ def _curves(part: CellPart, motions: Motions, middle: Floats, rng: np.random.Gen
             lengths.append(_length(rng))
         breaks = float(rng.choice(_BEGINS)) + np.cumsum([0.0, *lengths])
         passes = float(breaks[before] + at[k] * (breaks[before + 1] - breaks[before]))
-        run = Run(0.0, breaks, tuple(pieces), np.zeros(len(units)))
-        found.append((_controlled(run, before, rng) if is_controlled else run, passes))
+        curve = Curve(breaks, tuple(pieces), np.zeros(len(units)))
+        found.append((_controlled(curve, before, rng) if is_controlled else curve, passes))
     return found
 
 
@@ -304,11 +305,11 @@ def _beside(point: Floats, units: Any, rng: np.random.Generator) -> Floats:
     return points
 
 
-def _controlled(run: Run, through: int, rng: np.random.Generator) -> Run:
+def _controlled(curve: Curve, through: int, rng: np.random.Generator) -> Curve:
     """The same piece through the contact by a controller, which runs others before and after."""
-    points, length = run.pieces[through], run.breaks[through + 1] - run.breaks[through]
+    points, length = curve.pieces[through], curve.breaks[through + 1] - curve.breaks[through]
     degree = len(points) - 1
-    q = np.array([run.pieces[0][0], *(piece[-1] for piece in run.pieces)])
+    q = np.array([curve.pieces[0][0], *(piece[-1] for piece in curve.pieces)])
     v, a = (rng.normal(size=q.shape) for _ in range(2))
     v[-1] = a[-1] = 0.0
     velocity, acceleration = (
@@ -318,7 +319,6 @@ def _controlled(run: Run, through: int, rng: np.random.Generator) -> Run:
     v[[through, through + 1]] = velocity[[0, -1]]
     if degree == 5:
         a[[through, through + 1]] = acceleration[[0, -1]] / length**2
-    made = Trajectory(
-        run.breaks, q, v if degree > 1 else None, a if degree == 5 else None, controller=_CONTROLLERS[degree]
+    return Trajectory(
+        curve.breaks, q, v if degree > 1 else None, a if degree == 5 else None, controller=_CONTROLLERS[degree]
     ).curve
-    return Run(0.0, made.breaks, made.pieces, made.error)

@@ -16,7 +16,7 @@ import numpy as np
 
 from plannercheck.bodies.tuning import DEFAULT_TUNING, Tuning
 from plannercheck.common.array_types import Bools, Floats
-from plannercheck.evaluation.stress_motions.cell_numbers import Run, duration, runs_of
+from plannercheck.evaluation.stress_motions.cell_numbers import duration, merged, runs_of
 from plannercheck.evaluation.stress_motions.recipes import CellRecipe, cell_checker
 from plannercheck.evaluation.stress_motions.subjects import Subject
 from plannercheck.evaluation.stress_motions.tube_reach import TubeReach
@@ -27,7 +27,6 @@ from plannercheck.motions.trajectory_checks import TrajectoryChecks
 from plannercheck.motions.trajectory_verdict import TrajectoryVerdict
 from plannercheck.proofs import Proof, load_proofs, save_proofs
 from plannercheck.robots.robot import Robot
-from plannercheck.trajectories.one_clock import on_one_clock
 from plannercheck.trajectories.trajectory import Trajectory
 
 
@@ -41,7 +40,6 @@ class CellSubject(Subject):
         """Builds a new checker; `cell` if it was built already."""
         super().__init__(cell_checker(recipe, cell, tuning), {})
         self.padding = float(recipe["padding"])
-        self._merged: dict[bytes, Trajectory] = {}
         self._clocked: dict[bytes, tuple[Checker, Trajectory]] = {}
 
     # ----- verdicts
@@ -85,12 +83,13 @@ class CellSubject(Subject):
         checks, curve = TrajectoryChecks(checker, q1, tolerance), judged.curve
         around = np.append(checks.tube_of(judged), 0.0)[None]
         begin, length = float(curve.breaks[0]), judged.duration
-        certifier, results = checker.certifier_of("slerp"), []
+        certifier, results = checker.certifier_of("slerp"), list[MotionResult]()
         for piece, first, last in zip(curve.pieces, curve.breaks[:-1].tolist(), curve.breaks[1:].tolist(), strict=True):
             result = certifier.result(Curves(piece[None], around), tolerance, proofs)
-            results.append(result._replace(near=(first - begin + result.near * (last - first)) / length))
-        refused = [result for result in results if not result.free]
-        return refused[0] if refused else min(results, key=lambda result: result.proved_until)
+            if not result.free:
+                return result._replace(near=(first - begin + result.near * (last - first)) / length)
+            results.append(result)
+        return min(results, key=lambda result: result.proved_until)
 
     # ----- states
 
@@ -120,8 +119,11 @@ class CellSubject(Subject):
         """See `Subject`."""
         start_time, runs = runs_of(self.robot, q0)
         times = parameters * duration(runs)
-        rows = {name: run.at(times, self._units(name)) for name, run in runs.items()}
-        return np.column_stack([self.robot.join(rows), start_time + times])
+        found = np.empty((len(times), self.robot.nq + 1))
+        for name, run in runs.items():
+            found[:, self.robot.parts[name].columns] = run.at(times)
+        found[:, -1] = start_time + times
+        return found
 
     def slack(self, q0: Floats, q1: Floats) -> float:
         """See `Subject`: of all pairs, the largest sum of lever arms by the tube."""
@@ -139,13 +141,7 @@ class CellSubject(Subject):
 
     def merged(self, row: Floats) -> Trajectory:
         """The trajectory of a row on one clock."""
-        key = row.tobytes()
-        if key not in self._merged:
-            _, runs = runs_of(self.robot, row)
-            starts = {name: run.start for name, run in runs.items() if len(run.breaks)}
-            given = {name: self._given(name, run) for name, run in runs.items()}
-            self._merged[key] = on_one_clock(self.robot, given, starts)
-        return self._merged[key]
+        return merged(self.robot, row.tobytes())
 
     def _on_clock(self, row: Floats) -> tuple[Checker, Trajectory]:
         """The checker that judges a row, and its trajectory with the numbers of what moves."""
@@ -154,13 +150,6 @@ class CellSubject(Subject):
             checker, (judged,) = self.checker._on_clock([self.merged(row)], float(row[0]))
             self._clocked[key] = checker, judged
         return self._clocked[key]
-
-    def _given(self, name: str, run: Run) -> Trajectory | Floats:
-        return run.given(self._units(name))
-
-    def _units(self, name: str) -> tuple[tuple[int, int], ...]:
-        robot: Robot = self.robot
-        return robot.parts[name].robot.configuration_map.units
 
     @property
     def _moves(self) -> bool:

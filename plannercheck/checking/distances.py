@@ -1,0 +1,105 @@
+"""Tables of distances: the pairs that are near, their nearest points, and gradients by the configuration.
+
+In: rows that the core measured (cpp/distances). Out: `Distances`, a row for each pair of each configuration that is
+nearer than a limit. A gradient is the normal times the difference of both points' velocities; where more than one pair
+of points is nearest, the distance has derivatives along directions only (Danskin's theorem): the least one over these
+pairs of points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.checking.nearest_sets import nearest_points_of
+from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
+from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.public_names import set_module
+
+# Two posed bodies without padding, and the gradients (n, nv) at points (n, 3) of the first one: of a row.
+Bodies = tuple[Polytope, Floats, Polytope, Floats]
+Posed = Callable[[int], tuple[Bodies, Callable[[Floats], Floats]]]
+
+
+@set_module("plannercheck")
+@dataclass(frozen=True, eq=False, repr=False)
+class Distances(OwnsArrays):
+    """Distances of pairs, in the order of the configurations, the nearest pair of each first.
+
+    Attributes:
+        state: (r,) row of the configurations that were given.
+        pair: (r,) row of the checker's `pairs`.
+        distance: (r,) m, without the padding. Negative where the bodies overlap: moving the first body by its amount
+            along the normal separates them; see `signed_distance`.
+        lower: (r,) m, a proved lower bound of the distance.
+        points: (r, 2, 3) the nearest points of both bodies in the world, m.
+        normal: (r, 3) of length 1, in the world, from the second body to the first.
+        gradient: (r, nv) derivative of the distance by the configuration, in m/rad and m/m; (r, 0) if not asked for.
+            Its columns are those of Pinocchio's tangent for the group: one for each number of the configuration, but
+            for a joint given by cosine and sine one, for a ball joint three (turns about x, y and z of its own frame),
+            and for a free or planar joint its velocity along the axes of its own frame, then its turn.
+        gap: (r,) all nearest pairs of points are proved to be within this of each other, m; infinite where nothing is
+            proved: where faces or edges are parallel, where bodies overlap, and for solids, clouds and maps.
+        unique: (r,) whether that is at most 1e-8 of the smaller body's radius: only one pair of points is nearest, and
+            the distance has the gradient.
+    """
+
+    state: Ints64
+    pair: Ints
+    distance: Floats
+    lower: Floats
+    points: Floats
+    normal: Floats
+    gap: Floats
+    unique: Bools
+    gradient: Floats
+    _posed: Posed | None = field(default=None, compare=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_posed": None}  # the checker is left behind
+
+    def __len__(self) -> int:
+        return len(self.state)
+
+    def __repr__(self) -> str:
+        if not len(self):
+            return "Distances(no pair within the limit)"
+        return (
+            f"Distances({len(self)} {'row' if len(self) == 1 else 'rows'} of {len(np.unique(self.state))} "
+            f"configurations, the least {self.distance.min():.6g} m, {self.unique.mean():.0%} unique)"
+        )
+
+    def directional(self, row: int, dq: ArrayLike) -> float:
+        """How fast a distance changes along a direction of the configuration, also where it has no gradient.
+
+        Args:
+            row: Of this table.
+            dq: (nv,) the direction, as the columns of `gradient`.
+
+        Returns:
+            The one-sided derivative, m/s for a dq in rad/s and m/s.
+
+        Raises:
+            PlannercheckError: If the table has no gradients, the direction is malformed, the bodies overlap, or one of
+                them is no hull.
+        """
+        direction = np.asarray(dq, dtype=np.float64)
+        if self._posed is None:
+            raise PlannercheckError(
+                "the table has no gradients, or comes from a pickle: ask for distances(..., gradients=True)"
+            )
+        if direction.shape != self.gradient.shape[1:] or not np.isfinite(direction).all():
+            raise PlannercheckError(f"dq must be {self.gradient.shape[1]} finite numbers")
+        if self.unique[row]:
+            return float(self.gradient[row] @ direction)
+        if self.distance[row] <= 0:
+            raise PlannercheckError(f"row {row}: the bodies overlap; derivatives are of bodies that are apart")
+        bodies, gradients_at = self._posed(row)
+        points = nearest_points_of(*bodies, self.points[row], self.normal[row])
+        return float((gradients_at(points) @ direction).min())

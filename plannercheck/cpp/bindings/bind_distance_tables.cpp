@@ -1,0 +1,189 @@
+// Tables of distances in Python: sets of configurations, with the GIL released, on any number of threads.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bindings/array_types.hpp"
+#include "bindings/module.hpp"
+#include "bindings/plain_floats.hpp"
+#include "bindings/workspace_pool.hpp"
+#include "distances/distance_core.hpp"
+
+namespace nb = nanobind;
+
+namespace plannercheck {
+namespace {
+
+using LinkPoses = InputArray<double, -1, -1, 4, 4>;
+using Configurations = InputArray<double, -1, -1>;
+
+// Rows that a thread measures at once.
+constexpr std::size_t kRowsAtOnce = 256;
+
+class BoundDistances : public Pooled<DistanceCore> {
+ public:
+  // `paddings`: the part of each body's inflation radius that does not count, m.
+  BoundDistances(const std::vector<std::shared_ptr<Polytope>>& bodies, InputArray<double, -1> paddings,
+                 InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements,
+                 InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count, double limit, const Tuning& tuning,
+                 std::shared_ptr<SampledPoses> sampled)
+      : Pooled(geometry_objects(bodies, paddings, links, placements), pairs_from(pairs), link_count, limit, tuning,
+               std::move(sampled)) {}
+
+  // measure(states, table, workspace) for shares of all states; rows in the order of states, then nearest first.
+  template <class Measure>
+  DistanceTable table(const GivenStates& all, std::size_t width, std::size_t tangent, int threads, Measure measure) {
+    const auto takers =
+        std::clamp<std::size_t>((all.count + kRowsAtOnce - 1) / kRowsAtOnce, 1, at(std::max(threads, 1)));
+    std::vector<DistanceTable> parts(takers);
+    std::atomic<std::size_t> taken{0};
+    without_gil(takers, [&](std::size_t taker) {
+      with_workspace([&](Workspace& w) {
+        for (;;) {
+          const std::size_t first = taken.fetch_add(kRowsAtOnce);
+          if (first >= all.count) break;
+          const std::size_t count = std::min(kRowsAtOnce, all.count - first);
+          measure(GivenStates{all.kinematics, all.numbers + first * width, first, count}, parts[taker], w);
+          poll_interruption();
+        }
+      });
+    });
+    return in_order(parts, tangent);
+  }
+
+ private:
+  static std::vector<GeometryObject> geometry_objects(const std::vector<std::shared_ptr<Polytope>>& bodies,
+                                                      InputArray<double, -1> paddings,
+                                                      InputArray<std::int32_t, -1> links,
+                                                      InputArray<double, -1, 4, 4> placements) {
+    std::vector<GeometryObject> out;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      std::shared_ptr<Polytope> body = bodies[i];
+      if (paddings(i) > 0) {
+        body = std::make_shared<Polytope>(*body);
+        body->inflation_radius = larger(body->inflation_radius - paddings(i), 0);
+      }
+      out.push_back({std::move(body), links(i), pose_from(placements.data() + 16 * i)});
+    }
+    return out;
+  }
+
+  static DistanceTable in_order(const std::vector<DistanceTable>& parts, std::size_t tangent) {
+    struct Place {
+      const DistanceRow* row;
+      const double* gradient;
+    };
+    std::vector<Place> places;
+    for (const DistanceTable& part : parts) {
+      for (std::size_t k = 0; k < part.rows.size(); ++k) {
+        places.push_back({&part.rows[k], part.gradients.data() + k * tangent});
+      }
+    }
+    std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+      if (a.row->state != b.row->state) return a.row->state < b.row->state;
+      if (a.row->distance != b.row->distance) return a.row->distance < b.row->distance;
+      return a.row->pair < b.row->pair;
+    });
+    DistanceTable out;
+    out.rows.reserve(places.size()), out.gradients.reserve(places.size() * tangent);
+    for (const Place& place : places) {
+      out.rows.push_back(*place.row);
+      out.gradients.insert(out.gradients.end(), place.gradient, place.gradient + tangent);
+    }
+    return out;
+  }
+};
+
+// (states, pairs, distances, lower bounds, points, normals, spreads, which are unique, gradients), a row each.
+nb::tuple arrays_of(const DistanceTable& table, std::size_t tangent) {
+  const std::size_t n = table.rows.size();
+  std::vector<std::int64_t> states(n);
+  std::vector<std::int32_t> pairs(n);
+  std::vector<std::uint8_t> unique(n);
+  std::vector<double> distances(n), lower(n), points, normals, spreads(n);
+  const auto put = [](std::vector<double>& to, Vec3 v) { to.insert(to.end(), {v.x, v.y, v.z}); };
+  for (std::size_t i = 0; i < n; ++i) {
+    const DistanceRow& row = table.rows[i];
+    states[i] = row.state, pairs[i] = row.pair, distances[i] = row.distance, lower[i] = row.lower;
+    put(points, row.on_a), put(points, row.on_b), put(normals, row.normal);
+    spreads[i] = row.spread, unique[i] = row.unique;
+  }
+  return nb::make_tuple(output_array(states, {n}), output_array(pairs, {n}), output_array(distances, {n}),
+                        output_array(lower, {n}), output_array(points, {n, 2, 3}), output_array(normals, {n, 3}),
+                        output_array(spreads, {n}), output_array(unique, {n}),
+                        output_array(table.gradients, {n, tangent}));
+}
+
+// `nearest`: how many pairs of each state; 0 for all within the limit.
+nb::tuple table_of(BoundDistances& distances, const GivenStates& states, std::size_t width, const Tangent* tangent,
+                   int nearest, int rounds, int threads) {
+  const std::size_t numbers = tangent == nullptr ? 0 : tangent->width;
+  const auto measure = [&](const GivenStates& some, DistanceTable& out, DistanceCore::Workspace& w) {
+    if (nearest > 0) {
+      distances.core().nearest(some, tangent, at(nearest), rounds, out, w);
+    } else {
+      distances.core().measure(some, tangent, out, w);
+    }
+  };
+  return arrays_of(distances.table(states, width, numbers, threads, measure), numbers);
+}
+
+using Places = InputArray<std::int32_t, -1>;
+
+Tangent tangent_of(const Places& places, const Kinematics& kinematics) {
+  if (places.shape(0) != at(kinematics.width())) throw nb::value_error("each number needs its place in the tangent");
+  Tangent out;
+  out.places.assign(places.data(), places.data() + places.shape(0));
+  for (const std::int32_t place : out.places) out.width = std::max(out.width, static_cast<std::size_t>(place + 1));
+  return out;
+}
+
+nb::tuple of_states(BoundDistances& distances, const Kinematics& kinematics, std::optional<Places> places,
+                    Configurations q, int nearest, int rounds, int threads) {
+  Tangent tangent;
+  if (places) tangent = tangent_of(*places, kinematics);
+  return table_of(distances, {&kinematics, q.data(), 0, q.shape(0)}, q.shape(1), places ? &tangent : nullptr, nearest,
+                  rounds, threads);
+}
+
+nb::tuple of_poses(BoundDistances& distances, LinkPoses poses, int nearest, int rounds, int threads) {
+  return table_of(distances, {nullptr, poses.data(), 0, poses.shape(0)}, poses.shape(1) * 16, nullptr, nearest, rounds,
+                  threads);
+}
+
+// (points, tangent) for points (n, 3) of the first body of a pair, at one configuration.
+auto gradients_at(BoundDistances& distances, const Kinematics& kinematics, Places places, InputArray<double, -1> q,
+                  int pair, InputArray<double, 3> normal, InputArray<double, -1, 3> points) {
+  const Tangent tangent = tangent_of(places, kinematics);
+  const std::size_t n = points.shape(0);
+  std::vector<double> out;
+  distances.with_workspace([&](DistanceCore::Workspace& w) {
+    distances.core().gradients_at({&kinematics, q.data(), 0, 1}, tangent, pair, {normal(0), normal(1), normal(2)},
+                                  points.data(), n, out, w);
+  });
+  return output_array(out, {n, tangent.width});
+}
+
+}  // namespace
+
+void bind_distance_tables(nb::module_& m) {
+  nb::class_<BoundDistances>(m, "Distances")
+      .def(nb::init<const std::vector<std::shared_ptr<Polytope>>&, InputArray<double, -1>, InputArray<std::int32_t, -1>,
+                    InputArray<double, -1, 4, 4>, InputArray<std::int32_t, -1, 2>, std::int32_t, double, const Tuning&,
+                    std::shared_ptr<SampledPoses>>(),
+           plain_floats)
+      .def("of_states", &of_states, nb::arg("kinematics"), nb::arg("places").none(), nb::arg("q"), nb::arg("nearest"),
+           nb::arg("rounds"), nb::arg("threads"), plain_floats)
+      .def("gradients_at", &gradients_at, plain_floats)
+      .def("of_poses", &of_poses, plain_floats);
+}
+
+}  // namespace plannercheck

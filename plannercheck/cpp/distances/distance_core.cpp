@@ -1,0 +1,217 @@
+#include "distances/distance_core.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "math/interruption.hpp"
+#include "narrow_phase/distance.hpp"
+#include "robots/state_poser.hpp"
+
+namespace plannercheck {
+namespace {
+
+// Bodies inflated by this part of the limit meet wherever they are no further apart than the limit, whatever rounding.
+constexpr double kHalfAndMore = 0.5 * (1 + 1e-9);
+
+constexpr std::size_t kPoseNumbersGiven = 16;
+
+// Nearest points that are all within this part of the bodies' radii count as one.
+constexpr double kOnePoint = 1e-8;
+
+std::vector<GeometryObject> inflated(std::vector<GeometryObject> objects, double by) {
+  for (GeometryObject& object : objects) {
+    auto body = std::make_shared<Polytope>(*object.body);
+    body->inflation_radius += by;
+    object.body = std::move(body);
+  }
+  return objects;
+}
+
+// Solids and sets may be nearest in several places.
+bool is_convex(const Polytope& body) { return body.kind() == Kind::kHull || body.kind() == Kind::kHalfSpace; }
+
+}  // namespace
+
+struct DistanceCore::Workspace {
+  std::shared_ptr<CheckerCore::Workspace> near;
+  StatePoser poser;
+  std::uint64_t kinematics = 0;        // for which the poser and the joints are prepared
+  std::vector<CarryingJoints> joints;  // per pair
+  std::vector<double> gaps;            // per pair: of the balls around its bodies
+  std::vector<std::int32_t> order;     // of the pairs, by these
+  std::vector<PoseColumns> links;      // of a state whose links are given
+  PairCounters counters;
+};
+
+DistanceCore::DistanceCore(std::vector<GeometryObject> bodies, std::vector<std::array<std::int32_t, 2>> pairs,
+                           std::int32_t links, double limit, const Tuning& tuning,
+                           std::shared_ptr<const SampledPoses> sampled)
+    : bodies_(std::move(bodies)),
+      pairs_(std::move(pairs)),
+      links_(links),
+      limit_(limit),
+      needed_(at(links), 0),
+      all_pairs_(indices_below(pairs_.size())),
+      edges_(bodies_.size()) {
+  for (const auto& pair : pairs_) {
+    for (const std::int32_t body : pair) {
+      if (bodies_[at(body)].link >= 0) needed_[at(bodies_[at(body)].link)] = 1;
+    }
+  }
+  if (std::isfinite(limit_)) {
+    near_ = std::make_unique<const CheckerCore>(inflated(bodies_, limit_ * kHalfAndMore), pairs_, links_, tuning,
+                                                std::move(sampled), std::vector<PairsInCells>{});
+  }
+}
+
+std::shared_ptr<DistanceCore::Workspace> DistanceCore::new_workspace() const {
+  auto w = std::make_shared<Workspace>();
+  if (near_) w->near = near_->new_workspace();
+  return w;
+}
+
+CheckerCounters DistanceCore::take_counters(Workspace& w) {
+  CheckerCounters out = w.near ? CheckerCore::take_counters(*w.near) : CheckerCounters{};
+  out.pair += std::exchange(w.counters, {});
+  return out;
+}
+
+void DistanceCore::prepare(const GivenStates& states, const Tangent* tangent, Workspace& w) const {
+  if (states.kinematics == nullptr) {
+    w.links.resize(at(links_));
+    return;
+  }
+  if (w.kinematics != states.kinematics->id()) {
+    w.poser.begin(*states.kinematics, needed_.data());
+    w.joints.clear();
+    w.kinematics = states.kinematics->id();
+  }
+  if (tangent == nullptr || !w.joints.empty()) return;
+  for (const auto& [a, b] : pairs_) {
+    w.joints.push_back(carrying_joints(*states.kinematics, bodies_[at(a)].link, bodies_[at(b)].link));
+  }
+}
+
+// ----- what is asked
+
+void DistanceCore::measure(const GivenStates& states, const Tangent* tangent, DistanceTable& out, Workspace& w) const {
+  prepare(states, tangent, w);
+  const auto measured = [&](std::size_t row, const std::vector<std::int32_t>& pairs) {
+    if (pairs.empty()) return;
+    const PoseColumns* const links = posed_links(states, row, w);
+    for (const std::int32_t pair : pairs) {
+      const auto [a, b] = pairs_[at(pair)];
+      const PairDistance found = pair_distance(posed(a, links), posed(b, links), limit_, w.counters);
+      if (found.upper <= limit_) add_row(row, pair, found, links, states, tangent, out, w);
+    }
+  };
+  if (near_ && states.kinematics != nullptr) {
+    near_->near_pairs(*states.kinematics, states.numbers, states.count, measured, *w.near);
+  } else if (near_) {
+    near_->near_pairs(states.numbers, states.count, measured, *w.near);
+  } else {
+    for (std::size_t row = 0; row < states.count; ++row) {
+      poll_interruption();
+      measured(row, all_pairs_);
+    }
+  }
+}
+
+void DistanceCore::nearest(const GivenStates& states, const Tangent* tangent, std::size_t count, int rounds,
+                           DistanceTable& out, Workspace& w) const {
+  struct Candidate {
+    PairDistance found;
+    std::int32_t pair;
+  };
+  const auto is_nearer = [](const Candidate& a, const Candidate& b) {
+    const double of_a = a.found.measured(), of_b = b.found.measured();
+    return of_a < of_b || (of_a == of_b && a.pair < b.pair);
+  };
+  prepare(states, tangent, w);
+  std::vector<Candidate> best;
+  for (std::size_t row = 0; row < states.count; ++row) {
+    poll_interruption();
+    const PoseColumns* const links = posed_links(states, row, w);
+    order_by_gaps(links, w);
+    best.clear();
+    for (const std::int32_t pair : w.order) {
+      const double limit = best.size() < count ? kNoLimit : best.back().found.measured();
+      if (best.size() == count && w.gaps[at(pair)] > limit) break;
+      const PosedPolytope a = posed(pairs_[at(pair)][0], links), b = posed(pairs_[at(pair)][1], links);
+      PairDistance found;
+      if (rounds > 0) {
+        found.lower = found.upper = distance_bound(a, b, rounds, w.counters);
+      } else {
+        found = pair_distance(a, b, limit, w.counters);
+      }
+      const Candidate candidate{found, pair};
+      if (found.lower > limit || (best.size() == count && !is_nearer(candidate, best.back()))) continue;
+      if (best.size() == count) best.pop_back();
+      best.insert(std::upper_bound(best.begin(), best.end(), candidate, is_nearer), candidate);
+    }
+    for (const auto& [found, pair] : best) add_row(row, pair, found, links, states, tangent, out, w);
+  }
+}
+
+void DistanceCore::gradients_at(const GivenStates& state, const Tangent& tangent, std::int32_t pair, Vec3 normal,
+                                const double* points, std::size_t count, std::vector<double>& out, Workspace& w) const {
+  prepare(state, &tangent, w);
+  posed_links(state, 0, w);
+  out.assign(count * tangent.width, 0.0);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vec3 point{points[3 * k], points[3 * k + 1], points[3 * k + 2]};
+    add_gradient(*state.kinematics, w.poser, w.joints[at(pair)], tangent, point, normal, &out[k * tangent.width]);
+  }
+}
+
+// ----- one state
+
+const PoseColumns* DistanceCore::posed_links(const GivenStates& states, std::size_t row, Workspace& w) const {
+  if (states.kinematics != nullptr) return w.poser.pose(states.numbers + row * at(states.kinematics->width()));
+  const double* const links = states.numbers + row * at(links_) * kPoseNumbersGiven;
+  for (std::size_t k = 0; k < w.links.size(); ++k) w.links[k] = columns_of(links + k * kPoseNumbersGiven);
+  return w.links.data();
+}
+
+PosedPolytope DistanceCore::posed(std::int32_t body, const PoseColumns* links) const {
+  const GeometryObject& object = bodies_[at(body)];
+  return {object.body.get(), object.link < 0 ? object.placement : placed_on(links[at(object.link)], object.placement)};
+}
+
+void DistanceCore::order_by_gaps(const PoseColumns* links, Workspace& w) const {
+  w.gaps.resize(pairs_.size());
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    w.gaps[k] = ball_gap(posed(pairs_[k][0], links), posed(pairs_[k][1], links));
+  }
+  w.order = all_pairs_;
+  std::sort(w.order.begin(), w.order.end(), [&](std::int32_t a, std::int32_t b) {
+    return w.gaps[at(a)] < w.gaps[at(b)] || (w.gaps[at(a)] == w.gaps[at(b)] && a < b);
+  });
+}
+
+void DistanceCore::add_row(std::size_t state, std::int32_t pair, const PairDistance& found, const PoseColumns* links,
+                           const GivenStates& states, const Tangent* tangent, DistanceTable& out, Workspace& w) const {
+  const auto [a, b] = pairs_[at(pair)];
+  const double apart = spread(pair, links, found, w.counters);
+  const double size = smaller(bodies_[at(a)].body->radius, bodies_[at(b)].body->radius);
+  out.rows.push_back({static_cast<std::int64_t>(states.first + state), pair, found.measured(), found.lower,
+                      found.on_body_a, found.on_body_b, found.direction, apart, apart <= kOnePoint * size});
+  if (tangent == nullptr) return;
+  out.gradients.resize(out.gradients.size() + tangent->width, 0.0);
+  double* const gradient = out.gradients.data() + out.gradients.size() - tangent->width;
+  add_gradient(*states.kinematics, w.poser, w.joints[at(pair)], *tangent, found.on_body_a, found.direction, gradient);
+}
+
+double DistanceCore::spread(std::int32_t pair, const PoseColumns* links, const PairDistance& found,
+                            PairCounters& counters) const {
+  const auto [a, b] = pairs_[at(pair)];
+  if (found.overlap || !is_convex(*bodies_[at(a)].body) || !is_convex(*bodies_[at(b)].body)) return kNoLimit;
+  return nearest_spread(posed(a, links), edges(a), posed(b, links), edges(b), found, counters);
+}
+
+const HullEdges& DistanceCore::edges(std::int32_t body) const {
+  return edges_[at(body)].get([&] { return edges_of(*bodies_[at(body)].body); });
+}
+
+}  // namespace plannercheck

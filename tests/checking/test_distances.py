@@ -1,0 +1,268 @@
+"""Tables of distances against single pairs, Pinocchio's tangent, and derivatives in 300 bits."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import plannercheck as pc
+from plannercheck.bodies.shapes import Box, Sphere
+from tests.benchmarks.gradients import scene_around
+from tests.support.gradient_oracle import Differences
+
+LIMIT = 0.1
+
+
+def free_boxes_urdf(joint: str, size="0.1 0.2 0.3") -> str:
+    """A box on one joint."""
+    box = f'<collision><geometry><box size="{size}"/></geometry></collision>'
+    return f'<robot name="one"><link name="base"/><link name="body">{box}</link>{joint}</robot>'
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return pc.Robot.load("panda")
+
+
+@pytest.fixture(scope="module")
+def checker(panda):
+    return pc.Checker(panda, scene_around(panda, 0))
+
+
+@pytest.fixture(scope="module")
+def states(panda):
+    return panda.random_configurations(150, seed=1)
+
+
+def rows_of(table):
+    return list(zip(table.state.tolist(), table.pair.tolist(), table.distance.tolist(), strict=True))
+
+
+def test_rows_are_the_pairs_nearer_than_the_limit(checker, states):
+    table = checker.distances(states, LIMIT)
+    found = {(state, pair): distance for state, pair, distance in rows_of(table)}
+    polytopes = [checker._preparation.polytope(k) for k in range(len(checker.bodies))]
+    for state in range(0, len(states), 10):
+        poses = checker.body_poses(states[state])[0]
+        for pair, (a, b) in enumerate(checker.pairs.tolist()):
+            single = pc.distance(polytopes[a], polytopes[b], poses[a], poses[b])
+            if single.distance <= LIMIT:
+                row = found.pop((state, pair))
+                assert row == (single.distance if single.distance > 0 else pytest.approx(single.lower_bound, abs=1e-9))
+            else:
+                assert (state, pair) not in found
+    assert not [state for state, _ in found if state % 10 == 0]
+    assert (table.lower <= table.distance).all()
+    order = np.lexsort((table.pair, table.distance, table.state))
+    np.testing.assert_array_equal(order, np.arange(len(table)))
+
+
+def test_points_are_as_far_apart_as_the_distance_along_the_normal(checker, states):
+    table = checker.distances(states)
+    apart = table.distance > 0
+    between = table.points[:, 0] - table.points[:, 1]
+    np.testing.assert_allclose(between[apart], (table.distance[:, None] * table.normal)[apart], atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(table.normal, axis=1), 1, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"threads": 4},
+        {"tuning": pc.Tuning(bounds=False, boxes=False, float_poses=False)},
+        {"tuning": pc.Tuning(learning=False, sorted_states=False)},
+        {"limit": 1.0},
+        {"limit": np.inf},
+    ],
+)
+def test_rows_depend_on_the_configuration_alone(panda, checker, states, change):
+    """Whatever the threads, tuning, limit and the other configurations."""
+    rng = np.random.default_rng(0)
+    order = rng.permutation(len(states))
+    tuning = change.pop("tuning", pc.Tuning())
+    other = pc.Checker(panda, checker.scene, tuning=tuning)
+    table = checker.distances(states, LIMIT)
+    again = other.distances(states[order], **{"limit": LIMIT, **change})
+    singles = [checker.distances(q, LIMIT) for q in states[:20]]
+    near = again.distance <= LIMIT
+    expected = {
+        (s, p): (d, *g) for s, p, d, g in zip(table.state, table.pair, table.distance, table.gradient, strict=True)
+    }
+    moved = zip(order[again.state[near]], again.pair[near], again.distance[near], again.gradient[near], strict=True)
+    assert {(s, p): (d, *g) for s, p, d, g in moved} == expected
+    for state, single in enumerate(singles):
+        own = table.state == state
+        np.testing.assert_array_equal(single.gradient, table.gradient[own])
+        np.testing.assert_array_equal(single.points, table.points[own])
+
+
+def test_gradients_are_those_of_300_bits(checker, states):
+    table = checker.distances(states)
+    differences, chosen = Differences(checker), np.flatnonzero(table.unique)
+    assert 0.5 < table.unique[table.distance > 0].mean() < 1
+    for k in chosen[:: len(chosen) // 25].tolist():
+        found, apart = differences.gradient(
+            states[table.state[k]], int(table.pair[k]), table.normal[k], table.distance[k]
+        )
+        assert abs(apart - table.distance[k]) < 1e-13
+        np.testing.assert_allclose(table.gradient[k], found, atol=1e-12)
+
+
+JOINTS = {
+    "floating": '<joint name="j" type="floating"><parent link="base"/><child link="body"/></joint>',
+    "planar": '<joint name="j" type="planar"><parent link="base"/><child link="body"/><axis xyz="0 0 1"/></joint>',
+    "continuous": '<joint name="j" type="continuous"><parent link="base"/><child link="body"/><axis xyz="0.6 0 0.8"/>'
+    '<origin xyz="0.3 0 0"/></joint>',
+}
+
+
+@pytest.mark.parametrize("kind", JOINTS)
+def test_gradients_are_in_pinocchios_tangent(tmp_path, kind):
+    """The distance changes along each tangent direction, by Pinocchio's integration, as the gradient says."""
+    path = tmp_path / "one.urdf"
+    path.write_text(free_boxes_urdf(JOINTS[kind]))
+    robot = pc.Robot.from_urdf(path)
+    scene, pose = pc.Scene("ball"), np.eye(4)
+    pose[:3, 3] = 0.5, 0.2, -0.1
+    scene.add("ball", Sphere(0.05), pose)
+    checker = pc.Checker(robot, scene)
+    model = robot.model
+    for q in robot.random_configurations(20, seed=2):
+        (table,) = [checker.distances(q, np.inf)]
+        assert table.gradient.shape == (1, model.nv)
+        if not table.unique[0] or table.distance[0] < 0.01:
+            continue
+        full = robot.configuration_map.expand(q[None])[0]
+        for k, direction in enumerate(np.eye(model.nv)):
+            ends = [self_configuration(robot, pin.integrate(model, full, step * direction)) for step in (1e-6, -1e-6)]
+            apart = [checker.clearance(end) for end in ends]
+            assert (apart[0] - apart[1]) / 2e-6 == pytest.approx(table.gradient[0, k], abs=1e-7)
+
+
+def self_configuration(robot, full):
+    """The group's configuration from Pinocchio's: a continuous joint's angle from its cosine and sine."""
+    if robot.nq == len(full):
+        return full
+    return np.array([np.arctan2(full[1], full[0])])
+
+
+def parallel_boxes(tmp_path):
+    """A box that slides and turns over a larger one, face to face."""
+    joints = (
+        '<joint name="z" type="prismatic"><parent link="base"/><child link="lift"/><axis xyz="0 0 1"/>'
+        '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint><link name="lift"/>'
+        '<joint name="tilt" type="revolute"><parent link="lift"/><child link="body"/><axis xyz="0 1 0"/>'
+        '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+    )
+    path = tmp_path / "lift.urdf"
+    path.write_text(free_boxes_urdf(joints, "0.2 0.2 0.2"))
+    scene, pose = pc.Scene("floor"), np.eye(4)
+    pose[2, 3] = -0.5
+    scene.add("floor", Box((1.0, 1.0, 1.0)), pose)
+    return pc.Checker(pc.Robot.from_urdf(path), scene)
+
+
+def test_parallel_faces_have_derivatives_along_directions_only(tmp_path):
+    checker = parallel_boxes(tmp_path)
+    flat = checker.distances([0.15, 0.0])
+    assert not flat.unique[0]
+    assert flat.gap[0] == np.inf
+    for direction in ([0.0, 1.0], [0.0, -1.0], [1.0, 0.3]):
+        found = flat.directional(0, direction)
+        steps = [checker.clearance(np.array([0.15, 0.0]) + h * np.array(direction)) for h in (0, 1e-7)]
+        assert found == pytest.approx((steps[1] - steps[0]) / 1e-7, abs=1e-6)
+    tilted = checker.distances([0.15, 0.2])
+    assert not tilted.unique[0]  # an edge over a face
+    assert checker.distances([0.15, 0.2], np.inf).distance[0] == tilted.distance[0]
+
+
+def test_nearest_pairs_are_the_first_ones_of_all(checker, states):
+    everything = checker.distances(states[:30], np.inf, gradients=False)
+    nearest = checker.distances(states[:30], nearest=3)
+    for state in range(30):
+        own, all_own = nearest.state == state, everything.state == state
+        assert own.sum() == 3
+        np.testing.assert_allclose(nearest.distance[own], everything.distance[all_own][:3], rtol=1e-9, atol=1e-12)
+    np.testing.assert_array_equal(checker.clearances(states[:30]), checker.distances(states[:30], nearest=1).distance)
+    np.testing.assert_array_equal(checker.nearest_pair(states[:30]), checker.distances(states[:30], nearest=1).pair)
+
+
+def test_padding_is_left_out(panda, checker, states):
+    padded = pc.Checker(panda, checker.scene, padding=0.02)
+    plain = {row[:2]: row[2] for row in rows_of(checker.distances(states))}
+    for state, pair, distance in rows_of(padded.distances(states)):
+        names = padded.pair_names(pair)
+        (other,) = [
+            k
+            for k in range(len(checker.pairs))
+            if checker.pair_names(k) == names and (state, k) in plain and abs(plain[state, k] - distance) < 1e-9
+        ][:1]
+        assert plain[state, other] == pytest.approx(distance, abs=1e-9)
+
+
+def test_pinocchios_poses_give_the_same_rows_without_gradients(panda, checker, states):
+    by_pinocchio = pc.Checker(panda, checker.scene, kinematics="pinocchio")
+    table, other = checker.distances(states, gradients=False), by_pinocchio.distances(states, gradients=False)
+    np.testing.assert_array_equal(table.pair, other.pair)
+    np.testing.assert_allclose(table.distance, other.distance, atol=1e-9)
+    with pytest.raises(pc.PlannercheckError, match="Pinocchio poses"):
+        by_pinocchio.distances(states)
+
+
+def test_moving_obstacles_are_measured_at_their_times(panda):
+    scene, start, end = pc.Scene("moves"), np.eye(4), np.eye(4)
+    start[:3, 3], end[:3, 3] = (0.6, 0.0, 0.5), (0.6, 1.0, 0.5)
+    scene.add("ball", Sphere(0.1), pc.Moving([0.0, 10.0], [start, end]))
+    moving, q = pc.Checker(panda, scene), panda.reference[None].repeat(3, axis=0)
+    table = moving.distances(q, np.inf, times=[0.0, 5.0, 10.0])
+    assert table.gradient.shape[1] == panda.nq
+    for k, y in enumerate((0.0, 0.5, 1.0)):
+        still, pose = pc.Scene("still"), start.copy()
+        pose[1, 3] = y
+        still.add("ball", Sphere(0.1), pose)
+        alone = pc.Checker(panda, still).distances(q[:1], np.inf)
+        # the ball is a pair with the base as well, which never moves in the other scene
+        np.testing.assert_allclose(table.distance[table.state == k][:20], alone.distance[:20], atol=1e-12)
+    along = pc.distances_along(moving, pc.Trajectory([0.0, 1.0], q[:2]), at=[0.0, 1.0], limit=np.inf, start_time=5.0)
+    assert along.distance.min() == pytest.approx(table.distance[table.state == 1].min(), abs=0.11)
+
+
+def test_a_function_for_optimisers_has_a_row_for_each_pair(checker, states):
+    f = checker.distance_function(0.2)
+    distance, jacobian = f(states[0])
+    table = checker.distances(states[:1], 0.2)
+    assert distance.shape == (len(checker.pairs),)
+    np.testing.assert_array_equal(distance[table.pair], table.distance)
+    np.testing.assert_array_equal(jacobian[table.pair], table.gradient)
+    assert (np.delete(distance, table.pair) == 0.2).all()
+    assert not np.delete(jacobian, table.pair, axis=0).any()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"limit": 0}, "limit must be positive"),
+        ({"limit": -1.0}, "limit must be positive"),
+        ({"limit": float("nan")}, "limit must be positive"),
+        ({"nearest": 0}, "nearest must be"),
+        ({"nearest": True}, "nearest must be"),
+        ({"threads": 0}, "threads must be"),
+    ],
+)
+def test_bad_arguments_are_named(checker, states, arguments, message):
+    with pytest.raises(pc.PlannercheckError, match=message):
+        checker.distances(states[:1], **arguments)
+
+
+def test_directions_are_checked(checker, states):
+    table = checker.distances(states)
+    with pytest.raises(pc.PlannercheckError, match="7 finite numbers"):
+        table.directional(0, [1.0])
+    with pytest.raises(pc.PlannercheckError, match="overlap"):
+        table.directional(int(np.argmin(table.distance)), np.ones(7))
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(table)).gradient, table.gradient)
+    with pytest.raises(pc.PlannercheckError, match="no gradients, or comes from a pickle"):
+        checker.distances(states, gradients=False).directional(0, np.ones(7))

@@ -1,0 +1,196 @@
+"""The distance of two convex bodies on a robot's links and its derivatives in 300 bits, by Pinocchio's own joints.
+
+In: a robot whose joints turn or slide, one row of a table of distances. Out: the derivative by each number of the
+configuration, by central differences at steps of 1e-25. Shares nothing with cpp/: kinematics are products of the
+model's placements in python-flint, and the distance is that of the features (vertex, edge, face) that hold the nearest
+points, whose place inside the features is checked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import flint
+import numpy as np
+import pinocchio as pin
+
+STEP = flint.arb("1e-25")
+flint.ctx.prec = 300
+
+Matrix = Any  # flint.arb_mat
+
+
+class NoSingleFeatureError(ValueError):
+    """The nearest points are on no features that this oracle can tell."""
+
+
+def _matrix(values: Any) -> Matrix:
+    return flint.arb_mat([[flint.arb(float(x)) for x in row] for row in np.asarray(values)])
+
+
+def _column(point: Any) -> Matrix:
+    return flint.arb_mat([[x] for x in point])
+
+
+def _dot(a: list[Any], b: list[Any]) -> Any:
+    return sum((x * y for x, y in zip(a, b, strict=True)), flint.arb(0))
+
+
+def _cross(a: list[Any], b: list[Any]) -> list[Any]:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def _minus(a: list[Any], b: list[Any]) -> list[Any]:
+    return [x - y for x, y in zip(a, b, strict=True)]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One of Pinocchio's joints: where it is placed on its parent, what it turns about or slides along."""
+
+    parent: int
+    placement: Matrix
+    axis: list[Any]
+    slides: bool
+    column: int
+    multiplier: Any
+    offset: Any
+
+    def motion(self, q: list[Any]) -> Matrix:
+        """(4, 4) at a configuration."""
+        value = (q[self.column] * self.multiplier if self.column >= 0 else flint.arb(0)) + self.offset
+        if self.slides:
+            x, y, z = (value * a for a in self.axis)
+            return flint.arb_mat([[1, 0, 0, x], [0, 1, 0, y], [0, 0, 1, z], [0, 0, 0, 1]])
+        s, c = value.sin_cos()
+        x, y, z = self.axis
+        rest = 1 - c
+        return flint.arb_mat(
+            [
+                [c + x * x * rest, x * y * rest - z * s, x * z * rest + y * s, 0],
+                [y * x * rest + z * s, c + y * y * rest, y * z * rest - x * s, 0],
+                [z * x * rest - y * s, z * y * rest + x * s, c + z * z * rest, 0],
+                [0, 0, 0, 1],
+            ]
+        )
+
+
+class Chains:
+    """A robot's joints; all of them turn or slide."""
+
+    def __init__(self, robot: Any) -> None:
+        model, known = robot.model, robot.configuration_map
+        self.joints: list[Joint] = []
+        for k in range(1, model.njoints):
+            joint = model.joints[k]
+            if joint.nv != 1:
+                raise NoSingleFeatureError(f"joint {model.names[k]} has more than one degree of freedom")
+            data = joint.createData()
+            joint.calc(data, np.eye(1, joint.idx_q + joint.nq, joint.idx_q)[0])
+            linear, angular = np.reshape(data.S, (2, 3))
+            slides, entry = bool(np.any(linear)), joint.idx_q
+            self.joints.append(
+                Joint(
+                    model.parents[k] - 1,
+                    _matrix(model.jointPlacements[k].homogeneous),
+                    [flint.arb(float(x)) for x in (linear if slides else angular)],
+                    slides,
+                    int(known.columns[entry]),
+                    flint.arb(float(known.multipliers[entry])),
+                    flint.arb(float(known.offsets[entry])),
+                )
+            )
+        self._frames = [model.frames[i] for i in (model.getFrameId(n, _BODIES) for n in robot.link_names)]
+        self._names = list(robot.link_names)
+
+    def pose(self, link: str | None, q: list[Any], placement: Any) -> Matrix:
+        """World pose of a body on a link, None for the world."""
+        if link is None:
+            return _matrix(placement)
+        frame = self._frames[self._names.index(link)]
+        pose = _matrix(frame.placement.homogeneous) * _matrix(placement)
+        joint = frame.parentJoint - 1
+        while joint >= 0:
+            pose = self.joints[joint].placement * self.joints[joint].motion(q) * pose
+            joint = self.joints[joint].parent
+        return pose
+
+
+_BODIES = pin.FrameType.BODY
+
+
+def _features(vertices: np.ndarray[Any, Any], pose: np.ndarray[Any, Any], normal: Any) -> np.ndarray[Any, Any]:
+    """Up to three corners of the feature that lies lowest along the normal."""
+    heights = (vertices @ pose[:3, :3].T) @ normal
+    size = float(np.ptp(vertices, axis=0).max())
+    lowest = np.flatnonzero(heights <= heights.min() + 1e-9 * max(size, 1e-9))
+    if len(lowest) <= 2:
+        return vertices[lowest]
+    corners = vertices[lowest]
+    first, second = corners[0], corners[np.argmax(((corners - corners[0]) ** 2).sum(axis=1))]
+    third = corners[np.argmax((np.cross(corners - first, second - first) ** 2).sum(axis=1))]
+    return np.array([first, second, third])
+
+
+def _world(points: Any, pose: Matrix) -> list[list[Any]]:
+    return [
+        [x[0] for x in (pose * _column([*(flint.arb(float(c)) for c in p), flint.arb(1)])).tolist()[:3]] for p in points
+    ]
+
+
+def _apart(a: list[list[Any]], b: list[list[Any]]) -> Any:
+    """The distance of two features' lines or planes, one of which is a vertex, or both are edges."""
+    if len(a) > len(b):
+        a, b = b, a
+    difference = _minus(a[0], b[0])
+    if (len(a), len(b)) == (1, 1):
+        return _dot(difference, difference).sqrt()
+    if (len(a), len(b)) == (1, 2):
+        edge = _minus(b[1], b[0])
+        rest = _cross(difference, edge)
+        return (_dot(rest, rest) / _dot(edge, edge)).sqrt()
+    if (len(a), len(b)) == (1, 3):
+        normal = _cross(_minus(b[1], b[0]), _minus(b[2], b[0]))
+    elif (len(a), len(b)) == (2, 2):
+        normal = _cross(_minus(a[1], a[0]), _minus(b[1], b[0]))
+    else:
+        raise NoSingleFeatureError("faces or edges are parallel")
+    return abs(_dot(difference, normal)) / _dot(normal, normal).sqrt()
+
+
+class Differences:
+    """Derivatives of the distances of a checker's pairs."""
+
+    def __init__(self, checker: Any) -> None:
+        self._checker, self._chains = checker, Chains(checker.robot)
+
+    def gradient(self, q: Any, pair: int, normal: Any, distance: float) -> tuple[Any, float]:
+        """(nq,) at a configuration (nq,), and the distance.
+
+        Raises:
+            NoSingleFeatureError: If the features' lines or planes have another distance: the nearest points are
+                elsewhere.
+        """
+        bodies = [self._checker.bodies[k] for k in self._checker.pairs[pair]]
+        hulls = [self._checker._preparation.polytope(k) for k in self._checker.pairs[pair].tolist()]
+        poses = self._checker.body_poses(q[None])[0][self._checker.pairs[pair]]
+        features = [_features(hulls[0].vertices, poses[0], normal), _features(hulls[1].vertices, poses[1], -normal)]
+        inflation = sum(flint.arb(hull.inflation_radius) for hull in hulls)
+        exact = [flint.arb(float(x)) for x in q]
+
+        def apart(numbers: list[Any]) -> Any:
+            world = [
+                _world(feature, self._chains.pose(body.link, numbers, body.pose))
+                for feature, body in zip(features, bodies, strict=True)
+            ]
+            return _apart(*world) - inflation
+
+        found = float(apart(exact).mid())
+        if abs(found - distance) > 1e-9:
+            raise NoSingleFeatureError(f"the features are {found} m apart, not {distance} m")
+        gradient = []
+        for k in range(len(exact)):
+            ends = [apart([x + (step if j == k else 0) for j, x in enumerate(exact)]) for step in (STEP, -STEP)]
+            gradient.append(float(((ends[0] - ends[1]) / (2 * STEP)).mid()))
+        return np.array(gradient), found
