@@ -29,16 +29,17 @@ class Distance:
     of one body that separates them up to contact. It is 0 where they touch.
 
     Attributes:
-        distance: In m. Bodies apart: within 1e-9 of max(distance, 1e-3 of the larger body's radius), or within 1e-319 m,
-            where doubles are too coarse, wherever the bodies are. Bodies that share a point, by the exact verdict: 0 as
-            `distance` gives it; an upper bound of the signed distance, 0 at most, as `signed_distance` gives it.
+        distance: In m. Bodies apart: within 1e-9 of max(distance, 1e-3 of the larger body's radius), or within
+            1e-319 m, where doubles are too coarse, wherever the bodies are. Bodies that share a point, by the exact
+            verdict: 0 as `distance` gives it; an upper bound of the signed distance, 0 at most, as `signed_distance`
+            gives it.
         point_p: (3,) in the world, m: the first body's point nearest to the second body. If they overlap: the first
             body's point that is deepest in the second body along `direction`.
         point_r: (3,) in the world, m: the second body's point nearest to the first body. If they overlap: where
             `point_p` is after the translation that separates them.
         lower_bound: A proved lower bound of the signed distance, m. If the bodies overlap it is negative: a translation
-            of the first body by that length along `direction` separates them. Of convex bodies it is the signed distance
-            up to rounding, about 1e-14 of the bodies' size and distance from the origins of their frames and the world.
+            of the first body by that length along `direction` separates them. Of convex bodies it is the signed
+            distance up to rounding, about 1e-14 of their size and of their distance from the origins of their frames.
             Of solids it is that of their hulls, of sets of parts that of the boxes around them: a shorter translation
             may separate these. Into a half-space it is minus the depth of any body, rounded down.
         direction: (3,) of length 1 up to rounding, from the second to the first body: along it they are about

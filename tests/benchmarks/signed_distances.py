@@ -9,7 +9,9 @@ oracle: pairs of families at poses that suit them. The signed distance in 113 bi
 signed_distance_oracle) has to be in [lower bound, distance], and these within 1e-12 of the size of each other; the
 translation along the direction has to separate; points have to lie on their bodies.
 directions: hulls of more vertices, against the overlap along 10,000 directions and those next to the one found.
-generator: pairs of small convex meshes at seeded poses, as in mujoco 3383, before coal, FCL, MuJoCo and drake.
+generator: 3,000 pairs of small convex meshes at seeded poses, made as in github.com/google-deepmind/mujoco/issues/3383
+(its seed, trials and range; shapes and poses are drawn here), before coal, FCL, MuJoCo and drake. Vertices are rounded
+to floats, which MuJoCo takes.
 cost: depths of round bodies beside verdicts and coal's depths, in processor time, each in one call for all pairs.
 """
 
@@ -84,7 +86,7 @@ def check(name, first, second, poses_p, poses_r, found):
 
 
 def wrong_points(first, second, poses_p, poses_r, found, size):
-    """Where points are not as promised, up to rounding: both on the planes that touch their bodies, and that far apart."""
+    """Where points are not as promised, up to rounding: on the planes that touch their bodies, and that far apart."""
     overlap, lower, upper, on_p, on_r, along = found
     room = 1e-11 * np.maximum(size, np.abs(upper))
     lowest = lowest_along(first, poses_p, along)
@@ -100,9 +102,7 @@ def wrong_points(first, second, poses_p, poses_r, found, size):
 def lowest_along(body, poses, along):
     """(n,) least height of an inflated body along directions (n, 3)."""
     turned = np.einsum("nji,nj->ni", poses[:, :3, :3], along)
-    return (
-        (turned @ body.vertices.T).min(axis=1) + (poses[:, :3, 3] * along).sum(axis=1) - body.ours.inflation_radius
-    )
+    return (turned @ body.vertices.T).min(axis=1) + (poses[:, :3, 3] * along).sum(axis=1) - body.ours.inflation_radius
 
 
 # ----- families
@@ -119,7 +119,9 @@ def at_random(rng):
 
 
 def needles(rng):
-    bodies = [family(str(rng.choice(["needle", "flat"])), int(rng.integers(6, 30)), int(rng.integers(1 << 30))) for _ in "ab"]
+    bodies = [
+        family(str(rng.choice(["needle", "flat"])), int(rng.integers(6, 30)), int(rng.integers(1 << 30))) for _ in "ab"
+    ]
     return Body(bodies[0]), Body(bodies[1]), (0.0, 0.6)
 
 
@@ -167,7 +169,6 @@ FAMILIES: dict[str, Callable] = {
 
 def poses_of(name, pair, reach, rng, n):
     """Poses of a family: turned at random, some not turned at all; or at gaps around 0."""
-    first, second = pair
     if reach is None:
         solids = [Solid("", b.vertices, np.asarray(b.ours.faces, dtype=np.int64)) for b in pair]
         gaps = rng.choice([0.0, 1e-15, -1e-15, 1e-12, -1e-12, 1e-8, -1e-8, 1e-4, -1e-4], n)
@@ -191,15 +192,16 @@ def run_oracle(pairs, seed, poses):
         for name, make in FAMILIES.items():
             *pair, reach = make(rng)
             check(name, *pair, *poses_of(name, pair, reach, rng, poses), totals[name])
-    print(f"{'family':22} {'pairs':>9} {'overlap':>9} {'outside':>8} {'wide':>6} {'points':>7}  widest bounds, of the size")
+    print(f"{'family':22} {'pairs':>9} {'overlap':>9} {'outside':>8} {'wide':>6} {'points':>7}  widest, of the size")
     for name, found in totals.items():
         print(
-            f"{name:22} {found.pairs:9d} {found.overlapping:9d} {found.outside:8d} {found.wide:6d} {found.off_points:7d}"
-            f"  {found.worst:.1e}"
+            f"{name:22} {found.pairs:9d} {found.overlapping:9d} {found.outside:8d} {found.wide:6d}"
+            f" {found.off_points:7d}  {found.worst:.1e}"
         )
         for case in found.cases[:3]:
             print("   ", case)
-    print(f"{sum(found.pairs for found in totals.values())} pairs, {time.process_time() - started:.0f} s of processor time")
+    whole = sum(found.pairs for found in totals.values())
+    print(f"{whole} pairs, {time.process_time() - started:.0f} s of processor time")
 
 
 # ----- directions
@@ -225,7 +227,133 @@ def run_directions(pairs, seed):
         wrong += int(overlap.min() < -upper[0] - 1e-14 or overlap[-1] > -lower[0] + 1e-14)
         wide += int(upper[0] - lower[0] > PROMISE)
         worst = max(worst, float(upper[0] - lower[0]))
-    print(f"{count} pairs that overlap, of 100 to 3,000 points: {wrong} wrong, {wide} wide, widest bounds {worst:.1e} m")
+    print(
+        f"{count} pairs that overlap, of 100 to 3,000 points: {wrong} wrong, {wide} wide, widest bounds {worst:.1e} m"
+    )
+
+
+# ----- generator
+
+
+SEED, TRIALS, RANGE = 7, 3000, 2.0  # m: MuJoCo looks no further
+
+
+def generated():
+    """Vertices of two small convex meshes in floats, and poses, trial by trial."""
+    rng = np.random.default_rng(SEED)
+    for _ in range(TRIALS):
+        sizes = 10.0 ** rng.uniform(-3, -0.8, (2, 3))  # m: thin pieces, as of a decomposition
+        meshes = [rng.normal(size=(int(rng.integers(8, 60)), 3)) * size for size in sizes]
+        yield [mesh.astype(np.float32).astype(np.float64) for mesh in meshes], random_poses(rng, 2, 0.3)
+
+
+def ours_signed(bodies, poses):
+    import plannercheck as pc
+
+    return pc.signed_distance(*bodies, *poses).distance
+
+
+def coal_signed(bodies, poses):
+    import coal
+
+    from plannercheck.bodies.coal_bodies import coal_hull
+
+    request, result = coal.DistanceRequest(), coal.DistanceResult()
+    request.enable_signed_distance = True
+    placed = [
+        value
+        for b, m in zip(bodies, poses, strict=True)
+        for value in (coal_hull(b, "it"), coal.Transform3s(m[:3, :3], m[:3, 3]))
+    ]
+    return coal.distance(*placed, request, result)
+
+
+def fcl_signed(bodies, poses):
+    import fcl
+
+    from plannercheck.bodies.fcl_bodies import fcl_hull
+
+    objects = [
+        fcl.CollisionObject(fcl_hull(b.vertices, b.faces), fcl.Transform(m[:3, :3], m[:3, 3]))
+        for b, m in zip(bodies, poses, strict=True)
+    ]
+    return fcl.distance(*objects, fcl.DistanceRequest(enable_signed_distance=True), fcl.DistanceResult())
+
+
+def mujoco_signed(bodies, poses):
+    import mujoco
+
+    from plannercheck.evaluation.bench.pair_peers import mujoco_model
+
+    model = mujoco_model(mujoco, bodies, [m[None] for m in poses])
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    return mujoco.mj_geomDistance(model, data, 0, 1, RANGE, None)
+
+
+def drake_signed(bodies, poses):
+    from pydrake.geometry import (
+        Convex,
+        FramePoseVector,
+        GeometryFrame,
+        GeometryInstance,
+        ProximityProperties,
+        SceneGraph,
+    )
+    from pydrake.math import RigidTransform
+
+    scene = SceneGraph()
+    source = scene.RegisterSource("meshes")
+    frame_poses = FramePoseVector()
+    for k, (body, pose) in enumerate(zip(bodies, poses, strict=True)):
+        frame = scene.RegisterFrame(source, GeometryFrame(f"frame {k}"))
+        shape = GeometryInstance(RigidTransform(), Convex(points=body.vertices.T, label=f"mesh {k}"), f"mesh {k}")
+        shape.set_proximity_properties(ProximityProperties())
+        scene.RegisterGeometry(source, frame, shape)
+        frame_poses.set_value(frame, RigidTransform(pose))
+    context = scene.CreateDefaultContext()
+    scene.get_source_pose_port(source).FixValue(context, frame_poses)
+    query = scene.get_query_output_port().Eval(context)
+    return query.ComputeSignedDistancePairwiseClosestPoints(RANGE)[0].distance
+
+
+PEERS = {
+    "plannercheck": ours_signed,
+    "coal": coal_signed,
+    "FCL": fcl_signed,
+    "MuJoCo": mujoco_signed,
+    "drake": drake_signed,
+}
+
+
+def run_generator():
+    trials = list(generated())
+    bodies = [[Body(mesh) for mesh in meshes] for meshes, _ in trials]
+    truth = np.array(
+        [
+            signed_distances(a.oracle, b.oracle, *poses[:, None])[0][0]
+            for (a, b), (_, poses) in zip(bodies, trials, strict=True)
+        ]
+    )
+    print(f"{TRIALS} trials, {int((truth > 0).sum())} apart, {int((truth < 0).sum())} overlap")
+    print(
+        f"{'':13} {'failed':>7} {'0, but apart':>13} {'wrong sign':>11} {'off by 1e-6 m':>14} {'by 1 mm':>8}  worst, m"
+    )
+    for name, ask in PEERS.items():
+        found = np.full(TRIALS, np.nan)
+        for k, (pair, (_, poses)) in enumerate(zip(bodies, trials, strict=True)):
+            try:
+                found[k] = ask([b.ours for b in pair], poses)
+            except Exception as error:  # a peer's own, of any kind
+                if np.isnan(found).sum() == TRIALS - k and k == 0:
+                    print(f"{name}: {error}")
+        off = np.abs(found - truth)
+        print(
+            f"{name:13} {int(np.isnan(found).sum()):7d} {int(((truth > 1e-6) & (found == 0)).sum()):13d} "
+            f"{int((found * truth < 0).sum()):11d} {int((off > 1e-6).sum()):14d} {int((off > 1e-3).sum()):8d}  "
+            f"{np.nanmax(off) if np.isfinite(off).any() else np.nan:.1e}",
+            flush=True,
+        )
 
 
 # ----- cost
@@ -272,7 +400,10 @@ def coal_in_one_call(bodies, poses):
 
 def run_cost(sizes, pairs, seed):
     options = pair_options("oracle", cached_plane=False)
-    print(f"{'vertices':>8} {'gap':>7} {'verdict':>9} {'depth':>8} {'again':>8} {'coal':>8}   depth/verdict  coal/depth  coal's error")
+    print(
+        f"{'vertices':>8} {'gap':>7} {'verdict':>9} {'depth':>8} {'again':>8} {'coal':>8}"
+        "   depth/verdict  coal/depth  coal's error; times in us"
+    )
     for n in sizes:
         bodies = [Polytope(family("round", n, k)) for k in (1, 2)]
         solids = [Solid("round", b.vertices, np.asarray(b.faces, dtype=np.int64)) for b in bodies]
@@ -294,8 +425,9 @@ def run_cost(sizes, pairs, seed):
             _, upper, lower, *_ = core.distance_batch(p, poses[0], r, poses[1])
             error = np.maximum(np.maximum(lower - read(), read() - upper), 0).max()
             print(
-                f"{n:8d} {gap:7g} {spent['verdict']:9.2f} {spent['depth']:8.2f} {spent['again']:8.2f} {spent['coal']:8.2f}"
-                f"   {spent['depth'] / spent['verdict']:13.1f} {spent['coal'] / spent['depth']:11.2f}  {error:.1e}",
+                f"{n:8d} {gap:7g} {spent['verdict']:9.2f} {spent['depth']:8.2f} {spent['again']:8.2f}"
+                f" {spent['coal']:8.2f}   {spent['depth'] / spent['verdict']:13.1f}"
+                f" {spent['coal'] / spent['depth']:11.2f}  {error:.1e}",
                 flush=True,
             )
 
@@ -312,6 +444,8 @@ def main() -> None:
         run_oracle(given.pairs or 1_000_000, given.seed, given.poses)
     elif given.what == "directions":
         run_directions(given.pairs or 1000, given.seed)
+    elif given.what == "generator":
+        run_generator()
     elif given.what == "cost":
         run_cost(given.sizes, given.pairs or 400, given.seed)
 

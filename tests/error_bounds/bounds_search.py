@@ -109,14 +109,14 @@ def _corner(n: Numbers) -> tuple[Numbers, list[F], F, tuple[list[Numbers], list[
 
 
 def corner(n: Numbers) -> F:
-    """minkowski_difference's kDifference."""
+    """kDifference of minkowski_difference."""
     found, true, size, _ = _corner(n)
     off = [F(a) - b for a, b in zip(found, true, strict=True)]
     return root_above(exact_dot(off, off)) / size / value("minkowski_difference", "kDifference")
 
 
 def support(n: Numbers) -> F:
-    """minkowski_difference's kSupport: the vertex found is as high as another one by rounded products along the rounded direction."""
+    """kSupport of minkowski_difference: the vertex found is as high as another by a rounded direction's products."""
     found, true, size, (m, r) = _corner(n)
     d = n[20:23]
     inverse = 1 / math.sqrt(dot3(d, d))

@@ -105,9 +105,7 @@ def _in_113_bits(first, second, poses_p, poses_r, overlap):
     addresses = [ctypes.c_void_p(a.ctypes.data) for a in (*poses, radii)]
     bodies = [ctypes.byref(body.given) for body in (first, second)]
     found = [ctypes.c_void_p(a.ctypes.data) for a in (high, low)]
-    _compiled().signed_distances(
-        *bodies, ctypes.c_int64(len(high)), *addresses, ctypes.c_bool(overlap), *found
-    )
+    _compiled().signed_distances(*bodies, ctypes.c_int64(len(high)), *addresses, ctypes.c_bool(overlap), *found)
     return high, low
 
 

@@ -55,10 +55,10 @@ class DepthSearch {
     w_.corners.clear();
   }
 
-  HullDepth run(const Proximity& start) {
+  HullDepth run(const Proximity& start, bool doubles) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(start.count); ++i)
       keep(differences_.corner(start.body_a[i], start.body_b[i]));
-    if (spans_space() && !expand()) expand_exactly();
+    if (spans_space() && !(doubles && expand())) expand_exactly();
     return in_metres();
   }
 
@@ -208,8 +208,8 @@ class DepthSearch {
 }  // namespace
 
 HullDepth hull_depth(const PosedPolytope& body_a, const PosedPolytope& body_b, const Proximity& start,
-                     PairCounters& counters) {
-  return DepthSearch(body_a, body_b, counters).run(start);
+                     PairCounters& counters, bool doubles) {
+  return DepthSearch(body_a, body_b, counters).run(start, doubles);
 }
 
 }  // namespace plannercheck

@@ -22,8 +22,9 @@ struct HullDepth {
   Vec3 on_body_a;  // in the world: A's point that is deepest in B along it, next to B's boundary after the translation
 };
 
-// `start`: what `hull_distance` found; its vertices only save time.
+// `start`: what `hull_distance` found; its vertices only save time. `doubles`: off, exact hulls are built from the
+// start.
 HullDepth hull_depth(const PosedPolytope& body_a, const PosedPolytope& body_b, const Proximity& start,
-                     PairCounters& counters);
+                     PairCounters& counters, bool doubles = true);
 
 }  // namespace plannercheck
