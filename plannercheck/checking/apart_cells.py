@@ -25,6 +25,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.checking.reach_bounds import Chains, Cut
@@ -48,16 +49,34 @@ _ROUNDS = 16
 _FORMAT = b"apart cells 1"
 
 
+class CellFlags(NamedTuple):
+    """Cells of two columns, as the core takes them.
+
+    Attributes:
+        columns: Both columns.
+        lows: Where the cells of each begin, rad or m.
+        per_unit: How many cells there are a unit of each.
+        may_meet: (cells of the first, of the second) a bit for each pair that may meet there.
+    """
+
+    columns: list[int]
+    lows: list[float]
+    per_unit: list[float]
+    may_meet: NDArray[np.uint8]
+
+
 class PairsInCells(NamedTuple):
     """Up to eight pairs with the same cells.
 
     Attributes:
         cells: The core's ApartCells.
         pairs: (8,) indices of pairs, by bit; -1 for none.
+        made_of: What the core made the cells of.
     """
 
     cells: Any
     pairs: Ints
+    made_of: CellFlags
 
     def of(self, rows: Ints64) -> PairsInCells:
         """The same with indices into a list of which these pairs are the given rows (k,)."""
@@ -131,7 +150,8 @@ def _in_cells(chains: Chains, cut: Cut, rows: Ints64, apart: Bools) -> PairsInCe
         columns, lows, per_unit = [*columns, *columns], [*lows, *lows], [*per_unit, 0.0]
     numbers = np.full(_MOST_PAIRS, -1, dtype=np.int32)
     numbers[: len(rows)] = rows
-    return PairsInCells(core.apart_cells(columns, lows, per_unit, np.ascontiguousarray(may_meet)), numbers)
+    made_of = CellFlags(columns, lows, per_unit, np.ascontiguousarray(may_meet))
+    return PairsInCells(core.apart_cells(*made_of), numbers, made_of)
 
 
 def _apart(chains: Chains, cut: Cut, pairs: Sequence[tuple[int, int]], polytopes: Callable[[int], Polytope]) -> Bools:

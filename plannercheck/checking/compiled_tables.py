@@ -33,6 +33,7 @@ class CompiledTables:
         limits: Least and largest configuration, (nq,) each: between them only pairs of `within_limits` can collide.
             None: these are the only pairs that can collide at any configuration, and none is in cells.
         within_limits: The pairs that can meet within the limits.
+        in_cells: Cells in which others of these are apart, by their index among them.
     """
 
     def __init__(
@@ -46,7 +47,7 @@ class CompiledTables:
             unreachable: (k,) which of them can't meet at any configuration within the robot's limits.
             in_cells: Cells in which others of them are apart, by their index among these others.
         """
-        self._source, self._pairs = source, pairs
+        self._source, self._pairs, self.in_cells = source, pairs, tuple(in_cells)
         is_within_limits = unreachable.any() or len(in_cells) > 0
         self.limits = (source.robot.lower, source.robot.upper) if is_within_limits else None
         self.within_limits = CompiledPairs(source, pairs, np.flatnonzero(~unreachable), self.limits, in_cells)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property, partial
+from pathlib import Path
 from typing import ClassVar, TypeVar
 
 import numpy as np
@@ -28,6 +29,7 @@ from plannercheck.motions.explanation import explained_motion
 from plannercheck.motions.free_boxes import FreeBox, FreeBoxes
 from plannercheck.motions.joint_drives import split_joints
 from plannercheck.motions.motion_ends import Motions, checked_ends, with_given_ends
+from plannercheck.motions.prepared_cell import CellInputs, check_can_be_saved, write_cell
 from plannercheck.motions.proof_builder import Builder
 from plannercheck.motions.sampling import MotionSampler
 from plannercheck.motions.trajectory_checks import TrajectoryChecks, check_several, check_trajectory_of, named_piece
@@ -347,6 +349,26 @@ class Checker(StateChecker):
                 proofs.append(checker._prover.curve_proof(points, around, tolerance))
         found = tuple(proof for proof in proofs if proof is not None)
         return found if len(found) == len(proofs) else None
+
+    def save(self, path: str | Path) -> None:
+        """Writes a prepared cell: all that plannercheck's C++ library needs to judge as this checker does.
+
+        There, no URDF, mesh or Pinocchio is read (plannercheck/cpp/library/include/plannercheck/checker.hpp). Motions
+        along screws are judged, as `check_motion` does by default.
+
+        Args:
+            path: The file, "….plannercheck"; its folder must exist.
+
+        Raises:
+            PlannercheckError: If Pinocchio itself poses the robot, or something in the scene moves: a cell has neither;
+                or the file can't be written.
+        """
+        kernel, robot = check_can_be_saved(self.robot, self.scene, self._kernel), self.robot
+        meets, padding = self.of_new_obstacle()
+        _ = self.polytopes  # prepares those of all pairs
+        self._preparation.prepare(np.flatnonzero(meets).tolist())
+        parts = self._labels, self.prepared, self.pairs, self.unreachable, meets, padding
+        write_cell(CellInputs(robot, kernel, self.scene.name, *parts, self._tables, self.motion_certifier), Path(path))
 
     def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:
         return self._prover.proof(start, end, asked_end, tolerance, path)

@@ -7,6 +7,7 @@ import pickle
 
 import numpy as np
 import pytest
+from poses import at, random_pose
 
 import plannercheck as pc
 from plannercheck.bodies.distance import pair_bounds, pair_bounds_checked
@@ -20,17 +21,6 @@ from plannercheck.evaluation.stress.body_families import family
 CUBE = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 POINTS = {"cube": CUBE, "round": family("round", 60, 1), "flat": CUBE[:4], "point": CUBE[:1]}
 BODIES = {name: pc.Polytope(points, inflation_radius=0.1 * (name == "point")) for name, points in POINTS.items()}
-
-
-def rotation(rng):
-    q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-    return q * np.sign(np.linalg.det(q))
-
-
-def random_pose(rng):
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = rotation(rng), rng.normal(size=3)
-    return pose
 
 
 def read_only(pose):
@@ -218,8 +208,7 @@ def test_bodies_that_are_no_polytopes_are_made_into_some():
     class Named(pc.Polytope):
         pass
 
-    pose = np.eye(4)
-    pose[0, 3] = 1.0
+    pose = at(1.0)
     for body in (CUBE, pc.Box((1, 1, 1)), Named(CUBE), CUBE.tolist()):
         assert pc.intersects(body, BODIES["cube"], pose)
         assert pc.intersects(BODIES["cube"], body, pose_r=pose)

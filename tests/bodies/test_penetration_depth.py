@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from random_poses import pose_at
+from poses import at, pose_at
 from scipy.spatial import ConvexHull
 
 import plannercheck as pc
@@ -76,8 +76,7 @@ def test_edges_of_cubes():
 
 def test_inflation_radii_add():
     cube = pc.Polytope(CUBE, inflation_radius=0.1)
-    pose = np.eye(4)
-    pose[0, 3] = 0.7
+    pose = at(0.7)
     assert pc.depth(cube, cube, pose).depth == pytest.approx(0.5, abs=1e-13)
     pose[0, 3] = 1.15
     found = pc.depth(cube, cube, pose)
@@ -92,8 +91,7 @@ def test_inflation_radii_add():
 def test_flat_bodies():
     """Two plates in one plane are parted by nothing at all; crossing ones by what sticks through."""
     plate = pc.Polytope([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    pose = np.eye(4)
-    pose[0, 3] = 0.3
+    pose = at(0.3)
     assert pc.depth(plate, plate, pose).depth == pytest.approx(0.0, abs=1e-13)
     upright = np.eye(4)
     upright[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
@@ -104,8 +102,7 @@ def test_flat_bodies():
 
 def test_touching_is_no_depth():
     cube = pc.Polytope(CUBE)
-    pose = np.eye(4)
-    pose[0, 3] = 1.0
+    pose = at(1.0)
     assert pc.intersects(cube, cube, pose)
     assert pc.depth(cube, cube, pose).depth == pytest.approx(0.0, abs=1e-13)
 
@@ -259,8 +256,7 @@ def by_all_directions_of(first, second, poses):
 @pytest.mark.parametrize("gap", [1e-3, 0.05, 0.19])
 def test_the_depth_of_inflated_bodies_whose_hulls_are_apart(gap):
     cube = pc.Polytope(CUBE, inflation_radius=0.1)
-    pose = np.eye(4)
-    pose[0, 3] = 1 + gap
+    pose = at(1 + gap)
     found = pc.depth(cube, cube, pose)
     assert found.lower_bound < 0.2 - (pose[0, 3] - 1) < found.depth  # the depth in fractions is between doubles
     assert found.depth - found.lower_bound < 1e-12

@@ -11,6 +11,7 @@ import exact_verdicts
 import numpy as np
 import pytest
 import trimesh
+from poses import at
 from solid_meshes import angle
 
 import plannercheck as pc
@@ -39,12 +40,6 @@ def hollow(inner=0.5):
     """A cube of edge 2 with a cube in it left out."""
     points, corners = np.asarray(CUBE.vertices), np.asarray(CUBE.faces)
     return joined((points, corners), (inner * points, corners[:, ::-1]))
-
-
-def at(*position):
-    pose = np.eye(4)
-    pose[:3, 3] = position
-    return pose
 
 
 # What users give.

@@ -9,17 +9,17 @@ import pinocchio as pin
 import pytest
 
 import plannercheck as pc
-from plannercheck.bodies.shapes import Box, Sphere
+from plannercheck.bodies.shapes import Box, Capsule, Sphere
 from tests.benchmarks.gradients import scene_around
 from tests.support.gradient_oracle import Differences
 
 LIMIT = 0.1
 
 
-def free_boxes_urdf(joint: str, size="0.1 0.2 0.3") -> str:
-    """A box on one joint."""
-    box = f'<collision><geometry><box size="{size}"/></geometry></collision>'
-    return f'<robot name="one"><link name="base"/><link name="body">{box}</link>{joint}</robot>'
+def one_body_urdf(joint: str, shape: str = '<box size="0.1 0.2 0.3"/>') -> str:
+    """A body on one joint."""
+    body = f'<link name="body"><collision><geometry>{shape}</geometry></collision></link>'
+    return f'<robot name="one"><link name="base"/>{body}{joint}</robot>'
 
 
 @pytest.fixture(scope="module")
@@ -123,7 +123,7 @@ JOINTS = {
 def test_gradients_are_in_pinocchios_tangent(tmp_path, kind):
     """The distance changes along each tangent direction, by Pinocchio's integration, as the gradient says."""
     path = tmp_path / "one.urdf"
-    path.write_text(free_boxes_urdf(JOINTS[kind]))
+    path.write_text(one_body_urdf(JOINTS[kind]))
     robot = pc.Robot.from_urdf(path)
     scene, pose = pc.Scene("ball"), np.eye(4)
     pose[:3, 3] = 0.5, 0.2, -0.1
@@ -142,11 +142,77 @@ def test_gradients_are_in_pinocchios_tangent(tmp_path, kind):
             assert (apart[0] - apart[1]) / 2e-6 == pytest.approx(table.gradient[0, k], abs=1e-7)
 
 
+def test_mimic_joints_and_slides_have_gradients(tmp_path):
+    """Fingers that slide together, one as the other's mimic with a multiplier."""
+    path = tmp_path / "hand.urdf"
+    limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    finger = '<collision><geometry><box size="0.02 0.04 0.1"/></geometry></collision>'
+    path.write_text(
+        f'<robot name="hand"><link name="palm"/><link name="left">{finger}</link><link name="right">{finger}</link>'
+        f'<joint name="open" type="prismatic"><parent link="palm"/><child link="left"/>'
+        f'<axis xyz="1 0 0"/>{limit}</joint>'
+        f'<joint name="follow" type="prismatic"><parent link="palm"/><child link="right"/><axis xyz="1 0 0"/>{limit}'
+        '<origin xyz="0.01 0.01 0"/><mimic joint="open" multiplier="-0.5" offset="-0.2"/></joint></robot>'
+    )
+    checker = pc.Checker(pc.Robot.from_urdf(path, group=["open"]))
+    table = checker.distances([[0.1], [0.3]], np.inf)
+    # the left finger is at x, the right one at 0.01 - 0.5 x - 0.2
+    np.testing.assert_allclose(table.distance, [0.1 + 0.24 - 0.02, 0.3 + 0.34 - 0.02], atol=1e-12)
+    np.testing.assert_allclose(table.gradient, [[1.5], [1.5]], atol=1e-12)
+
+
 def self_configuration(robot, full):
     """The group's configuration from Pinocchio's: a continuous joint's angle from its cosine and sine."""
     if robot.nq == len(full):
         return full
     return np.array([np.arctan2(full[1], full[0])])
+
+
+SIDE = 0.2
+CUBE, ROD = Box((SIDE, SIDE, SIDE)), Capsule(0.05, SIDE)
+
+
+@pytest.mark.parametrize(
+    ("shape", "shift"),
+    [(CUBE, (0.3, 0.05, 0.02)), (CUBE, (0.3, 0.3, 0.05)), (ROD, (0.3, 0.1, 0.05))],
+    ids=["faces", "edges", "capsules"],
+)
+def test_what_is_parallel_up_to_rounding_is_not_unique(tmp_path, shape, shift):
+    """Two bodies that are turned alike, face to face or edge along edge, whatever the turn rounds to."""
+    path = tmp_path / "one.urdf"
+    text = f'<box size="{SIDE} {SIDE} {SIDE}"/>' if shape is CUBE else f'<capsule radius="0.05" length="{SIDE}"/>'
+    path.write_text(one_body_urdf(JOINTS["floating"], text))
+    robot, rng = pc.Robot.from_urdf(path), np.random.default_rng(0)
+    half = pin.AngleAxis(np.pi, np.array([1.0, 0.0, 0.0])).matrix()  # its axes are off by 1e-16
+    for _ in range(30):
+        quaternion = rng.normal(size=4)
+        quaternion /= np.linalg.norm(quaternion)
+        turn = pin.Quaternion(*quaternion[[3, 0, 1, 2]]).matrix()
+        scene, pose = pc.Scene("box"), np.eye(4)
+        pose[:3, :3], pose[:3, 3] = turn @ half, rng.normal(size=3)
+        scene.add("box", shape, pose)
+        table = pc.Checker(robot, scene).distances([*(pose[:3, 3] + turn @ shift), *quaternion], np.inf)
+        assert not table.unique[0]
+        assert table.gap[0] > 0.01
+        rates = [table.directional(0, dq) for dq in (np.eye(6)[4], -np.eye(6)[4])]
+        assert sum(rates) < -0.01  # it gets nearer by a turn either way
+
+
+def test_the_limit_is_that_of_the_distance(tmp_path):
+    """Spheres, whose filters leave no room."""
+    slide = '<joint name="x" type="prismatic"><parent link="base"/><child link="body"/><axis xyz="1 0 0"/>'
+    path = tmp_path / "slide.urdf"
+    limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+    path.write_text(one_body_urdf(slide + limit, '<sphere radius="0.25"/>'))
+    scene, pose = pc.Scene("ball"), np.eye(4)
+    pose[0, 3] = 1.0
+    scene.add("ball", Sphere(0.25), pose)
+    checker = pc.Checker(pc.Robot.from_urdf(path), scene)
+    q = np.linspace(0.4 - 2e-9, 0.4 + 2e-9, 41)[:, None]  # 10 cm apart in the middle
+    table = checker.distances(q, 0.1)
+    exact = 0.5 - q[:, 0]
+    assert set(np.flatnonzero(exact < 0.1 - 1e-15)) <= set(table.state)
+    assert set(table.state) <= set(np.flatnonzero(exact <= 0.1 + 1e-15))
 
 
 def parallel_boxes(tmp_path):
@@ -158,7 +224,7 @@ def parallel_boxes(tmp_path):
         '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
     )
     path = tmp_path / "lift.urdf"
-    path.write_text(free_boxes_urdf(joints, "0.2 0.2 0.2"))
+    path.write_text(one_body_urdf(joints, '<box size="0.2 0.2 0.2"/>'))
     scene, pose = pc.Scene("floor"), np.eye(4)
     pose[2, 3] = -0.5
     scene.add("floor", Box((1.0, 1.0, 1.0)), pose)

@@ -19,15 +19,9 @@ from plannercheck.common.package_data import shipped_folder
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.plans import Plan
 from plannercheck.robots.robot import Robot
-from plannercheck.scenes.scene import Scene
 
 SAMPLES = shipped_folder("configs") / "bookshelf_panda.npy"
 PANDA = ["--robot", "panda", "--scene", "bookshelf"]
-
-
-@pytest.fixture(scope="module")
-def checker() -> Checker:
-    return Checker(Robot.load("panda"), Scene.load("bookshelf"))
 
 
 def error_of(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
@@ -315,7 +309,7 @@ def test_help_imports_nothing_heavy():
 
 
 @pytest.mark.parametrize(
-    "command", ["validate", "verify", "plan", "demo", "view", "robots", "inspect", "stress", "bench"]
+    "command", ["validate", "verify", "plan", "demo", "view", "robots", "inspect", "export", "stress", "bench"]
 )
 def test_every_command_has_help(command, capsys):
     assert main([command, "--help"]) == 0

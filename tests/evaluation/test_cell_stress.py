@@ -12,16 +12,16 @@ from plannercheck.checking.scene_clock import Course
 from plannercheck.cli.main import main
 from plannercheck.evaluation.campaign.campaign import run
 from plannercheck.evaluation.campaign.cases import load, save
-from plannercheck.evaluation.campaign.tallies import total
+from plannercheck.evaluation.campaign.tallies import Tally, total
 from plannercheck.evaluation.stress_motions import cell_numbers
 from plannercheck.evaluation.stress_motions.campaign import campaign, families_of
-from plannercheck.evaluation.stress_motions.cases import shrunk
+from plannercheck.evaluation.stress_motions.cases import MotionCase, shrunk
 from plannercheck.evaluation.stress_motions.cell_draws import CELL_WEIGHTS, cell_draw
 from plannercheck.evaluation.stress_motions.cell_subject import CellSubject
 from plannercheck.evaluation.stress_motions.outcomes import COLLISION, HISTORY, UNREASONED
 from plannercheck.trajectories.one_clock import on_one_clock
 
-SAMPLE = 400  # trajectories of cells
+SAMPLE = 200  # trajectories of cells
 
 
 def test_nothing_fails_on_a_sample() -> None:
@@ -32,6 +32,15 @@ def test_nothing_fails_on_a_sample() -> None:
     assert counted["free"] > SAMPLE / 10
     assert counted["sharp"] > SAMPLE / 20
     assert counted["verified"] > 0
+
+
+@pytest.mark.parametrize("number", [51, 117])
+def test_what_is_too_imprecise_is_declined_in_every_call(number: int) -> None:
+    """Of draw 51 one piece is refused and another imprecise; of draw 117 a base turns by nearly half a turn."""
+    found = Tally[MotionCase]()
+    campaign(4801, families_of(False, False, True)).judge(number, found)
+    assert total(found.counts, outcome="declined") > 0
+    assert not found.faults
 
 
 @pytest.mark.parametrize("family", CELL_WEIGHTS)
@@ -75,7 +84,7 @@ def test_a_merge_that_forgets_starts_is_found(monkeypatch: pytest.MonkeyPatch) -
 def test_a_body_that_does_not_move_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     moved = Course.at
     monkeypatch.setattr(Course, "at", lambda self, times: moved(self, np.full_like(times, self.knots[0])))
-    found = run(campaign(5, ("cell",)), 160)
+    found = run(campaign(5, ("cell",)), 60)
     assert total(found.faults, family="cell", outcome=COLLISION) > 0
 
 

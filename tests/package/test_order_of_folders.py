@@ -27,7 +27,7 @@ LAYERS = [
     ["checking"],
     ["distances"],
     ["motions"],
-    ["planar"],
+    ["planar", "library"],
     ["bindings"],
 ]
 # What the core is held against shares nothing with it.

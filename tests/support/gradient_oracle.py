@@ -124,7 +124,7 @@ def _features(vertices: np.ndarray[Any, Any], pose: np.ndarray[Any, Any], normal
     """Up to three corners of the feature that lies lowest along the normal."""
     heights = (vertices @ pose[:3, :3].T) @ normal
     size = float(np.ptp(vertices, axis=0).max())
-    lowest = np.flatnonzero(heights <= heights.min() + 1e-9 * max(size, 1e-9))
+    lowest = np.flatnonzero(heights <= heights.min() + 1e-13 * max(size, 1e-2))
     if len(lowest) <= 2:
         return vertices[lowest]
     corners = vertices[lowest]
@@ -187,7 +187,7 @@ class Differences:
             return _apart(*world) - inflation
 
         found = float(apart(exact).mid())
-        if abs(found - distance) > 1e-9:
+        if abs(found - distance) > 1e-11:
             raise NoSingleFeatureError(f"the features are {found} m apart, not {distance} m")
         gradient = []
         for k in range(len(exact)):

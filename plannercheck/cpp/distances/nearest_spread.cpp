@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "narrow_phase/support.hpp"
 
 namespace plannercheck {
 namespace {
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kBoundless = std::numeric_limits<double>::infinity();
 
 // Edges at a smaller angle leave their crossing too open, rad.
 constexpr double kLeastAngle = 1e-3;
@@ -20,7 +21,7 @@ constexpr double kHeightRounding = 64 * 0x1p-53;
 
 // How far all nearest points are from a vertex or an edge of a body.
 struct Sharpness {
-  double of_vertex = kInfinite, of_edge = kInfinite;
+  double of_vertex = kBoundless, of_edge = kBoundless;
   Vec3 edge;  // in the world
 };
 
@@ -33,7 +34,7 @@ class LowestVertices {
     const Polytope& body = *posed_.body;
     const std::int32_t first = extreme(body.inner, -along_, counters.queries);
     const Next second = lowest_neighbour(first, -1);
-    Sharpness out{within(height(second.vertex, first)), kInfinite, {}};
+    Sharpness out{within(height(second.vertex, first)), kBoundless, {}};
     if (second.vertex < 0) return out;
     const Next third = lower(lowest_neighbour(first, second.vertex), lowest_neighbour(second.vertex, first));
     out.of_edge = within(height(third.vertex, first));
@@ -49,12 +50,12 @@ class LowestVertices {
 
   struct Next {
     std::int32_t vertex = -1;
-    double height = kInfinite;
+    double height = kBoundless;
   };
 
   Vec3 point(std::int32_t vertex) const { return posed_.body->inner.points[at(vertex)]; }
   double height(std::int32_t vertex, std::int32_t over) const {
-    return vertex < 0 ? kInfinite : dot(along_, point(vertex) - point(over));
+    return vertex < 0 ? kBoundless : dot(along_, point(vertex) - point(over));
   }
   static Next lower(Next a, Next b) { return b.height < a.height ? b : a; }
 
@@ -70,7 +71,7 @@ class LowestVertices {
   // `height`: where all other vertices begin, above the lowest one.
   double within(double height) const {
     if (std::isinf(height)) return 0;
-    return height > slack_ ? slack_ / (height - slack_) * 2 * posed_.body->radius : kInfinite;
+    return height > slack_ ? slack_ / (height - slack_) * 2 * posed_.body->radius : kBoundless;
   }
 };
 

@@ -83,13 +83,12 @@ class CellSubject(Subject):
         checks, curve = TrajectoryChecks(checker, q1, tolerance), judged.curve
         around = np.append(checks.tube_of(judged), 0.0)[None]
         begin, length = float(curve.breaks[0]), judged.duration
-        certifier, results = checker.certifier_of("slerp"), list[MotionResult]()
+        certifier, results = checker.certifier_of("slerp"), []
         for piece, first, last in zip(curve.pieces, curve.breaks[:-1].tolist(), curve.breaks[1:].tolist(), strict=True):
             result = certifier.result(Curves(piece[None], around), tolerance, proofs)
-            if not result.free:
-                return result._replace(near=(first - begin + result.near * (last - first)) / length)
-            results.append(result)
-        return min(results, key=lambda result: result.proved_until)
+            results.append(result._replace(near=(first - begin + result.near * (last - first)) / length))
+        refused = [result for result in results if not result.free]
+        return refused[0] if refused else min(results, key=lambda result: result.proved_until)
 
     # ----- states
 

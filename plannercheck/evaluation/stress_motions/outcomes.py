@@ -30,6 +30,9 @@ COLLISION, UNREASONED, HISTORY, ASTRAY, PROOF, EXCEPTION = (
 )
 FAULTS = (COLLISION, UNREASONED, HISTORY, ASTRAY, PROOF, EXCEPTION)
 
+# What errors say that decline a motion.
+_DECLINED = ("rounding is no small part", "of length 1", "off length 1", "a unit vector, which is off by")
+
 
 @dataclass
 class Fault:
@@ -82,7 +85,7 @@ def states_on(draw: Draw, used: Subject, row: int, parameters: Floats) -> Floats
 def declined(error: PlannercheckError, row: int, judged: Judged) -> int:
     """DECLINED, if the error says that numbers are too large or off length 1; else a fault."""
     words = str(error)
-    if "rounding is no small part" in words or "of length 1" in words or "off length 1" in words:
+    if any(each in words for each in _DECLINED):
         return DECLINED
     judged.add(EXCEPTION, row, repr(error))
     return FAILED

@@ -1,0 +1,202 @@
+// The engine of one level: a cell's pairs compiled twice, those that can meet within the limits and all of them
+// (plannercheck/checking/compiled_tables.py), the latter when first needed.
+#include "library/engine.hpp"
+
+#include <mutex>
+#include <stdexcept>
+#include <utility>
+
+#include "checking/checker.hpp"
+#include "motions/motion_certifier.hpp"
+
+namespace plannercheck {
+namespace {
+
+// The bodies of some pairs, and the place of each of a cell's bodies among these.
+struct SomeBodies {
+  std::vector<GeometryObject> objects;
+  std::vector<std::int32_t> place;
+};
+
+SomeBodies bodies_of(const PreparedCell& cell, const std::vector<std::int32_t>& rows) {
+  SomeBodies out;
+  std::vector<bool> used(cell.bodies.size(), false);
+  for (const std::int32_t row : rows) {
+    for (const std::int32_t body : cell.pairs[at(row)]) used[at(body)] = true;
+  }
+  for (std::size_t k = 0; k < used.size(); ++k) {
+    out.place.push_back(used[k] ? static_cast<std::int32_t>(out.objects.size()) : -1);
+    if (used[k]) out.objects.push_back(cell.bodies[k]);
+  }
+  return out;
+}
+
+// Made when first asked for; what `make` throws is thrown by each call.
+template <class T>
+class Lazily {
+ public:
+  template <class Make>
+  const T& get(Make make) const {
+    std::call_once(once_, [&] { made_ = make(); });
+    return *made_;
+  }
+
+ private:
+  mutable std::once_flag once_;
+  mutable std::shared_ptr<const T> made_;
+};
+
+class CompiledTable {
+ public:
+  CompiledTable(std::shared_ptr<const PreparedCell> cell, Table table)
+      : cell_(std::move(cell)),
+        chained_(table == Table::kAll && cell_->has_limits ? cell_->all : cell_->within_limits),
+        rows_(rows_of(*cell_, table)),
+        is_within_limits_(table == Table::kWithinLimits) {}
+
+  const ChainedTable& chained() const { return chained_; }
+
+  const CheckerCore& checker() const { return *shared_checker(); }
+
+  const MotionCertifier& certifier() const {
+    return certifier_.get([this] {
+      MotionModel model = cell_->motion;
+      const SomeBodies bodies = bodies_of(*cell_, rows_);
+      model.bodies = bodies.objects, model.chains = chained_.chains, model.pairs = chained_.pairs;
+      for (CertifiedPair& pair : model.pairs) pair.a = bodies.place[at(pair.a)], pair.b = bodies.place[at(pair.b)];
+      return std::make_shared<const MotionCertifier>(std::move(model), Tuning(), shared_checker());
+    });
+  }
+
+ private:
+  std::shared_ptr<const PreparedCell> cell_;
+  const ChainedTable& chained_;
+  std::vector<std::int32_t> rows_;
+  bool is_within_limits_;
+  Lazily<std::shared_ptr<const CheckerCore>> checker_;
+  Lazily<MotionCertifier> certifier_;
+
+  const std::shared_ptr<const CheckerCore>& shared_checker() const {
+    return checker_.get([this] {
+      const SomeBodies bodies = bodies_of(*cell_, rows_);
+      std::vector<std::array<std::int32_t, 2>> pairs;
+      for (const std::int32_t row : rows_) {
+        const auto& [a, b] = cell_->pairs[at(row)];
+        pairs.push_back({bodies.place[at(a)], bodies.place[at(b)]});
+      }
+      using Cells = std::vector<PairsInCells>;
+      return std::make_shared<std::shared_ptr<const CheckerCore>>(std::make_shared<const CheckerCore>(
+          bodies.objects, std::move(pairs), static_cast<std::int32_t>(cell_->links.size()), Tuning(), cell_->sampled,
+          is_within_limits_ ? cell_->in_cells : Cells()));
+    });
+  }
+};
+
+struct TableScratch {
+  std::shared_ptr<CheckerCore::Workspace> states;
+  std::shared_ptr<MotionCertifier::Workspace> motions;
+};
+
+struct LevelScratch final : Engine::Scratch {
+  TableScratch within_limits, all;
+  std::vector<double> poses;
+};
+
+class LevelEngine final : public Engine {
+ public:
+  explicit LevelEngine(std::shared_ptr<const PreparedCell> cell)
+      : cell_(std::move(cell)),
+        kinematics_(static_cast<int>(cell_->width()), cell_->joints, cell_->links),
+        within_limits_(cell_, Table::kWithinLimits),
+        all_(cell_, Table::kAll) {
+    static_cast<void>(within_limits_.checker());
+  }
+
+  const PreparedCell& cell() const override { return *cell_; }
+
+  std::unique_ptr<Engine> edited(const Edit& edit) const override {
+    return std::make_unique<LevelEngine>(std::make_shared<const PreparedCell>(plannercheck::edited(*cell_, edit)));
+  }
+
+  std::unique_ptr<Scratch> new_scratch() const override { return std::make_unique<LevelScratch>(); }
+
+  void check_states(Table table, const double* q, std::size_t n, std::uint8_t* valid, Scratch& scratch) const override {
+    const CompiledTable& pairs = compiled(table);
+    pairs.checker().check_states(kinematics_, q, n, valid, states(pairs, scratch));
+  }
+
+  void colliding_pairs(const double* q, std::uint8_t* colliding, Scratch& scratch) const override {
+    const CompiledTable& pairs = compiled(Table::kAll);
+    constexpr std::size_t kPoseNumbers = 16;
+    std::vector<double>& poses = static_cast<LevelScratch&>(scratch).poses;
+    poses.assign(kPoseNumbers * cell_->links.size(), 0);
+    const std::vector<unsigned char> needed(cell_->links.size(), 1);
+    kinematics_.link_poses_batch(q, 1, needed.data(), poses.data());
+    pairs.checker().all_collisions(poses.data(), 1, colliding, states(pairs, scratch));
+  }
+
+  void check_motions(Table table, const double* starts, const double* ends, std::size_t n, double tolerance,
+                     std::uint8_t* answers, Scratch& scratch) const override {
+    const CompiledTable& pairs = compiled(table);
+    const Segments motions{starts, ends, cell_->width()};
+    pairs.certifier().check(kinematics_, motions, n, tolerance, cell_->kinematic_error, answers,
+                            certifying(pairs, scratch));
+  }
+
+  MotionReport explain_motion(Table table, const double* start, const double* end, double tolerance,
+                              Scratch& scratch) const override {
+    const CompiledTable& pairs = compiled(table);
+    MotionReport report = pairs.certifier().explain(kinematics_, {start, end}, tolerance, cell_->kinematic_error,
+                                                    nullptr, certifying(pairs, scratch));
+    if (report.answer == MotionAnswer::kRefused) report.pair = pairs.chained().rows[at(report.pair)];
+    return report;
+  }
+
+ private:
+  std::shared_ptr<const PreparedCell> cell_;
+  Kinematics kinematics_;
+  CompiledTable within_limits_, all_;
+
+  // The same where no pair is left out within the limits.
+  const CompiledTable& compiled(Table table) const {
+    return table == Table::kAll && cell_->has_limits ? all_ : within_limits_;
+  }
+
+  TableScratch& of_table(const CompiledTable& pairs, Scratch& scratch) const {
+    auto& own = static_cast<LevelScratch&>(scratch);
+    return &pairs == &all_ ? own.all : own.within_limits;
+  }
+
+  CheckerCore::Workspace& states(const CompiledTable& pairs, Scratch& scratch) const {
+    TableScratch& own = of_table(pairs, scratch);
+    if (own.states == nullptr) own.states = pairs.checker().new_workspace();
+    return *own.states;
+  }
+
+  MotionCertifier::Workspace& certifying(const CompiledTable& pairs, Scratch& scratch) const {
+    TableScratch& own = of_table(pairs, scratch);
+    if (own.motions == nullptr) own.motions = pairs.certifier().new_workspace();
+    return *own.motions;
+  }
+};
+
+std::shared_ptr<const PreparedCell> cell_of(std::span<const std::byte> bytes, const std::string& name) {
+  try {
+    CellFile file(bytes);
+    return std::make_shared<const PreparedCell>(read_cell(file));
+  } catch (const CellError& error) {
+    throw std::runtime_error(name + " " + error.what());
+  } catch (const HullError& error) {
+    throw std::runtime_error(name + " is damaged: a body: " + error.what());
+  } catch (const PartSetError& error) {
+    throw std::runtime_error(name + " is damaged: a body: " + error.what());
+  }
+}
+
+}  // namespace
+}  // namespace plannercheck
+
+// The one symbol of a level that others see (EngineMaker). The caller owns the engine.
+extern "C" plannercheck::Engine* PLANNERCHECK_ENGINE(std::span<const std::byte> file, const std::string& name) {
+  return new plannercheck::LevelEngine(plannercheck::cell_of(file, name));
+}

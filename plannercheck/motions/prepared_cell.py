@@ -1,0 +1,221 @@
+"""Prepared cells: a checker as a file for C++, which reads it without URDF, meshes or Pinocchio.
+
+In: a checker. Out: the sections that cpp/library/prepared_cell.cpp, cell_bodies.cpp and cell_motions.cpp read, in this
+order: what the compiled kinematics, checkers and certifiers of both tables are made of. Prepared hulls are in the file
+as they are; solids, sets of parts and half-spaces by the arrays that make them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.checking.compiled_tables import CompiledTables
+from plannercheck.common.array_types import Bools, Ints, Ints64
+from plannercheck.common.atomic_files import write_atomically
+from plannercheck.common.core import core
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.section_files import Section, file_of, text, texts
+from plannercheck.common.version import __version__
+from plannercheck.motions.certifier import MotionCertifier
+from plannercheck.motions.certifier_pairs import ChainedPairs
+from plannercheck.robots.configurations import LARGEST_VALUE
+from plannercheck.robots.robot import Robot
+from plannercheck.robots.unit_lengths import UNIT_TOLERANCE
+from plannercheck.scenes.scene import Scene
+
+# kCellFormat in cpp/library/cell_file.hpp.
+CELL_FORMAT = 1
+
+# BodyKind in cpp/library/cell_bodies.cpp.
+_HULL, _SOLID, _HALF_SPACE = 0, 1, 5
+_PART_SETS = {"balls": 2, "cells": 3, "columns": 4}
+
+
+class CellInputs(NamedTuple):
+    """What a checker's prepared cell is made of.
+
+    Attributes:
+        robot: The robot.
+        kernel: The kinematics that pose it.
+        scene: The scene's name.
+        labels: The link or obstacle of each body.
+        polytopes: The prepared bodies; None where no pair needs it.
+        pairs: (k, 2) indices of bodies.
+        unreachable: (k,) which pairs can't meet within the limits.
+        meets_obstacles: (robot's bodies,) which are tested against an obstacle that is added.
+        padding: Such an obstacle's part of the padding, m.
+        tables: The pairs, compiled.
+        certifier: Proves motions along screws free.
+    """
+
+    robot: Robot
+    kernel: core.Kinematics
+    scene: str
+    labels: Sequence[str]
+    polytopes: Sequence[Polytope | None]
+    pairs: Ints
+    unreachable: Bools
+    meets_obstacles: Bools
+    padding: float
+    tables: CompiledTables
+    certifier: MotionCertifier
+
+
+def check_can_be_saved(robot: Robot, scene: Scene, kernel: core.Kinematics | None) -> core.Kinematics:
+    """The kinematics of a checker that can be a prepared cell, or an error that says why it can't."""
+    what = f"the checker of {robot.name!r} in {scene.name!r} can't be saved as a prepared cell"
+    if scene.moving:
+        raise PlannercheckError(
+            f"{what}: {', '.join(item.name for item in scene.moving)} moves, and a cell's scene stands still"
+        )
+    if kernel is None:
+        raise PlannercheckError(f"{what}: Pinocchio itself poses the robot, and C++ has the compiled kinematics only")
+    return kernel
+
+
+def write_cell(cell: CellInputs, path: Path) -> None:
+    """Writes a prepared cell; the file appears whole or not at all.
+
+    Raises:
+        PlannercheckError: If it can't be written, or a name has a zero character.
+    """
+    content = file_of(_sections(cell), CELL_FORMAT, core.body_format)
+    write_atomically(path, lambda aside: aside.write_bytes(content))
+
+
+def _sections(cell: CellInputs) -> Iterator[Section]:
+    yield text("about", f"plannercheck {__version__}")
+    yield text("robot", cell.robot.name)
+    yield text("scene", cell.scene)
+    yield texts("joint names", cell.robot.joint_names)
+    yield texts("link names", cell.robot.link_names)
+    yield texts("body names", cell.labels)
+    yield from _configurations(cell.robot, cell.certifier)
+    yield from _kinematics(cell.robot)
+    yield from _bodies(cell)
+    yield from _pairs(cell)
+    yield from _motions(cell)
+
+
+def _configurations(robot: Robot, certifier: MotionCertifier) -> Iterator[Section]:
+    lengths, bounds = robot.configuration_map.lengths, certifier.rounding
+    yield Section("lower", robot.lower)
+    yield Section("upper", robot.upper)
+    yield Section("largest value", LARGEST_VALUE)
+    yield Section("unit columns", _rows(lengths.columns, 2))
+    yield Section("unit tolerance", min(UNIT_TOLERANCE, float(lengths.harmless)))
+    yield Section("turning columns", np.array(bounds.turning, dtype=np.int32))
+    yield Section("usual low", bounds.low)
+    yield Section("usual high", bounds.high)
+    yield Section("kinematic error", float(bounds.usual))
+
+
+def _kinematics(robot: Robot) -> Iterator[Section]:
+    table = robot.joint_table
+    assert table is not None
+    for name in table._fields[1:]:  # all but the width
+        yield Section(name.replace("_", " "), getattr(table, name))
+    yield Section("sampled poses", robot.sampled_link_poses.reshape(-1, 16))
+
+
+def _bodies(cell: CellInputs) -> Iterator[Section]:
+    shapes: dict[int, int] = {}  # the place of each prepared body
+    distinct: list[Polytope] = []
+    of_bodies = []
+    for polytope in cell.polytopes:
+        if polytope is not None and id(polytope.core) not in shapes:
+            shapes[id(polytope.core)] = len(distinct)
+            distinct.append(polytope)
+        of_bodies.append(-1 if polytope is None else shapes[id(polytope.core)])
+    described = [_shape(polytope) for polytope in distinct]
+    yield Section("shape kinds", np.array([kind for kind, _ in described], dtype=np.int32))
+    for _, sections in described:
+        yield from sections
+    links, placements = cell.tables.mounts(cell.kernel)
+    yield Section("shapes", np.array(of_bodies, dtype=np.int32))
+    yield Section("links", links)
+    yield Section("body placements", placements[:, :3].reshape(-1, 12))
+    yield Section("meets obstacles", cell.meets_obstacles)
+    yield Section("obstacle padding", cell.padding)
+
+
+def _shape(polytope: Polytope) -> tuple[int, list[Section]]:
+    """The kind of a prepared body in files, and its sections."""
+    inflation = Section("inflation radius", polytope.inflation_radius)
+    if polytope.half_space is not None:
+        normal, offset = polytope.half_space
+        return _HALF_SPACE, [inflation, Section("half-space", np.array([[*normal, offset]]))]
+    if polytope.parts is not None:
+        maker, given = polytope.parts.state()
+        return _PART_SETS[maker], [inflation, *_part_set(maker, *given)]
+    hull = Section("hull", np.frombuffer(polytope.core.serialise(), dtype=np.uint8))
+    solid = polytope.solid
+    if solid is None:
+        return _HULL, [hull]
+    return _SOLID, [hull, Section("points", solid.points()), Section("triangles", solid.triangles())]
+
+
+def _part_set(maker: str, *given: Any) -> list[Section]:
+    """Sections of the arguments of one of the core's makers of part sets."""
+    if maker == "balls":
+        points, radii = given
+        return [Section("points", points), Section("radii", radii)]
+    if maker == "cells":
+        keys, sizes, resolution, origin = given
+        return [Section("keys", keys), Section("sizes", sizes), Section("lattice", np.array([[resolution, *origin]]))]
+    heights, step, origin, base = given
+    return [Section("heights", heights), Section("lattice", np.array([[*step, *origin, base]]))]
+
+
+def _pairs(cell: CellInputs) -> Iterator[Section]:
+    tables = cell.tables
+    yield Section("pairs", _rows(cell.pairs, 2))
+    yield Section("unreachable", cell.unreachable)
+    yield Section("has limits", np.array([tables.limits is not None], dtype=np.int32))
+    yield Section("cell tables", np.array([len(tables.in_cells)], dtype=np.int32))
+    for each in tables.in_cells:
+        yield Section("cell columns", np.array(each.made_of.columns, dtype=np.int32))
+        yield Section("cell lows", np.array(each.made_of.lows))
+        yield Section("cells per unit", np.array(each.made_of.per_unit))
+        yield Section("may meet", each.made_of.may_meet)
+        yield Section("cell pairs", each.pairs)
+
+
+def _motions(cell: CellInputs) -> Iterator[Section]:
+    by_table = cell.certifier.pairs_by_table
+    moving = cell.tables.mounts(cell.kernel)[0][: len(cell.meets_obstacles)] >= 0
+    joints = by_table[0].of_robot
+    drives, factors, parts = joints.drives
+    yield Section("drives", drives)
+    yield Section("factors", factors)
+    yield Section("parts", _rows(parts, 2))
+    for name in ("defect", "leverage", "depth"):
+        yield Section(name, float(getattr(joints, name)))
+    yield Section("extent", float(joints.spread.extent))
+    yield Section("most joints", float(joints.spread.joints))
+    yield Section("travel", joints.spread.travel)
+    for pairs in by_table:
+        yield from _chained(pairs, np.flatnonzero(moving & cell.meets_obstacles))
+
+
+def _chained(pairs: ChainedPairs, movers: Ints64) -> Iterator[Section]:
+    """A table's pairs, and the chains from the world to the bodies that meet obstacles, whether there is one or not."""
+    obstacle = pairs.of_robot.own_count
+    asked = np.stack([movers, np.full(len(movers), obstacle)], axis=1)
+    chains = pairs.of_robot.of(np.concatenate([pairs.table, asked]))
+    yield Section("chained pairs", _rows(chains.pairs[: len(pairs.table)], 5))
+    yield Section("from world", _rows(chains.pairs[len(pairs.table) :, [0, 3]], 2))
+    yield Section("first entry", chains.first_entry)
+    yield Section("entries", _rows(chains.entries, 3))
+    yield Section("arms", chains.arms)
+    yield Section("slides", chains.slides)
+    yield Section("touching", np.array(pairs.touching, dtype=np.int32))
+
+
+def _rows(values: Any, columns: int) -> Any:
+    return np.array(values, dtype=np.int32).reshape(-1, columns)

@@ -1,0 +1,190 @@
+"""Builds, installs and runs the C++ library, and compares its verdicts with Python's, in a folder outside the checkout.
+
+    python tests/benchmarks/cpp_library.py                        # minutes of a core: all levels, shared
+    python tests/benchmarks/cpp_library.py --levels v3 --static
+    python tests/benchmarks/cpp_library.py --levels v3 --sanitize address,undefined --fuzz 10000
+
+Out: the library's size; the examples' output (docs/examples/cpp); for each robot and each level that this machine runs,
+the time of loading, of a state and of a motion, and whether the verdicts are the bits of Python's; with --fuzz what
+became of damaged cells. The exit code is 1 if verdicts differ.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+import plannercheck as pc
+
+ROOT = Path(__file__).parents[2]
+CELLS = (("panda", "bookshelf"), ("ur5", "table"), ("baxter", "kitchen"))
+EDITED = 2000  # kEdited in judge.cpp
+PROGRAMS = ROOT / "tests" / "support" / "cpp"
+
+
+def built(options: argparse.Namespace, folder: Path) -> Path:
+    """Where the library is installed; it is built if need be."""
+    build, prefix = folder / "build", folder / "installed"
+    choices = [
+        "-DPLANNERCHECK_PYTHON=OFF",
+        f"-DPLANNERCHECK_LEVELS={options.levels}",
+        f"-DBUILD_SHARED_LIBS={'OFF' if options.static else 'ON'}",
+        f"-DPLANNERCHECK_SANITIZE={options.sanitize}",
+        *([f"-DCMAKE_CXX_COMPILER={options.compiler}"] if options.compiler else []),
+        *(["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1"] if options.sanitize else []),
+    ]
+    before = os.times()
+    run("cmake", "-S", str(ROOT / "plannercheck/cpp"), "-B", str(build), "-G", "Ninja", *choices)
+    run("cmake", "--build", str(build), "--parallel", str(options.jobs))
+    run("cmake", "--install", str(build), "--prefix", str(prefix))
+    spent = os.times()
+    took = spent.children_user + spent.children_system - before.children_user - before.children_system
+    (library,) = [path for path in prefix.glob("lib*/**/libplannercheck.*") if not path.is_symlink()]
+    stripped = subprocess.run(["strip", "-o", folder / "stripped", library], check=False).returncode == 0
+    sizes = f"{library.stat().st_size / 1e6:.1f} MB" + (
+        f", stripped {(folder / 'stripped').stat().st_size / 1e6:.1f} MB" if stripped else ""
+    )
+    print(f"{library.name}: {sizes}, built in {took:.0f} s of processor time")
+    return prefix
+
+
+def consumer(prefix: Path, folder: Path, options: argparse.Namespace) -> Path:
+    """Builds the examples and this script's programs against the installed package; returns their folder."""
+    source, build = folder / "consumer", folder / "consumer-build"
+    source.mkdir(exist_ok=True)
+    for path in (*(ROOT / "docs/examples/cpp").iterdir(), *PROGRAMS.glob("*.cpp")):
+        (source / path.name).write_bytes(path.read_bytes())
+    with (source / "CMakeLists.txt").open("a") as lines:
+        for name in ("judge", "fuzz_cell"):
+            lines.write(f"add_executable({name} {name}.cpp)\n")
+            lines.write(f"target_link_libraries({name} PRIVATE plannercheck::plannercheck Threads::Threads)\n")
+    flags = "-Wall -Wextra -Wconversion -Werror" + (f" -fsanitize={options.sanitize}" if options.sanitize else "")
+    compiler = [f"-DCMAKE_CXX_COMPILER={options.compiler}"] if options.compiler else []
+    run(
+        *("cmake", "-S", str(source), "-B", str(build), "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}"),
+        *(f"-DCMAKE_CXX_FLAGS={flags}", "-DCMAKE_BUILD_TYPE=Release", *compiler),
+    )
+    run("cmake", "--build", str(build))
+    return build
+
+
+def inputs(checker: pc.Checker, states: int, motions: int) -> list[np.ndarray]:
+    """States, starts and ends; some are beyond the limits."""
+    q = checker.robot.random_configurations(states, 1)
+    q[::97] *= 1.3
+    starts, ends = (checker.robot.random_configurations(motions, seed) for seed in (2, 3))
+    ends = starts + (ends - starts) * np.random.default_rng(4).uniform(0, 0.3, (motions, 1))
+    ends[::53] *= 1.2
+    return [q, starts, ends]
+
+
+def of_edits(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray]:
+    """Verdicts in the scenes that `edited` of judge.cpp makes."""
+    here, there = np.eye(4), np.eye(4)
+    here[:3, 3] = 0.5, 0.25, 0.5
+    there[:2, :2], there[:3, 3] = [[0, -1], [1, 0]], (-0.25, 0.5, 0.75)
+    ball = np.eye(4)
+    ball[:3, 3] = 0.25, -0.5, 0.625
+    i, j = np.indices((16, 16)).reshape(2, -1)
+    cloud = pc.PointCloud(np.stack([0.0625 * i, 0.0625 * j, 0.03125 * (i ^ j)], axis=1), 0.03125)
+    edits = [
+        ((), ("new ball", pc.Sphere(0.125), ball)),
+        ((), ("new crate", pc.Box((0.25, 0.5, 0.125)), here)),
+        (("new crate",), ("new crate", pc.Box((0.25, 0.5, 0.125)), there)),
+        ((), ("new cloud", cloud, here)),
+        (("new ball",), None),
+        (("new crate",), ("new crate", pc.Box((0.125, 0.125, 0.125)), here)),
+    ]
+    for removed, added in edits:
+        scene = checker.scene.copy()
+        for name in removed:
+            scene.remove(name)
+        if added is not None:
+            scene.add(*added)
+        checker = checker.with_scene(scene)
+        yield checker.check_states(given[0][:EDITED])
+        yield checker.check_motions(given[1][:EDITED], given[2][:EDITED])
+
+
+def compare(checker: pc.Checker, cell: Path, programs: Path, folder: Path, options: argparse.Namespace) -> bool:
+    """Whether all levels give Python's verdicts."""
+    given = inputs(checker, options.states, options.motions)
+    for name, rows in zip("qab", given, strict=True):
+        rows.tofile(folder / name)
+    begin = time.process_time()
+    states = checker.check_states(given[0])
+    middle = time.process_time()
+    motions = checker.check_motions(given[1], given[2])
+    end = time.process_time()
+    python = np.concatenate([states, motions, *of_edits(checker, given)]).tobytes()
+    per_state, per_motion = (middle - begin) / len(states) * 1e6, (end - middle) / len(motions) * 1e6
+    print(f"  Python: a state {per_state:.3f} us, a motion {per_motion:.3f} us of processor time")
+    same = True
+    for level in ("v4", "v3", "v2"):
+        files = [str(folder / name) for name in ("q", "a", "b", "out")]
+        command = [str(programs / "judge"), str(cell), *files]
+        environment = {**os.environ, "PLANNERCHECK_LEVEL": level}
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        if "this machine and build have" in done.stderr:
+            continue
+        print("  C++:", done.stdout.strip().replace("\n", "; "), done.stderr.strip())
+        equal = done.returncode == 0 and (folder / "out").read_bytes() == python
+        print(f"  {len(states)} states and {len(motions)} motions: {'the same bits' if equal else 'OTHER VERDICTS'}")
+        same &= equal
+    return same
+
+
+def run(*command: str) -> None:
+    """Runs a command silently; its output appears if it fails."""
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        sys.exit(f"{' '.join(command)}\n{done.stdout}\n{done.stderr}")
+
+
+def main() -> int:
+    """Runs it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--levels", default="v2;v3;v4")
+    parser.add_argument("--static", action="store_true")
+    parser.add_argument("--compiler")
+    parser.add_argument("--sanitize", default="")
+    parser.add_argument("--fuzz", type=int, default=0, help="how many damaged files")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--states", type=int, default=10**6)
+    parser.add_argument("--motions", type=int, default=10**5)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--folder", type=Path, help="keeps what is built there")
+    options = parser.parse_args()
+    warnings.simplefilter("ignore")
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = options.folder or Path(temporary)
+        folder.mkdir(exist_ok=True)
+        programs = consumer(built(options, folder), folder, options)
+        same = True
+        for robot, scene in CELLS:
+            checker = pc.Checker(pc.Robot.load(robot), pc.Scene.load(scene))
+            cell = folder / f"{robot}.plannercheck"
+            checker.save(cell)
+            print(f"{robot} in {scene}: {cell.stat().st_size / 1e6:.1f} MB")
+            for name in ("check", "threads"):
+                done = subprocess.run([programs / name, cell], capture_output=True, text=True, check=True)
+                print("  " + done.stdout.strip().replace("\n", "; "))
+            same &= compare(checker, cell, programs, folder, options)
+            if options.fuzz:
+                sys.stdout.flush()
+                command = [str(programs / "fuzz_cell"), str(cell), str(options.fuzz), str(options.seed)]
+                subprocess.run(command, check=True)
+    return 0 if same else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,104 @@
+"""Boxes of configurations that are proved free, beside drake's IRIS-ZO, whose regions are free with some probability.
+
+In: how many regions. Out: for each method seconds a region, volumes, and how many of a million sampled states of all
+its regions collide. Run: python tests/benchmarks/free_regions.py --regions 1000 [--cells 1000] [--drake 10]
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+
+import plannercheck as pc
+from plannercheck.evaluation.bench.distances import free_states
+from plannercheck.evaluation.bench.drake_checker import drake_model
+
+_BATCH = 20_000
+_ROOM = 1e-3  # m, for the fingers, which are held
+
+
+def colliding(checker, sample, count: int) -> int:
+    """How many of so many states that `sample(n)` draws collide."""
+    return sum(int((~checker.check_states(sample(min(_BATCH, count - k)))).sum()) for k in range(0, count, _BATCH))
+
+
+def ours(checker, q, cells: int, samples: int):
+    rng, volumes, collide, spent = np.random.default_rng(0), [], 0, 0.0
+    for row in q:
+        start = time.process_time()
+        box = checker.free_box(row, cells=cells)
+        spent += time.process_time() - start
+        volumes.append(0.0 if box is None else box.volume)
+        if box is not None:
+            collide += colliding(
+                checker, lambda n, box=box: rng.uniform(box.lower, box.upper, (n, q.shape[1])), samples
+            )
+    return spent / len(q), volumes, collide
+
+
+def by_drake(checker, q, samples: int):
+    """IRIS-ZO's default options (a twentieth of the region may collide, with some probability)."""
+    from pydrake.common import RandomGenerator
+    from pydrake.geometry.optimization import HPolyhedron, Hyperellipsoid
+    from pydrake.planning import IrisZo, IrisZoOptions
+
+    made, robot, rng = drake_model(checker), checker.robot, np.random.default_rng(0)
+    low, high = (robot.expand(np.array([limit]))[0] for limit in (robot.lower, robot.upper))
+    held = np.where(high > low, 0.0, _ROOM)  # drake's sampler needs a volume
+    domain = HPolyhedron.MakeBox(low - held, high + held)
+    volumes, collide, spent = [], 0, 0.0
+    for row in q:
+        full = robot.expand(row[None])[0]
+        start = time.process_time()
+        region = IrisZo(made, Hyperellipsoid.MakeHypersphere(1e-2, full), domain, IrisZoOptions())
+        spent += time.process_time() - start
+        volumes.append(region.CalcVolumeViaSampling(RandomGenerator(0), 0.1, 1_000_000).volume)
+        points = hit_and_run(region, full, rng, samples)
+        collide += int((~checker.check_states(points[:, : robot.nq])).sum())
+    return spent / len(q), volumes, collide
+
+
+def hit_and_run(region, start, rng, count: int):
+    """States in a polytope {A x <= b}, by hit and run."""
+    a, b = region.A(), region.b()
+    x, found = start.copy(), np.empty((count, len(start)))
+    for k in range(count):
+        d = rng.normal(size=len(x))
+        d /= np.linalg.norm(d)
+        rates, rooms = a @ d, b - a @ x
+        ahead, behind = rates > 1e-12, rates < -1e-12
+        high, low = (rooms[ahead] / rates[ahead]).min(), (rooms[behind] / rates[behind]).max()
+        x = x + rng.uniform(low, high) * d
+        found[k] = x
+    return found
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--regions", type=int, default=100)
+    parser.add_argument("--cells", type=int, default=1000)
+    parser.add_argument("--samples", type=int, default=1_000_000, help="states of each region of ours")
+    parser.add_argument("--drake", type=int, default=0, help="regions that drake makes")
+    given = parser.parse_args()
+    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
+    q = free_states(checker, given.regions, 0)
+    methods = [(f"free_box, {given.cells} cells", len(q), ours(checker, q, given.cells, given.samples))]
+    if given.drake:
+        few = q[: given.drake]
+        one = ours(checker, few, given.cells, 1000)
+        methods += [("free_box, the same", len(few), one), ("IrisZo", len(few), by_drake(checker, few, 2000))]
+    for name, regions, (seconds, volumes, collide) in methods:
+        print(
+            f"{name}: {regions} regions, {seconds:.3f} s each, volume median {np.median(volumes):.2e}, largest "
+            f"{max(volumes):.2e}; {collide} sampled states collide"
+        )
+
+
+if __name__ == "__main__":
+    main()

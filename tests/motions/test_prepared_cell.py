@@ -1,0 +1,162 @@
+"""Prepared cells: what is in the file, what can't be saved, and what the C++ reader of the container refuses.
+
+`python tests/benchmarks/cpp_library.py` builds the library and compares its verdicts with Python's, in minutes.
+"""
+
+from __future__ import annotations
+
+import random
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from section_reader import read_sections
+
+import plannercheck as pc
+from plannercheck.cli.main import main
+from plannercheck.common.core import core
+from plannercheck.common.section_files import Section, file_of, texts
+from plannercheck.motions.prepared_cell import CELL_FORMAT
+
+ROOT = Path(__file__).parents[2]
+CPP = ROOT / "plannercheck" / "cpp"
+
+
+@pytest.fixture(scope="module")
+def checker():
+    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
+
+
+@pytest.fixture(scope="module")
+def cell(checker, tmp_path_factory):
+    path = tmp_path_factory.mktemp("cell") / "panda.plannercheck"
+    checker.save(path)
+    return path
+
+
+def only(sections, name):
+    (found,) = (values for each, values in sections if each == name)
+    return found
+
+
+def test_a_cell_holds_the_checker(checker, cell):
+    sections, robot = read_sections(cell.read_bytes()), checker.robot
+    assert only(sections, "robot").tobytes() == b"panda"
+    names = only(sections, "joint names").tobytes().decode().split("\0")
+    assert tuple(names) == (*robot.joint_names, "")
+    for name in ("parents", "kinds", "axes", "placements", "columns", "multipliers", "offsets", "link_placements"):
+        given = getattr(robot.joint_table, name)
+        assert np.array_equal(only(sections, name.replace("_", " ")).reshape(given.shape), given)
+    assert np.array_equal(only(sections, "pairs"), checker.pairs)
+    assert np.array_equal(only(sections, "unreachable").ravel(), checker.unreachable)
+    shapes = [core.Polytope.parse(values.tobytes()) for name, values in sections if name == "hull"]
+    for index, polytope in zip(only(sections, "shapes").ravel().tolist(), checker.polytopes, strict=True):
+        assert (index < 0) == (polytope is None)
+        assert polytope is None or np.array_equal(shapes[index].vertices(), polytope.vertices)
+
+
+def test_a_cell_is_the_same_each_time_and_on_the_command_line(checker, cell, tmp_path):
+    checker.save(str(tmp_path / "again"))
+    assert (tmp_path / "again").read_bytes() == cell.read_bytes()
+    assert main(["export", "--robot", "panda", "--scene", "bookshelf", "--output", str(tmp_path / "told")]) == 0
+    assert (tmp_path / "told").read_bytes() == cell.read_bytes()
+
+
+def test_every_kind_of_body_is_saved_as_it_was_made(tmp_path):
+    points = np.random.default_rng(0).uniform(0.5, 1.5, (40, 3))
+    scene = pc.Scene("sensed")
+    scene.add("cloud", pc.PointCloud(points, 0.01))
+    scene.add("map", pc.Octree.from_cells(np.array([[20, 0, 1], [21, 3, 5]], dtype=np.int32), 0.05))
+    scene.add("ground", pc.HeightField(np.array([[-0.3, -0.2], [-0.25, -0.3]]), 1.0, -0.5))
+    scene.add("floor", pc.HalfSpace((0, 0, 1), -1.0))
+    scene.add("tetrahedra", pc.Solid(*two_tetrahedra()))
+    pc.Checker(pc.Robot.load("ur5"), scene, self_collision=False).save(tmp_path / "cell")
+    sections = read_sections((tmp_path / "cell").read_bytes())
+    assert sorted(set(only(sections, "shape kinds").ravel().tolist())) == [0, 1, 2, 3, 4, 5]
+    named = [values for name, values in sections if name == "points"]
+    assert any(values.shape == points.shape and np.array_equal(values, points) for values in named)
+
+
+def two_tetrahedra():
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=np.float64) + 0.7
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    return np.concatenate([corners, corners + 2]), np.concatenate([faces, faces + 4])
+
+
+def test_what_a_cell_does_not_hold_is_refused(tmp_path):
+    robot = pc.Robot.load("ur5")
+    with pytest.raises(pc.PlannercheckError, match=r"'ur5' in 'empty' can't be saved .*: Pinocchio itself poses"):
+        pc.Checker(robot, kinematics="pinocchio").save(tmp_path / "cell")
+    belt = pc.Scene("belt")
+    belt.add("pallet", pc.Box((0.1, 0.1, 0.1)), pc.Moving([0.0, 1.0], np.stack([np.eye(4)] * 2)))
+    with pytest.raises(pc.PlannercheckError, match="pallet moves, and a cell's scene stands still"):
+        pc.Checker(robot, belt).save(tmp_path / "cell")
+    with pytest.raises(pc.PlannercheckError, match="can't be written"):
+        pc.Checker(robot).save(tmp_path / "missing" / "cell")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_new_obstacle_would_meet_what_another_one_meets(checker):
+    meets, padding = checker.of_new_obstacle()
+    shelf = checker.pairs[(checker.pairs == len(checker.robot.bodies)).any(axis=1)]
+    assert sorted(shelf.min(axis=1).tolist()) == np.flatnonzero(meets).tolist()
+    assert padding == 0.0
+    padded = pc.Checker(checker.robot, padding={"panda_hand": 0.01})
+    assert padded.of_new_obstacle()[1] == 0.0
+    assert pc.Checker(checker.robot, padding=0.02).of_new_obstacle()[1] == 0.01
+    stand_ins = checker.with_bodies(checker.bodies)
+    assert not stand_ins.of_new_obstacle()[0].any()
+
+
+def test_planar_robots_are_not_exported(tmp_path, capsys):
+    assert main(["export", "--robot", "truck_trailer", "--output", str(tmp_path / "cell")]) == 2
+    assert "no planar robots" in capsys.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def list_sections(tmp_path_factory):
+    """A program of the C++ reader of the container alone."""
+    compiler = shutil.which("c++")
+    if compiler is None:
+        pytest.skip("there is no C++ compiler")
+    program = tmp_path_factory.mktemp("cpp") / "list_sections"
+    sources = [ROOT / "tests/support/cpp/list_sections.cpp", CPP / "library/cell_file.cpp"]
+    flags = ["-std=c++20", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-fsanitize=address,undefined"]
+    subprocess.run([compiler, *flags, f"-I{CPP}", *map(str, sources), "-o", str(program)], check=True)
+
+    def run(*files: Path) -> list[str]:
+        done = subprocess.run([program, *map(str, files)], capture_output=True, text=True, check=True)
+        return done.stdout.splitlines()
+
+    return run
+
+
+def test_the_library_reads_the_container(cell, list_sections, tmp_path):
+    (line,) = list_sections(cell)
+    assert line.split(";")[:-1] == [name for name, _ in read_sections(cell.read_bytes())]
+    content = cell.read_bytes()
+    for version in (b"\0\0\0\0", b"\2\0\0\0"):
+        (tmp_path / "other").write_bytes(content[:16] + version + content[20:])
+        (line,) = list_sections(tmp_path / "other")
+        assert "this version reads 1 with bodies of format" in line
+        assert line.endswith("save the cell again")
+
+
+def test_damaged_containers_are_refused(list_sections, tmp_path):
+    arrays = [Section("a", np.arange(9.0)), Section("none", np.zeros((0, 7))), Section("b", np.ones((5, 3), np.int32))]
+    content, draw = file_of([*arrays, texts("names", ["one", "two"])], CELL_FORMAT, core.body_format), random.Random(0)
+    files = [tmp_path / "whole"]
+    files[0].write_bytes(content)
+    assert list_sections(*files) == ["a;none;b;names;"]
+    for k in range(500):
+        damaged = bytearray(content if k % 3 else content[: draw.randrange(len(content))])
+        for _ in range(draw.randrange(1, 3)):
+            place = draw.randrange(min(len(damaged), draw.choice((48, len(content))))) if damaged else 0
+            damaged[place : place + 1] = bytes([draw.randrange(256)])
+        files.append(tmp_path / str(k))
+        files[-1].write_bytes(damaged)
+    changed = [path for path in files if path.read_bytes() != content]
+    for line in list_sections(*changed):
+        assert line.startswith("error: is ")
