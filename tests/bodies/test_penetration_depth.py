@@ -178,9 +178,7 @@ def test_depths_scale(exponent):
 def test_depth_into_a_half_space_is_minus_the_distance():
     floor = pc.HalfSpace((0, 0, 1), 0.0)
     box = pc.Box((1, 1, 1))
-    pose = np.eye(4)
-    pose[2, 3] = 0.25
-    found = pc.depth(box, floor, pose)
+    found = pc.depth(box, floor, at(0, 0, 0.25))
     assert found.lower_bound == pytest.approx(0.25, abs=1e-13)
     assert found.lower_bound <= 0.25 <= found.depth
     np.testing.assert_allclose(found.direction, [0, 0, 1])

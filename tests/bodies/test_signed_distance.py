@@ -66,10 +66,8 @@ def test_around_contact(gap):
     vertex_down = np.concatenate([0.3 * CUBE + np.array([0, 0, 0.5]), [[0.0, 0, 0]]])
     for upper in (pc.Polytope(CUBE + np.array([0.2, 0.1, 0.5])), pc.Polytope(vertex_down)):
         lower = pc.Polytope(CUBE - np.array([0, 0, 0.5]))
-        frame, raised = np.eye(4), np.eye(4)
-        frame[:3, :3] = turned * np.linalg.det(turned)
-        raised[2, 3] = gap
-        found = pc.signed_distance(upper, lower, frame @ raised, frame)
+        frame = at(turn=turned * np.linalg.det(turned))
+        found = pc.signed_distance(upper, lower, frame @ at(0, 0, gap), frame)
         assert found.lower_bound - 1e-15 <= gap <= found.distance + 1e-15
         assert found.distance - found.lower_bound < 1e-12
         np.testing.assert_allclose(found.direction, frame[:3, 2], atol=1e-11)
@@ -79,20 +77,16 @@ def test_the_same_body_and_bodies_in_each_other():
     cube, small = pc.Polytope(CUBE), pc.Polytope(0.1 * CUBE)
     same = pc.signed_distance(cube, cube)
     assert same.lower_bound <= -1 <= same.distance
-    off = np.eye(4)
-    off[:3, 3] = 0.2, 0.1, 0
-    inside = pc.signed_distance(small, cube, off)
+    inside = pc.signed_distance(small, cube, at(0.2, 0.1, 0))
     assert inside.distance == pytest.approx(-0.35, abs=1e-13)
     np.testing.assert_allclose(inside.direction, [1, 0, 0], atol=1e-12)
 
 
 def test_spheres_and_capsules():
     ball, capsule = pc.Sphere(0.3), pc.Capsule(0.1, 1.0)
-    pose = np.eye(4)
     for shift, distance in ((1.0, 0.6), (0.4, 0.0), (0.25, -0.15), (0.0, -0.4)):
-        pose[0, 3] = shift
-        found = pc.signed_distance(ball, capsule, pose)
-        assert found.lower_bound - 1e-16 <= distance <= found.distance + 1e-16 or abs(found.distance - distance) < 1e-15
+        found = pc.signed_distance(ball, capsule, at(shift))
+        assert found.lower_bound - 1e-16 <= distance <= found.distance + 1e-16
         assert found.distance - found.lower_bound < 1e-13
 
 
@@ -114,9 +108,8 @@ def test_flat_bodies():
 def test_half_spaces_and_sets_of_parts():
     floor = pc.HalfSpace((0, 0, 1), 0.0)
     cloud = pc.PointCloud([[0.0, 0, 0], [1, 0, 2.0]], 0.1)
-    pose = np.eye(4)
     for height in (0.5, -0.5):
-        pose[2, 3] = height
+        pose = at(0, 0, height)
         found = pc.signed_distance(cloud, floor, pose)
         assert found.lower_bound - 1e-15 <= height - 0.1 <= found.distance + 1e-15
         assert found.distance - found.lower_bound < 1e-12
