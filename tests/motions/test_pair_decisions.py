@@ -15,17 +15,18 @@ LIMIT = '<limit lower="-3" upper="3" effort="1" velocity="1"/>'
 
 
 def arm(tmp_path, height: float, joint: str = "revolute"):
-    """A pointer that turns over a post, whose tip passes at a height over the post's top."""
+    """A pointer that turns over a post at -2 rad, whose tip passes at a height over the post's top."""
     path = tmp_path / "arm.urdf"
     path.write_text(
-        '<robot name="arm"><link name="post"><collision><origin xyz="1 0 0"/><geometry>'
+        '<robot name="arm"><link name="post"><collision><origin xyz="-0.4161 -0.9093 0"/><geometry>'
         '<box size="0.002 0.002 0.2"/>'
         '</geometry></collision></link><link name="hub"/><link name="pointer"><collision>'
         f'<origin xyz="0.5 0 {0.15 + height}"/><geometry><box size="1.002 0.002 0.1"/></geometry></collision></link>'
         '<joint name="lift" type="fixed"><parent link="post"/><child link="hub"/></joint>'
         f'<joint name="turn" type="{joint}"><parent link="hub"/><child link="pointer"/>'
         f'<axis xyz="0 0 1"/>{LIMIT}</joint>'
-        '<link name="flag"><collision><origin xyz="9 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>'
+        '<link name="flag"><collision><origin xyz="9 0 0"/><geometry><sphere radius="0.1"/></geometry></collision>'
+        "</link>"
         '<joint name="wave" type="revolute"><parent link="post"/><child link="flag"/><axis xyz="0 0 1"/>'
         f"{LIMIT}</joint></robot>"
     )
