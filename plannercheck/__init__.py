@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from plannercheck.bodies.convex_decomposition import Decomposition as Decomposition
     from plannercheck.bodies.distance import Distance as Distance
     from plannercheck.bodies.distance import distance as distance
+    from plannercheck.bodies.distance import signed_distance as signed_distance
     from plannercheck.bodies.ellipsoids import Ellipsoid as Ellipsoid
     from plannercheck.bodies.half_spaces import HalfSpace as HalfSpace
     from plannercheck.bodies.height_fields import HeightField as HeightField
@@ -115,6 +116,7 @@ _HOMES = {
     "intersects": "bodies.intersection",
     "least_delay": "timing.least_delay",
     "schedule": "timing.schedule",
+    "signed_distance": "bodies.distance",
     "time_path": "timing.time_path",
 }
 _MODULES = ("ndim", "ompl", "planar", "view")
@@ -198,6 +200,7 @@ __all__ = [
     "ompl",
     "planar",
     "schedule",
+    "signed_distance",
     "time_path",
     "view",
 ]

@@ -8,6 +8,7 @@ import coal
 import fcl
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 from plannercheck.cli.main import main
@@ -15,6 +16,8 @@ from plannercheck.evaluation.bench.sensed_peers import coal_map, fcl_map
 from plannercheck.evaluation.sensing.buildings import building
 from plannercheck.evaluation.sensing.moving_camera import STATES, STEPS, Frame, frames, step_rows
 from plannercheck.evaluation.sensing.terrains import terrain
+
+pytestmark = pytest.mark.usefixtures("hasty")
 
 
 def boxes(n, low, high):
@@ -58,8 +61,7 @@ def test_coal_gets_the_ground():
     found, met = coal_map(field), 0
     for edges, centre in boxes(300, (2.2, 3.2, -0.2), (4.6, 5.2, 1.2)):
         box = pc.Box(tuple(edges))
-        pose = np.eye(4)
-        pose[:3, 3] = centre
+        pose = at(*centre)
         assert coal_meets(found, edges, centre) == pc.intersects(field, box, None, pose)
         met += coal_meets(found, edges, centre)
     assert 30 < met < 270

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 from plannercheck.cli.main import main
@@ -103,8 +104,7 @@ def test_a_question_that_takes_too_long_is_left_behind() -> None:
 def test_distances_that_are_wrong_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """A millionth too long or short, a lower bound above it, 0 where nothing is shared and the other way round."""
     sphere = Body("ball", ball(60))
-    pose = np.eye(4)
-    pose[:3, 3] = [1.5, 0.25, 0]
+    pose = at(1.5, 0.25, 0)
     drawn = Draw("ball", "", sphere, sphere, np.stack([pose, np.eye(4)]), np.tile(np.eye(4), (2, 1, 1)), ("any",) * 2)
     truth = [False, True]
     told = judges.distance
@@ -121,8 +121,7 @@ def test_distances_that_are_wrong_are_found(monkeypatch: pytest.MonkeyPatch) -> 
 
 def box_case(shift: float) -> PairCase[Body]:
     """Two balls that touch in a corner, one of them moved."""
-    pose = np.eye(4)
-    pose[0, 3] = 1 + shift
+    pose = at(1 + shift)
     return PairCase("a name", Body("ball", ball(20)), Body("ball", ball(20), 0.25), pose, np.eye(4))
 
 

@@ -43,11 +43,6 @@ def with_bodies(proof, bodies):
     return replaced(proof, model=model, hashes=hashes_of(model))
 
 
-@pytest.fixture(scope="module")
-def panda():
-    return pc.Robot.load("panda")
-
-
 def room(height=0.1, pose=None):
     scene = pc.Scene("room")
     scene.add("floor", pc.HalfSpace((0.0, 0.0, 2.0), 2 * height), pose)

@@ -22,11 +22,6 @@ from plannercheck.proofs.verify import model_confirmed
 from plannercheck.proofs.well_formed import hashes_of
 
 
-@pytest.fixture(scope="module")
-def panda():
-    return pc.Robot.load("panda")
-
-
 @pytest.fixture(scope="module", params=SETS)
 def case(request, panda):
     """A shape, and the proof of a motion before it."""

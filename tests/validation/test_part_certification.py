@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from nested_parts import surface
+from poses import at
 
 import plannercheck as pc
 from plannercheck.bodies.certificates import SharedPoint
@@ -37,12 +38,6 @@ SHAPES: dict[str, PartSet] = {
     "empty": pc.PointCloud(np.zeros((0, 3)), 0.1),
 }
 HERE = np.eye(4)
-
-
-def at(*place: float) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, 3] = place
-    return pose
 
 
 @pytest.mark.parametrize("name", SHAPES)
