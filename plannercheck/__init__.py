@@ -67,6 +67,9 @@ if TYPE_CHECKING:
     from plannercheck.timing.time_path import UnprovedPathError as UnprovedPathError
     from plannercheck.timing.time_path import time_path as time_path
     from plannercheck.trajectories.trajectory import Trajectory as Trajectory
+    from plannercheck.validation.gates.gate import Gate as Gate
+    from plannercheck.validation.gates.verdict import GateVerdict as GateVerdict
+    from plannercheck.validation.gates.verdict import Reason as Reason
 
 # Loaded on first use, so that `import plannercheck` costs nothing that is not needed.
 _HOMES = {
@@ -81,6 +84,8 @@ _HOMES = {
     "Distance": "bodies.distance",
     "Distances": "checking.distances",
     "FreeBox": "motions.free_boxes",
+    "Gate": "validation.gates.gate",
+    "GateVerdict": "validation.gates.verdict",
     "Ellipsoid": "bodies.ellipsoids",
     "Enclosure": "bodies.solid_certificates",
     "HalfSpace": "bodies.half_spaces",
@@ -94,6 +99,7 @@ _HOMES = {
     "Placed": "bodies.placed",
     "PointCloud": "bodies.point_clouds",
     "Polytope": "bodies.polytope",
+    "Reason": "validation.gates.verdict",
     "Robot": "robots.robot",
     "Scene": "scenes.scene",
     "Schedule": "timing.schedule",
@@ -163,6 +169,8 @@ __all__ = [
     "Ellipsoid",
     "Enclosure",
     "FreeBox",
+    "Gate",
+    "GateVerdict",
     "HalfSpace",
     "HeightField",
     "Hull",
@@ -174,6 +182,7 @@ __all__ = [
     "PlannercheckError",
     "PointCloud",
     "Polytope",
+    "Reason",
     "Robot",
     "Scene",
     "Schedule",
