@@ -119,10 +119,15 @@ class MotionCertifier:
         return self._errors
 
     def check_curves(self, curves: Curves, tolerance: float, threads: int) -> Bools:
-        """`check` of curves; those within the limits are judged without Python in between."""
+        """`check` of curves; those in the usual range are judged without Python in between.
+
+        Pairs that can't meet within the limits may come nearer to each other than they have to stay apart.
+        """
         part, (low, high) = self._pairs_within_limits, self._range
+        if curves.have_room:
+            part, (low, high) = self._all_pairs, (self._errors.low, self._errors.high)
         check_tolerance(tolerance)
-        if not part.touching and not curves.have_room:
+        if not part.touching:
             known = core.curve_validity(
                 part.core, self._kernel, low, high, self._errors.usual, *curves, tolerance, threads
             )

@@ -40,7 +40,7 @@ class ChainedPairs:
         frames: (k,) the link in whose frame each pair is seen, -1 for the world.
         touching: Rows of the checker's pairs that never move relative to each other and touch.
         of_robot: The joints of the robot's motions.
-        chains: The chains of joints between the compiled pairs.
+        table: (k, 2) the compiled pairs, the body that moves first.
     """
 
     def __init__(
@@ -74,7 +74,8 @@ class ChainedPairs:
         self.flipped = (table[:, 0] != pairs[part.rows, 0])[moving]
         self.touching = part.rows[~moving][~_permanently_apart(robot, table[~moving], polytopes, placements)].tolist()
         self.of_robot = of_robot = chains_of_robot(robot, bodies, links, excess, path)
-        self.chains = chains = of_robot.of(table[moving].astype(np.int64))
+        self.table = table[moving].astype(np.int64)
+        chains = of_robot.of(self.table)
         self.frames = chains.pairs[:, 2].tolist()
         live = sorted(polytopes)
         position = np.full(len(bodies), -1, dtype=np.int32)

@@ -364,8 +364,11 @@ class Checker(StateChecker):
                 or the file can't be written.
         """
         kernel, robot = check_can_be_saved(self.robot, self.scene, self._kernel), self.robot
-        parts = self._labels, self.polytopes, self.pairs, self.unreachable, self._tables, self.motion_certifier
-        write_cell(CellInputs(robot, kernel, self.scene.name, *parts), Path(path))
+        meets, padding = self.of_new_obstacle()
+        _ = self.polytopes  # prepares those of all pairs
+        self._preparation.prepare(np.flatnonzero(meets).tolist())
+        parts = self._labels, self.prepared, self.pairs, self.unreachable, meets, padding
+        write_cell(CellInputs(robot, kernel, self.scene.name, *parts, self._tables, self.motion_certifier), Path(path))
 
     def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:
         return self._prover.proof(start, end, asked_end, tolerance, path)

@@ -15,7 +15,7 @@ import numpy as np
 
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.checking.compiled_tables import CompiledTables
-from plannercheck.common.array_types import Bools, Ints
+from plannercheck.common.array_types import Bools, Ints, Ints64
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
@@ -47,6 +47,8 @@ class CellInputs(NamedTuple):
         polytopes: The prepared bodies; None where no pair needs it.
         pairs: (k, 2) indices of bodies.
         unreachable: (k,) which pairs can't meet within the limits.
+        meets_obstacles: (robot's bodies,) which are tested against an obstacle that is added.
+        padding: Such an obstacle's part of the padding, m.
         tables: The pairs, compiled.
         certifier: Proves motions along screws free.
     """
@@ -58,6 +60,8 @@ class CellInputs(NamedTuple):
     polytopes: Sequence[Polytope | None]
     pairs: Ints
     unreachable: Bools
+    meets_obstacles: Bools
+    padding: float
     tables: CompiledTables
     certifier: MotionCertifier
 
@@ -95,7 +99,7 @@ def _sections(cell: CellInputs) -> Iterator[Section]:
     yield from _kinematics(cell.robot)
     yield from _bodies(cell)
     yield from _pairs(cell)
-    yield from _motions(cell.certifier)
+    yield from _motions(cell)
 
 
 def _configurations(robot: Robot, certifier: MotionCertifier) -> Iterator[Section]:
@@ -136,6 +140,8 @@ def _bodies(cell: CellInputs) -> Iterator[Section]:
     yield Section("shapes", np.array(of_bodies, dtype=np.int32))
     yield Section("links", links)
     yield Section("body placements", placements[:, :3].reshape(-1, 12))
+    yield Section("meets obstacles", cell.meets_obstacles)
+    yield Section("obstacle padding", cell.padding)
 
 
 def _shape(polytope: Polytope) -> tuple[int, list[Section]]:
@@ -143,7 +149,7 @@ def _shape(polytope: Polytope) -> tuple[int, list[Section]]:
     inflation = Section("inflation radius", polytope.inflation_radius)
     if polytope.half_space is not None:
         normal, offset = polytope.half_space
-        return _HALF_SPACE, [inflation, Section("half-space", np.array([*normal, offset]))]
+        return _HALF_SPACE, [inflation, Section("half-space", np.array([[*normal, offset]]))]
     if polytope.parts is not None:
         maker, given = polytope.parts.state()
         return _PART_SETS[maker], [inflation, *_part_set(maker, *given)]
@@ -161,9 +167,9 @@ def _part_set(maker: str, *given: Any) -> list[Section]:
         return [Section("points", points), Section("radii", radii)]
     if maker == "cells":
         keys, sizes, resolution, origin = given
-        return [Section("keys", keys), Section("sizes", sizes), Section("lattice", np.array([resolution, *origin]))]
+        return [Section("keys", keys), Section("sizes", sizes), Section("lattice", np.array([[resolution, *origin]]))]
     heights, step, origin, base = given
-    return [Section("heights", heights), Section("lattice", np.array([*step, *origin, base]))]
+    return [Section("heights", heights), Section("lattice", np.array([[*step, *origin, base]]))]
 
 
 def _pairs(cell: CellInputs) -> Iterator[Section]:
@@ -180,8 +186,9 @@ def _pairs(cell: CellInputs) -> Iterator[Section]:
         yield Section("cell pairs", each.pairs)
 
 
-def _motions(certifier: MotionCertifier) -> Iterator[Section]:
-    by_table = certifier.pairs_by_table
+def _motions(cell: CellInputs) -> Iterator[Section]:
+    by_table = cell.certifier.pairs_by_table
+    moving = cell.tables.mounts(cell.kernel)[0][: len(cell.meets_obstacles)] >= 0
     joints = by_table[0].of_robot
     drives, factors, parts = joints.drives
     yield Section("drives", drives)
@@ -193,12 +200,16 @@ def _motions(certifier: MotionCertifier) -> Iterator[Section]:
     yield Section("most joints", float(joints.spread.joints))
     yield Section("travel", joints.spread.travel)
     for pairs in by_table:
-        yield from _chained(pairs)
+        yield from _chained(pairs, np.flatnonzero(moving & cell.meets_obstacles))
 
 
-def _chained(pairs: ChainedPairs) -> Iterator[Section]:
-    chains = pairs.chains
-    yield Section("chained pairs", _rows(chains.pairs, 5))
+def _chained(pairs: ChainedPairs, movers: Ints64) -> Iterator[Section]:
+    """A table's pairs, and the chains from the world to the bodies that meet obstacles, whether there is one or not."""
+    obstacle = pairs.of_robot.own_count
+    asked = np.stack([movers, np.full(len(movers), obstacle)], axis=1)
+    chains = pairs.of_robot.of(np.concatenate([pairs.table, asked]))
+    yield Section("chained pairs", _rows(chains.pairs[: len(pairs.table)], 5))
+    yield Section("from world", _rows(chains.pairs[len(pairs.table) :, [0, 3]], 2))
     yield Section("first entry", chains.first_entry)
     yield Section("entries", _rows(chains.entries, 3))
     yield Section("arms", chains.arms)

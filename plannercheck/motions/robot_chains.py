@@ -104,6 +104,11 @@ class RobotChains:
         self._chosen: dict[bytes, ChosenChains] = {}
 
     @property
+    def own_count(self) -> int:
+        """The number of bodies on links; indices from it on are at rest."""
+        return self._own
+
+    @property
     def tree(self) -> JointTree:
         """The joints."""
         return self._builder.tree

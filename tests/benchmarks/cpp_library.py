@@ -18,6 +18,7 @@ import sys
 import tempfile
 import time
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,7 @@ import plannercheck as pc
 
 ROOT = Path(__file__).parents[2]
 CELLS = (("panda", "bookshelf"), ("ur5", "table"), ("baxter", "kitchen"))
+EDITED = 2000  # kEdited in judge.cpp
 PROGRAMS = ROOT / "tests" / "support" / "cpp"
 
 
@@ -85,6 +87,34 @@ def inputs(checker: pc.Checker, states: int, motions: int) -> list[np.ndarray]:
     return [q, starts, ends]
 
 
+def of_edits(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray]:
+    """Verdicts in the scenes that `edited` of judge.cpp makes."""
+    here, there = np.eye(4), np.eye(4)
+    here[:3, 3] = 0.5, 0.25, 0.5
+    there[:2, :2], there[:3, 3] = [[0, -1], [1, 0]], (-0.25, 0.5, 0.75)
+    ball = np.eye(4)
+    ball[:3, 3] = 0.25, -0.5, 0.625
+    i, j = np.indices((16, 16)).reshape(2, -1)
+    cloud = pc.PointCloud(np.stack([0.0625 * i, 0.0625 * j, 0.03125 * (i ^ j)], axis=1), 0.03125)
+    edits = [
+        ((), ("new ball", pc.Sphere(0.125), ball)),
+        ((), ("new crate", pc.Box((0.25, 0.5, 0.125)), here)),
+        (("new crate",), ("new crate", pc.Box((0.25, 0.5, 0.125)), there)),
+        ((), ("new cloud", cloud, here)),
+        (("new ball",), None),
+        (("new crate",), ("new crate", pc.Box((0.125, 0.125, 0.125)), here)),
+    ]
+    for removed, added in edits:
+        scene = checker.scene.copy()
+        for name in removed:
+            scene.remove(name)
+        if added is not None:
+            scene.add(*added)
+        checker = checker.with_scene(scene)
+        yield checker.check_states(given[0][:EDITED])
+        yield checker.check_motions(given[1][:EDITED], given[2][:EDITED])
+
+
 def compare(checker: pc.Checker, cell: Path, programs: Path, folder: Path, options: argparse.Namespace) -> bool:
     """Whether all levels give Python's verdicts."""
     given = inputs(checker, options.states, options.motions)
@@ -95,7 +125,7 @@ def compare(checker: pc.Checker, cell: Path, programs: Path, folder: Path, optio
     middle = time.process_time()
     motions = checker.check_motions(given[1], given[2])
     end = time.process_time()
-    python = np.concatenate([states, motions]).tobytes()
+    python = np.concatenate([states, motions, *of_edits(checker, given)]).tobytes()
     per_state, per_motion = (middle - begin) / len(states) * 1e6, (end - middle) / len(motions) * 1e6
     print(f"  Python: a state {per_state:.3f} us, a motion {per_motion:.3f} us of processor time")
     same = True

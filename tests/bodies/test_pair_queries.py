@@ -10,7 +10,7 @@ import pytest
 from poses import at, random_pose
 
 import plannercheck as pc
-from plannercheck.bodies.distance import distance_checked
+from plannercheck.bodies.distance import pair_bounds, pair_bounds_checked
 from plannercheck.bodies.intersection import intersects_checked
 from plannercheck.bodies.pair_queries import queries
 from plannercheck.bodies.shapes import RIGID_TOLERANCE, _checked_matrix, checked_pose
@@ -143,7 +143,7 @@ def test_what_the_core_takes_at_once():
     assert {form for form, make in FORMS.items() if core.is_surely_rigid(make(pose), RIGID_TOLERANCE)} == at_once
 
 
-@pytest.mark.parametrize("call", [pc.intersects, pc.certify, pc.distance, pc.depth])
+@pytest.mark.parametrize("call", [pc.intersects, pc.certify, pc.distance, pc.signed_distance, pc.depth])
 @pytest.mark.parametrize("fault", FAULTS)
 def test_errors_are_those_of_the_checks_in_python(call, fault):
     rng = np.random.default_rng(3)
@@ -231,10 +231,9 @@ def test_distances_are_those_of_the_checks_in_python():
     rng = np.random.default_rng(8)
     for P, R in itertools.product(BODIES.values(), repeat=2):
         a, b = random_pose(rng), random_pose(rng)
-        found, expected = pc.distance(P, R, a, b), distance_checked(P, R, a, b)
-        assert (found.distance, found.lower_bound) == (expected.distance, expected.lower_bound)
-        for name in ("point_p", "point_r", "direction"):
-            assert np.array_equal(getattr(found, name), getattr(expected, name))
+        (overlap, found), (expected_overlap, expected) = pair_bounds(P, R, a, b), pair_bounds_checked(P, R, a, b)
+        assert overlap == expected_overlap
+        assert all(np.array_equal(*values) for values in zip(found, expected, strict=True))
 
 
 # ----- bodies that keep their poses
@@ -271,7 +270,7 @@ def test_placed_bodies_keep_their_own_poses():
 
 def test_a_placed_body_takes_no_other_pose():
     placed = pc.Placed(BODIES["cube"])
-    for call in (pc.intersects, pc.certify, pc.distance, pc.depth):
+    for call in (pc.intersects, pc.certify, pc.distance, pc.signed_distance, pc.depth):
         for pose in (np.eye(4), [[1]]):
             assert error_of(call, placed, placed, pose) == (
                 pc.PlannercheckError,
@@ -390,7 +389,7 @@ def test_numbers_of_poses_must_agree():
         assert empty.dtype == bool
     assert intersects_checked(P, P, poses[:0]).shape == (0,)
     assert "threads" in error_of(pc.intersects, P, P, poses, threads=0)[1]
-    for call in (pc.certify, pc.distance, pc.depth):
+    for call in (pc.certify, pc.distance, pc.signed_distance, pc.depth):
         assert "(4, 4), not (3, 4, 4)" in error_of(call, P, P, poses)[1]
 
 

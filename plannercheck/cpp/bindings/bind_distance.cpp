@@ -13,6 +13,7 @@
 #include "bindings/module.hpp"
 #include "bindings/plain_floats.hpp"
 #include "narrow_phase/distance.hpp"
+#include "narrow_phase/penetration_depth.hpp"
 
 namespace nb = nanobind;
 
@@ -58,11 +59,20 @@ auto distance_bounds(const Polytope& a, PoseRows poses_a, const Polytope& b, Pos
   return output_array(lower, {n});
 }
 
+// (lower, upper) bounds of the depth of two hulls that share a point.
+auto hull_depth_of(const Polytope& a, PoseRows pose_a, const Polytope& b, PoseRows pose_b, bool doubles) {
+  PairCounters counters;
+  const HullDepth found =
+      hull_depth({&a, pose_at(pose_a, 0)}, {&b, pose_at(pose_b, 0)}, Proximity{}, counters, doubles);
+  return nb::make_tuple(found.lower, found.upper);
+}
+
 }  // namespace
 
 void bind_distance(nb::module_& m) {
   m.def("distance_bounds", &distance_bounds, plain_floats);
   m.def("distance_batch", &distance_batch, plain_floats);
+  m.def("hull_depth", &hull_depth_of, plain_floats);
 }
 
 }  // namespace plannercheck

@@ -55,7 +55,8 @@ class PairQueries {
     return nb::bool_(kernel_of(a, b).share(first_is_b ? b : a, first_is_b ? a : b, options_, counters));
   }
 
-  // (distance, lower bound, points on p and r and the direction from r to p as rows).
+  // (whether they overlap, upper and lower bound of the signed distance, points on p and r and the direction from r to
+  // p as rows).
   nb::object distance(nb::handle p, nb::handle r, nb::handle pose_p, nb::handle pose_r) const {
     Side first, second;
     if (!read(p, pose_p, first) || !read(r, pose_r, second) || are_half_spaces(first, second)) return nb::none();
@@ -64,7 +65,7 @@ class PairQueries {
     const PairDistance found = pair_distance(first.posed(), second.posed(), kNoLimit, counters);
     std::vector<double> rows;
     for (const Vec3& v : {found.on_body_a, found.on_body_b, found.direction}) rows.insert(rows.end(), {v.x, v.y, v.z});
-    return nb::make_tuple(found.overlap ? 0.0 : found.upper, found.lower,
+    return nb::make_tuple(found.overlap, found.upper, found.lower,
                           output_array(rows, {std::size_t{3}, std::size_t{3}}));
   }
 

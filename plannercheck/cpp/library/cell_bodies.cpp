@@ -16,19 +16,9 @@ using Body = std::shared_ptr<const Polytope>;
 // As files have them (plannercheck/motions/prepared_cell.py).
 enum class BodyKind : std::int32_t { kHull, kSolid, kBalls, kCells, kColumns, kHalfSpace, kLast = kHalfSpace };
 
-// The largest coordinate, m (plannercheck/bodies/core_polytopes.py).
-constexpr double kLargestCoordinate = 1e50;
-
-// The largest defect of a body's placement (plannercheck/bodies/shapes.py).
-constexpr double kRigidTolerance = 1e-6;
-
-bool is_coordinate(double x) { return std::fabs(x) <= kLargestCoordinate; }
-
 bool are_coordinates(std::span<const double> numbers) {
   return std::all_of(numbers.begin(), numbers.end(), is_coordinate);
 }
-
-bool is_radius(double x) { return x >= 0 && x <= kLargestCoordinate; }
 
 double read_inflation(CellFile& file) {
   const double radius = file.number("inflation radius");
@@ -40,7 +30,7 @@ Polytope read_hull(CellFile& file) {
   const auto data = file.bytes("hull");
   Polytope body = parse_polytope(reinterpret_cast<const char*>(data.data()), data.size());
   require_sound(is_radius(body.inflation_radius), "an inflation radius");
-  for (const Vec3& p : body.inner.points) require_sound(norm_max(p) <= kLargestCoordinate, "a vertex");
+  for (const Vec3& p : body.inner.points) require_sound(is_coordinate(norm_max(p)), "a vertex");
   return body;
 }
 
@@ -142,7 +132,7 @@ std::vector<Body> read_shapes(CellFile& file) {
 Pose placement_at(std::span<const double> rows, std::size_t i) {
   Pose pose;
   std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(pose.m.size() * i), pose.m.size(), pose.m.begin());
-  require_sound(are_coordinates(pose.m) && rigidity_defect(pose) <= kRigidTolerance, "a body's placement");
+  require_sound(is_placement(pose), "a body's placement");
   return pose;
 }
 
@@ -185,6 +175,13 @@ void read_bodies(CellFile& file, PreparedCell& cell) {
     cell.bodies.push_back(
         {of_bodies[i] < 0 ? nullptr : shapes[at(of_bodies[i])], links[i], placement_at(placements, i)});
   }
+  const auto meets = file.bytes("meets obstacles");
+  require_sound(meets.size() <= count, "the bodies that meet obstacles");
+  for (std::size_t i = 0; i < meets.size(); ++i)
+    require_sound(meets[i] == 0 || cell.bodies[i].body != nullptr, "the bodies that meet obstacles");
+  cell.meets_obstacles.assign(meets.begin(), meets.end());
+  cell.obstacle_padding = file.number("obstacle padding");
+  require_sound(is_radius(cell.obstacle_padding), "the padding of obstacles");
 }
 
 void read_pairs(CellFile& file, PreparedCell& cell) {

@@ -92,7 +92,7 @@ MotionChains read_chains(CellFile& file, const std::vector<JointDrive>& joints) 
 // `rows`: the pairs of the table. Those that move relative to each other are the chained ones, in their order.
 ChainedTable read_table(CellFile& file, const PreparedCell& cell, const std::vector<std::int32_t>& rows) {
   ChainedTable out;
-  const auto pairs = file.integers("chained pairs", 5);
+  const auto pairs = file.integers("chained pairs", 5), from_world = file.integers("from world", 2);
   const auto moves = [&](std::int32_t row) {
     const auto& [a, b] = cell.pairs[at(row)];
     return cell.bodies[at(a)].link >= 0 || cell.bodies[at(b)].link >= 0;
@@ -109,6 +109,15 @@ ChainedTable read_table(CellFile& file, const PreparedCell& cell, const std::vec
     require_sound(is_index_or_none(pair.frame, cell.links.size()), "the frame of a pair");
     require_sound(is_index_or_none(pair.chain_a, chains) && is_index_or_none(pair.chain_b, chains), "a pair's chains");
     out.pairs.push_back(pair);
+  }
+  std::vector<std::int32_t> meeting;
+  for (std::size_t k = 0; k < cell.meets_obstacles.size(); ++k) {
+    if (cell.meets_obstacles[k] != 0 && cell.bodies[k].link >= 0) meeting.push_back(static_cast<std::int32_t>(k));
+  }
+  require_sound(from_world.size() == 2 * meeting.size(), "chains from the world");
+  for (std::size_t k = 0; k < from_world.size(); k += 2) {
+    require_sound(from_world[k] == meeting[k / 2] && is_index(from_world[k + 1], chains), "a chain from the world");
+    out.from_world.push_back({from_world[k], from_world[k + 1]});
   }
   for (const std::int32_t row : file.integers("touching")) {
     require_sound(is_index(row, cell.pairs.size()), "touching pairs");

@@ -114,6 +114,10 @@ class LevelEngine final : public Engine {
 
   const PreparedCell& cell() const override { return *cell_; }
 
+  std::unique_ptr<Engine> edited(const Edit& edit) const override {
+    return std::make_unique<LevelEngine>(std::make_shared<const PreparedCell>(plannercheck::edited(*cell_, edit)));
+  }
+
   std::unique_ptr<Scratch> new_scratch() const override { return std::make_unique<LevelScratch>(); }
 
   void check_states(Table table, const double* q, std::size_t n, std::uint8_t* valid, Scratch& scratch) const override {

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 
+#include "library/cell_edits.hpp"
 #include "library/prepared_cell.hpp"
 #include "motions/motion_report.hpp"
 
@@ -25,6 +26,8 @@ class Engine {
 
   virtual ~Engine() = default;
   virtual const PreparedCell& cell() const = 0;
+  // For the scene that an edit makes; throws std::runtime_error.
+  virtual std::unique_ptr<Engine> edited(const Edit& edit) const = 0;
   virtual std::unique_ptr<Scratch> new_scratch() const = 0;
 
   // Whether each of n configurations is free, by the pairs of a table.

@@ -17,7 +17,7 @@ file(STRINGS "${CMAKE_CURRENT_SOURCE_DIR}/../../pyproject.toml" version REGEX "^
 string(REGEX REPLACE "^version = \"(.*)\"$" "\\1" version "${version}")
 
 add_library(common OBJECT ${common_sources} library/cell_file.cpp library/cell_bodies.cpp library/cell_motions.cpp
-  library/prepared_cell.cpp)
+  library/cell_edits.cpp library/prepared_cell.cpp)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(settings INTERFACE -fno-gnu-unique)  # such symbols can't be made local
 endif()

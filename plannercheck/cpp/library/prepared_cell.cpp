@@ -7,6 +7,12 @@
 namespace plannercheck {
 namespace {
 
+// The largest coordinate, m (plannercheck/bodies/core_polytopes.py).
+constexpr double kLargestCoordinate = 1e50;
+
+// The largest defect of a body's placement (plannercheck/bodies/shapes.py).
+constexpr double kRigidTolerance = 1e-6;
+
 constexpr std::size_t kRigidNumbers = 12, kJointNumbers = 7;
 
 // How far the length of a joint's axis may be from 1 (plannercheck/robots/kinematics.py).
@@ -124,6 +130,17 @@ bool are_finite(std::span<const double> numbers) {
 bool is_index(std::int32_t index, std::size_t end) { return index >= 0 && at(index) < end; }
 
 bool is_index_or_none(std::int32_t index, std::size_t end) { return index == -1 || is_index(index, end); }
+
+bool is_coordinate(double x) { return std::fabs(x) <= kLargestCoordinate; }
+
+bool is_radius(double x) { return x >= 0 && x <= kLargestCoordinate; }
+
+bool is_placement(const Pose& pose) {
+  const Vec3 x{pose.m[0], pose.m[1], pose.m[2]}, y{pose.m[4], pose.m[5], pose.m[6]},
+      z{pose.m[8], pose.m[9], pose.m[10]};
+  return std::all_of(pose.m.begin(), pose.m.end(), is_coordinate) && rigidity_defect(pose) <= kRigidTolerance &&
+         dot(cross(x, y), z) > 0;
+}
 
 std::vector<std::int32_t> rows_of(const PreparedCell& cell, Table table) {
   std::vector<std::int32_t> rows;

@@ -30,6 +30,7 @@ struct ChainedTable {
   std::vector<CertifiedPair> pairs;  // that move relative to each other; indices into all bodies
   std::vector<std::int32_t> rows;    // theirs in the cell's pairs
   MotionChains chains;
+  std::vector<std::array<std::int32_t, 2>> from_world;  // bodies that meet new obstacles, and chains from the world
   std::vector<std::int32_t> touching;  // pairs that never move relative to each other and touch, by their rows
 };
 
@@ -50,7 +51,9 @@ struct PreparedCell {
   std::vector<LinkSpec> links;
   std::shared_ptr<const SampledPoses> sampled;
 
-  std::vector<GeometryObject> bodies;  // without a body where no pair needs it
+  std::vector<GeometryObject> bodies;         // without a body where no pair needs it
+  std::vector<std::uint8_t> meets_obstacles;  // of the robot's bodies, which come first: those that are added
+  double obstacle_padding = 0;                // of obstacles that are added, m
   std::vector<std::array<std::int32_t, 2>> pairs;
   std::vector<std::uint8_t> unreachable;  // by pair
   bool has_limits = false;                // whether the unreachable pairs are left out within the limits
@@ -78,5 +81,8 @@ void read_motions(CellFile& file, PreparedCell& cell);
 bool are_finite(std::span<const double> numbers);
 bool is_index(std::int32_t index, std::size_t end);          // 0 … end − 1
 bool is_index_or_none(std::int32_t index, std::size_t end);  // −1 as well
+bool is_coordinate(double x);                                // m, finite
+bool is_radius(double x);                                    // m, at least 0
+bool is_placement(const Pose& pose);                         // rigid, as far as bodies need it
 
 }  // namespace plannercheck

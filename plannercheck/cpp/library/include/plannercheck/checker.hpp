@@ -123,6 +123,8 @@ class PLANNERCHECK_API Checker {
   // (nq) the joint limits, which may be infinite. They are no part of a verdict.
   std::span<const double> lower() const noexcept;
   std::span<const double> upper() const noexcept;
+  // The columns of continuous joints, which take the short way on a motion.
+  std::span<const std::size_t> continuous_columns() const noexcept;
   const std::string& robot_name() const noexcept;
   const std::string& scene_name() const noexcept;
   const std::vector<std::string>& joint_names() const noexcept;
@@ -152,6 +154,22 @@ class PLANNERCHECK_API Checker {
   // How far a motion is free, and what stops it.
   Result<MotionVerdict> explain_motion(std::span<const double> q0, std::span<const double> q1, Workspace& workspace,
                                        double tolerance = kDefaultTolerance) const noexcept;
+
+  // The same checker in another scene: with an obstacle that is added or, if it has that name, replaces one. It is
+  // tested against all that such an obstacle of Python's scene would be. A pose is a matrix (4, 4), row by row, m.
+  using Pose = std::span<const double, 16>;
+  // A box by its edge lengths (3), m.
+  Result<Checker> with_box(const std::string& name, std::span<const double, 3> size, Pose pose) const noexcept;
+  // A ball about a point (3), m.
+  Result<Checker> with_sphere(const std::string& name, double radius, std::span<const double, 3> centre) const noexcept;
+  // The convex hull of points (n · 3), m.
+  Result<Checker> with_hull(const std::string& name, std::span<const double> points, Pose pose) const noexcept;
+  // All points within a radius of those of a cloud (n · 3), m.
+  Result<Checker> with_cloud(const std::string& name, std::span<const double> points, double radius,
+                             Pose pose) const noexcept;
+  // With an obstacle of one body at another pose; without an obstacle.
+  Result<Checker> with_pose(const std::string& name, Pose pose) const noexcept;
+  Result<Checker> without(const std::string& name) const noexcept;
 
  private:
   struct PLANNERCHECK_HIDDEN Impl;
