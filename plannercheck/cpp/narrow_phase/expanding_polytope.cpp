@@ -12,18 +12,18 @@ namespace {
 // and their difference, at most 4√2 u E as a vector; a·N by 3u |a| |N| more. The height a·N / |N| moves by twice the
 // normal's error over |N|, times |a|: 11.4u |a| E / |N|, and by 9u |a| in products, norm, quotient and rounding a's
 // length.
-constexpr double kPlaneError = 16 * 0x1p-53, kHeightError = 16 * 0x1p-53;
+constexpr double kPlaneError = 16 * 0x1p-53, kFacetHeightError = 16 * 0x1p-53;
 // The same with N and a·N in double-double, of error e = 2^-102 an operation: 24e |a| E / |N|; the height in doubles
 // errs by 6u of itself.
 constexpr double kFinePlaneError = 64 * kDoubleDoubleError, kFineHeightError = 16 * 0x1p-53;
 
 std::size_t after(std::size_t edge) { return edge == 2 ? 0 : edge + 1; }
 
-constexpr double kNever = -std::numeric_limits<double>::infinity();
+constexpr double kNoHeight = -std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-FinePlane::FinePlane(Vec3 a, Vec3 b, Vec3 c) : height(kNever) {
+FinePlane::FinePlane(Vec3 a, Vec3 b, Vec3 c) : height(kNoHeight) {
   const DoubleDoubleVec3 one = difference(b, a), two = difference(c, a), fine_normal = cross(one, two);
   const Vec3 n = rounded(fine_normal);
   const double area = norm_at_any_scale(n), edges = norm(rounded(one)) * norm(rounded(two));
@@ -42,7 +42,7 @@ void ExpandingPolytope::Fan::find_planes(Vec3 apex, std::size_t count) {
     const double edges = std::sqrt((ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz));
     normal_x[k] = inverse * nx, normal_y[k] = inverse * ny, normal_z[k] = inverse * nz;
     offset[k] = normal_x[k] * apex.x + normal_y[k] * apex.y + normal_z[k] * apex.z;
-    height[k] = offset[k] - length * (kPlaneError * (edges * inverse) + kHeightError);
+    height[k] = offset[k] - length * (kPlaneError * (edges * inverse) + kFacetHeightError);
   }
 }
 
@@ -162,7 +162,7 @@ void ExpandingPolytope::set_plane(std::int32_t f, std::size_t in_fan) {
   const Fan& fan = fan_;
   planes_[at(f)] = {{fan.normal_x[in_fan], fan.normal_y[in_fan], fan.normal_z[in_fan]}, fan.offset[in_fan]};
   heights_[at(f)] = fan.height[in_fan];
-  if (!std::isfinite(heights_[at(f)])) planes_[at(f)] = {}, heights_[at(f)] = kNever;
+  if (!std::isfinite(heights_[at(f)])) planes_[at(f)] = {}, heights_[at(f)] = kNoHeight;
 }
 
 void ExpandingPolytope::link(std::int32_t f, std::size_t edge, std::int32_t other, std::size_t other_edge) {
