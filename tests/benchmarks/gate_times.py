@@ -76,6 +76,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--count", type=int, default=100_000, help="judgements a row")
     parser.add_argument("--points", type=int, default=100_000, help="of the cloud")
+    parser.add_argument("--lengths", type=int, nargs="+", default=[16, 50], help="waypoints of a chunk")
     parser.add_argument("--output", type=Path, metavar="FILE.json")
     options = parser.parse_args()
     shelf = pc.Scene.load("bookshelf")
@@ -84,7 +85,7 @@ def main() -> int:
         cloud.allow(NAME, link)
     rows = []
     for name, scene in (("boxes", shelf), (f"{options.points} points", cloud)):
-        for length in (16, 50):
+        for length in options.lengths:
             rows.append(measured(name, scene, length, options.count))
             print("; ".join(f"{key}: {value}" for key, value in rows[-1].items()), flush=True)
     print(f"load of {os.cpu_count()} cores at the end: {', '.join(f'{each:.1f}' for each in os.getloadavg())}")

@@ -238,7 +238,7 @@ def asked_quickly(gate, rows, dq):
 
     quick._free = refuse
     quick.judge(rows, dq, 50.0)
-    return seen
+    return seen  # of the pieces the few that come first, the stop last
 
 
 @pytest.mark.parametrize("slow", [0.1, 0.3, 0.7])
@@ -266,6 +266,31 @@ def test_the_fast_path_covers_all_waypoints(gate, home):
     line = cover[0, 0] + part[:, None] / 16 * (cover[0, 1] - cover[0, 0])
     assert (np.abs(states - line) <= wide[0, :-1] - TUBE + 1e-9).all()
     assert wide[0, -1] == MARGIN
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 16])
+def test_the_fast_path_judges_each_piece_once_and_the_stop(gate, home, count):
+    quick, asked = gate.of(gate.checker)._quick, []
+
+    def prove(points, tubes):
+        asked.append(points)
+        return np.full(len(points), len(asked) > 1)  # the cover is refused
+
+    quick._free = prove
+    rows = home + 0.002 * np.arange(count + 1)[:, None]
+    assert quick.judge(rows, np.zeros(7), 50.0)[1] is True
+    pieces = np.concatenate(asked[1:])
+    assert len(pieces) == count + 1
+    for piece in np.stack([rows[:-1], rows[1:]], axis=1):
+        assert (pieces == piece).all(axis=(1, 2)).sum() == 1
+
+
+@pytest.mark.parametrize("refused", [0, 7, 8, 15, 3])
+def test_the_fast_path_refuses_for_any_piece(gate, home, refused):
+    quick = gate.of(gate.checker)._quick
+    rows = home + 0.002 * np.arange(17)[:, None]
+    quick._free = lambda points, tubes: (len(points) > 1) & ~(points[:, 0] == rows[refused]).all(axis=1)
+    assert quick.judge(rows, np.zeros(7), 50.0)[1] is False
 
 
 def test_a_robot_at_rest_stops_where_it_stands(gate, home):

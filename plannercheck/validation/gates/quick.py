@@ -23,8 +23,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import named_numbers
+from plannercheck.common.array_types import Floats, Ints64
+from plannercheck.common.arrays import distinct, named_numbers
 from plannercheck.trajectories.rounding import UNIT, hermite_error
 from plannercheck.trajectories.stamps import durations
 from plannercheck.validation.gates.chunks import REMEMBERED, Chunk, even_times
@@ -55,6 +55,8 @@ class _Even:
         first: The first step, s.
         last: The last step, s.
         least: The least step, s.
+        few: Pieces that are judged first, the stop as the last of them.
+        others: All others.
     """
 
     times: Floats
@@ -62,6 +64,8 @@ class _Even:
     first: float
     last: float
     least: float
+    few: Ints64
+    others: Ints64
 
 
 @lru_cache(REMEMBERED)
@@ -69,7 +73,10 @@ def _even(count: int, rate: float) -> _Even:
     times = even_times(count, rate)
     whole = np.concatenate(([0.0], times))
     steps = durations(whole)
-    return _Even(times, (whole / times[-1])[:, None], float(steps[0]), float(steps[-1]), float(steps.min()))
+    few = distinct([0, (count - 1) // 2, count - 1, count])
+    others = np.array([k for k in range(count) if k not in few], dtype=np.int64)
+    shares = (whole / times[-1])[:, None]
+    return _Even(times, shares, float(steps[0]), float(steps[-1]), float(steps.min()), few, others)
 
 
 class QuickJudge:
@@ -126,7 +133,7 @@ class QuickJudge:
             return chunk, True
         share = lasts / max(lasts.max(), _NO_TIME)
         aside = half * ((1 - share) / (1 + share))
-        return chunk, self._is_free(rows, aside, rest + aside, np.abs(aside) + late)
+        return chunk, self._is_free(rows, aside, rest + aside, np.abs(aside) + late, at)
 
     def _keeps_limits(self, rows: Floats, dq: Floats, at: _Even) -> bool:
         """Whether all limits are kept for sure."""
@@ -162,10 +169,11 @@ class QuickJudge:
         ends = np.array(((rows[0], middle),))
         return bool(self._free(ends, tubes)[0])
 
-    def _is_free(self, rows: Floats, aside: Floats, end: Floats, off: Floats) -> bool | None:
+    def _is_free(self, rows: Floats, aside: Floats, end: Floats, off: Floats, at: _Even) -> bool | None:
         """Whether the pieces are proved, and the stop as a straight motion; None if only the stop is not.
 
-        The stop's motion begins aside of the last waypoint.
+        The stop's motion begins aside of the last waypoint. It comes first with a few pieces: to refuse a piece takes
+        longer than to prove it, and often many are refused.
         """
         ends = np.empty((len(rows), 2, self._nq))
         ends[:, 0], ends[:-1, 1], ends[-1, 1] = rows, rows[1:], end
@@ -173,10 +181,10 @@ class QuickJudge:
         tubes = np.empty((len(rows), self._nq + 1))
         tubes[:] = self._around
         tubes[-1, :-1] += off
-        free = self._free(ends, tubes)
-        if free.all():
-            return True
-        return None if free[:-1].all() else False
+        free = self._free(ends[at.few], tubes[at.few])
+        if not free[:-1].all() or not self._free(ends[at.others], tubes[at.others]).all():
+            return False
+        return True if free[-1] else None
 
 
 def _doubles(values: ArrayLike, name: str) -> Floats:
