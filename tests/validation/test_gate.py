@@ -285,6 +285,25 @@ def test_the_fast_path_judges_each_piece_once_and_the_stop(gate, home, count):
         assert (pieces == piece).all(axis=(1, 2)).sum() == 1
 
 
+def test_the_fast_path_looks_at_states_of_the_stop(gate, home):
+    quick, asked = gate.of(gate.checker)._quick, []
+
+    def refuse_the_stop(points, tubes):
+        asked.append(points)
+        return np.arange(len(points)) < len(points) - 1 if len(asked) < 3 else np.ones(len(points), dtype=bool)
+
+    quick._free = lambda points, tubes: refuse_the_stop(points, tubes) | (len(asked) == 3)
+    dq = np.array([1.0, -0.5, 0, 0, 0, 0, 0.1])
+    rows = home + dq * np.arange(4)[:, None] / 50
+    assert quick.judge(rows, dq, 50.0)[1] is None
+    at, lasts = stop_by_hand(rows[-1], dq)
+    expected = np.array([at(lasts * part) for part in (1.0, 0.6, 0.3)])
+    np.testing.assert_allclose(asked[-1], np.stack([expected, expected], axis=1), atol=1e-12)
+    asked.clear()
+    quick._free = lambda points, tubes: np.arange(len(points)) < len(points) - 1
+    assert quick.judge(rows, dq, 50.0)[1] is False
+
+
 @pytest.mark.parametrize("refused", [0, 7, 8, 15, 3])
 def test_the_fast_path_refuses_for_any_piece(gate, home, refused):
     quick = gate.of(gate.checker)._quick

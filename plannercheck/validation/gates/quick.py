@@ -6,7 +6,8 @@ sure, or fails for sure; where nothing is known, or all but the stop, the plain 
 1. The limits of positions, speeds and accelerations, at the waypoints. A number that is none keeps no limit.
 2. One straight motion from the start to the middle of the stop. Its tube is so wide that it covers the chunk and the
    stop: their difference from it is linear between waypoints, so it is largest at one of them.
-3. The pieces as they are, and the stop as a straight motion with a tube.
+3. The pieces as they are, and the stop as a straight motion with a tube. If only this is not proved, some states of
+   the stop: where one is refused, so is the chunk.
 
 In a stop, joint j gets by d = v T / 2 further, of which the part 1 − (1 − t/T)² is done at t. The straight motion does
 for all joints what the joint does that takes longest, M. With r = T/M, joint j is ahead of it by d (1 − t/M)² − d (1 −
@@ -37,6 +38,9 @@ _LATER = 8e-9
 
 # Relative errors of all that is computed here, by the largest number within the limits: 12 operations, thrice as many.
 _ERRORS = 36
+
+# Instants of a stop, as parts of its time, at which its states are judged before its pieces are, (n, 1).
+_LOOKS = np.array([[1.0], [0.6], [0.3]])
 
 # In place of the longest time of a stop where all joints rest, s.
 _NO_TIME = 1e-300
@@ -126,14 +130,18 @@ class QuickJudge:
         late = _LATER * speed
         half = velocity * lasts / 4
         rest = rows[-1] + 2 * half
-        if not ((rest - late >= self._lower).all() and (rest + late <= self._upper).all()):
-            return None
         chunk = Chunk(at.times, rows[1:], rows[0], dq, rate)
+        if not ((rest - late >= self._lower).all() and (rest + late <= self._upper).all()):
+            beyond = (rest + late < self._lower).any() or (rest - late > self._upper).any()
+            return (chunk, False) if beyond else None
         if self._is_covered(rows, rows[-1] + half, np.abs(half) + late, at):
             return chunk, True
         share = lasts / max(lasts.max(), _NO_TIME)
         aside = half * ((1 - share) / (1 + share))
-        return chunk, self._is_free(rows, aside, rest + aside, np.abs(aside) + late, at)
+        known = self._is_free(rows, aside, rest + aside, np.abs(aside) + late, at)
+        if known is None and not self._may_stop(rows[-1], velocity, lasts):
+            known = False
+        return chunk, known
 
     def _keeps_limits(self, rows: Floats, dq: Floats, at: _Even) -> bool:
         """Whether all limits are kept for sure."""
@@ -185,6 +193,12 @@ class QuickJudge:
         if not free[:-1].all() or not self._free(ends[at.others], tubes[at.others]).all():
             return False
         return True if free[-1] else None
+
+    def _may_stop(self, q: Floats, velocity: Floats, lasts: Floats) -> bool:
+        """Whether some states of the stop are proved: else the stop is not."""
+        share = np.minimum(_LOOKS * lasts.max() / np.maximum(lasts, _NO_TIME), 1.0)
+        states = q + velocity * lasts * share * (1 - share / 2)
+        return bool(self._free(np.stack((states, states), axis=1), np.tile(self._around, (len(states), 1))).all())
 
 
 def _doubles(values: ArrayLike, name: str) -> Floats:
