@@ -133,6 +133,16 @@ def list_sections(tmp_path_factory):
     return run
 
 
+def test_the_examples_use_the_face_as_it_is():
+    compiler = shutil.which("c++")
+    if compiler is None:
+        pytest.skip("there is no C++ compiler")
+    flags = ["-std=c++20", "-Wall", "-Wextra", "-Wconversion", "-Werror", f"-I{CPP / 'library/include'}"]
+    for name in ("check", "threads"):
+        source = ROOT / "docs/examples/cpp" / f"{name}.cpp"
+        subprocess.run([compiler, *flags, "-fsyntax-only", source], check=True)
+
+
 def test_the_library_reads_the_container(cell, list_sections, tmp_path):
     (line,) = list_sections(cell)
     assert line.split(";")[:-1] == [name for name, _ in read_sections(cell.read_bytes())]
