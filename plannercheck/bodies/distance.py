@@ -41,7 +41,8 @@ class Distance:
             of the first body by that length along `direction` separates them. Of convex bodies it is the signed
             distance up to rounding, about 1e-14 of their size and of their distance from the origins of their frames.
             Of solids it is that of their hulls, of sets of parts that of the boxes around them: a shorter translation
-            may separate these. Into a half-space it is minus the depth of any body, rounded down.
+            may separate these; `signed_distance` finds a shorter one where a part of a set leaves a hull last. Into
+            a half-space it is minus the depth of any body, rounded down.
         direction: (3,) of length 1 up to rounding, from the second to the first body: along it they are about
             `lower_bound` apart, or the first body has to be moved.
     """
@@ -74,7 +75,7 @@ def distance(
     Raises:
         PlannercheckError: If a pose is not finite or not rigid.
     """
-    overlap, found = pair_bounds(P, R, pose_p, pose_r)
+    overlap, found = pair_bounds(P, R, pose_p, pose_r, depths=False)
     return Distance(0.0, *found[1:]) if overlap else Distance(*found)
 
 
@@ -88,7 +89,9 @@ def signed_distance(
     """The signed distance of two posed bodies, inflation radii included: minus the penetration depth if they overlap.
 
     It is in [`lower_bound`, `distance`] of what is returned, both proved. They differ by rounding, unless one body is a
-    solid or a set of parts: where such bodies overlap, `distance` is 0, as no depth of theirs has a proved lower bound.
+    solid or a set of parts. Where a set of parts and a convex body overlap, `distance` is minus the depth of the
+    deepest part, and `lower_bound` the same up to rounding if the translation that takes this part out separates the
+    set. Where a solid, or two sets, overlap another body, `distance` is 0: no lower bound of their depth is known.
 
     Args:
         P: A body, as for `intersects`.
@@ -102,29 +105,37 @@ def signed_distance(
     Raises:
         PlannercheckError: If a pose is not finite or not rigid.
     """
-    return Distance(*pair_bounds(P, R, pose_p, pose_r)[1])
+    return Distance(*pair_bounds(P, R, pose_p, pose_r, depths=True)[1])
 
 
 Bounds = tuple[float, Floats, Floats, float, Floats]
 
 
 def pair_bounds(
-    P: GivenBody, R: GivenBody, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None
+    P: GivenBody, R: GivenBody, pose_p: ArrayLike | None, pose_r: ArrayLike | None, depths: bool
 ) -> tuple[bool, Bounds]:
-    """Whether two bodies share a point, and a `Distance`'s values with the upper bound of the signed distance."""
-    known = queries.distance(P, R, pose_p, pose_r)
+    """Whether two bodies share a point, and a `Distance`'s values with the upper bound of the signed distance.
+
+    Args:
+        P: A body.
+        R: Another body.
+        pose_p: Pose of P.
+        pose_r: Pose of R.
+        depths: Whether all parts of a set that overlap a hull are looked at, for closer bounds.
+    """
+    known = queries.distance(P, R, pose_p, pose_r, depths)
     if known is None:
-        return pair_bounds_checked(P, R, pose_p, pose_r)
+        return pair_bounds_checked(P, R, pose_p, pose_r, depths)
     overlap, upper, lower, (point_p, point_r, direction) = known
     return overlap, (upper, point_p, point_r, lower, direction)
 
 
 def pair_bounds_checked(
-    P: GivenBody, R: GivenBody, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None
+    P: GivenBody, R: GivenBody, pose_p: ArrayLike | None, pose_r: ArrayLike | None, depths: bool
 ) -> tuple[bool, Bounds]:
     """The same for whatever users give: converted, and checked in Python, whose errors say what is wrong."""
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
     is_of_half_space(P, R)  # which refuses two of them
-    overlap, upper, lower, on_p, on_r, along = core.distance_batch(P.core, pose_p[None], R.core, pose_r[None])
+    overlap, upper, lower, on_p, on_r, along = core.distance_batch(P.core, pose_p[None], R.core, pose_r[None], depths)
     return bool(overlap[0]), (float(upper[0]), on_p[0], on_r[0], float(lower[0]), along[0])

@@ -23,11 +23,11 @@ class Depth:
 
     Attributes:
         depth: A translation of the first body by this along `direction` separates the bodies, up to contact, m, rounded
-            up; 0 if they share no point. Of solids it is the depth of their hulls, of sets of parts that of the boxes
-            around them.
+            up; 0 if they share no point. Of solids it is the depth of their hulls, of sets of parts at most that of
+            the boxes around them.
         lower_bound: No shorter translation separates them, m. Of two convex bodies, and of any body and a half-space,
-            the two differ by rounding only. Where solids or sets of parts overlap it is 0: no shorter translation is
-            ruled out.
+            the two differ by rounding only. Of a set of parts and a convex body it is the depth of the deepest part. Of
+            solids, and of two sets, it is 0: no shorter translation is ruled out.
         direction: (3,) unit vector in the world.
     """
 
@@ -57,5 +57,5 @@ def depth(
     Raises:
         PlannercheckError: If a pose is not finite or not rigid.
     """
-    overlap, (upper, _, _, lower, direction) = pair_bounds(P, R, pose_p, pose_r)
+    overlap, (upper, _, _, lower, direction) = pair_bounds(P, R, pose_p, pose_r, depths=True)
     return Depth(0.0 - lower, 0.0 - upper, direction) if overlap else Depth(0.0, 0.0, direction)

@@ -231,7 +231,9 @@ def test_distances_are_those_of_the_checks_in_python():
     rng = np.random.default_rng(8)
     for P, R in itertools.product(BODIES.values(), repeat=2):
         a, b = random_pose(rng), random_pose(rng)
-        (overlap, found), (expected_overlap, expected) = pair_bounds(P, R, a, b), pair_bounds_checked(P, R, a, b)
+        (overlap, found), (expected_overlap, expected) = (
+            bounds(P, R, a, b, depths=True) for bounds in (pair_bounds, pair_bounds_checked)
+        )
         assert overlap == expected_overlap
         assert all(np.array_equal(*values) for values in zip(found, expected, strict=True))
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from poses import at, pose_at
 from scipy.spatial import ConvexHull
+from solid_meshes import angle
 
 import plannercheck as pc
 from plannercheck.common.core import core
@@ -184,13 +185,32 @@ def test_depth_into_a_half_space_is_minus_the_distance():
     np.testing.assert_allclose(found.direction, [0, 0, 1])
 
 
-def test_depths_of_solids_and_sets_are_open():
+def test_depths_of_solids_and_of_two_sets_are_open():
     """Their hulls' depth separates them; no lower bound is claimed."""
-    set_of_parts = pc.PointCloud([[0.0, 0, 0], [1, 0, 0]], 0.1)
-    found = pc.depth(set_of_parts, pc.Box((1, 1, 1)))
-    assert found.lower_bound == 0
-    assert found.depth >= 0.6
-    assert pc.signed_distance(set_of_parts, pc.Box((1, 1, 1))).distance == 0
+    cloud, box = pc.PointCloud([[0.0, 0, 0], [1, 0, 0]], 0.1), pc.Box((1, 1, 1))
+    solid = pc.Polytope(pc.Solid(*angle()))
+    for first, second, least in ((cloud, cloud, 0.2), (solid, box, 0.1)):
+        found = pc.depth(first, second)
+        assert found.lower_bound == 0
+        assert found.depth >= least
+        assert pc.signed_distance(first, second).distance == 0
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_a_set_of_parts_leaves_a_hull_with_its_deepest_part(swapped):
+    """Exact where no other part is in the way; else the deepest part and a translation bound the depth."""
+    box = pc.Box((1, 1, 1))
+    for places, depth, translation in (
+        ([[0.45, 0, 0], [-2, 0, 0], [0.52, 0.1, 0]], 0.15, 0.15),
+        ([[0.45, 0, 0], [-0.45, 0, 0]], 0.15, 0.6),  # in the way of each other: out sideways
+    ):
+        bodies = [pc.PointCloud(places, 0.1), box]
+        found = pc.depth(*(bodies[::-1] if swapped else bodies))
+        assert found.lower_bound == pytest.approx(depth, abs=1e-12)
+        assert found.depth == pytest.approx(translation, abs=1e-12 if translation == depth else 1e-5)  # a box's room
+        away = found.direction * (-1 if swapped else 1)
+        assert not pc.intersects(*bodies, at(*(1 + 1e-9) * found.depth * away))
+        assert pc.intersects(*bodies, at(*(1 - 1e-9) * found.lower_bound * away))
 
 
 def _exact_depth_bounds(first, second, pose, pose_r):
