@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from plannercheck.bodies.convex_decomposition import Decomposition as Decomposition
     from plannercheck.bodies.distance import Distance as Distance
     from plannercheck.bodies.distance import distance as distance
+    from plannercheck.bodies.distance import signed_distance as signed_distance
     from plannercheck.bodies.ellipsoids import Ellipsoid as Ellipsoid
     from plannercheck.bodies.half_spaces import HalfSpace as HalfSpace
     from plannercheck.bodies.height_fields import HeightField as HeightField
@@ -66,6 +67,9 @@ if TYPE_CHECKING:
     from plannercheck.timing.time_path import UnprovedPathError as UnprovedPathError
     from plannercheck.timing.time_path import time_path as time_path
     from plannercheck.trajectories.trajectory import Trajectory as Trajectory
+    from plannercheck.validation.gates.gate import Gate as Gate
+    from plannercheck.validation.gates.verdict import GateVerdict as GateVerdict
+    from plannercheck.validation.gates.verdict import Reason as Reason
 
 # Loaded on first use, so that `import plannercheck` costs nothing that is not needed.
 _HOMES = {
@@ -80,6 +84,8 @@ _HOMES = {
     "Distance": "bodies.distance",
     "Distances": "checking.distances",
     "FreeBox": "motions.free_boxes",
+    "Gate": "validation.gates.gate",
+    "GateVerdict": "validation.gates.verdict",
     "Ellipsoid": "bodies.ellipsoids",
     "Enclosure": "bodies.solid_certificates",
     "HalfSpace": "bodies.half_spaces",
@@ -93,6 +99,7 @@ _HOMES = {
     "Placed": "bodies.placed",
     "PointCloud": "bodies.point_clouds",
     "Polytope": "bodies.polytope",
+    "Reason": "validation.gates.verdict",
     "Robot": "robots.robot",
     "Scene": "scenes.scene",
     "Schedule": "timing.schedule",
@@ -115,6 +122,7 @@ _HOMES = {
     "intersects": "bodies.intersection",
     "least_delay": "timing.least_delay",
     "schedule": "timing.schedule",
+    "signed_distance": "bodies.distance",
     "time_path": "timing.time_path",
 }
 _MODULES = ("ndim", "ompl", "planar", "view")
@@ -161,6 +169,8 @@ __all__ = [
     "Ellipsoid",
     "Enclosure",
     "FreeBox",
+    "Gate",
+    "GateVerdict",
     "HalfSpace",
     "HeightField",
     "Hull",
@@ -172,6 +182,7 @@ __all__ = [
     "PlannercheckError",
     "PointCloud",
     "Polytope",
+    "Reason",
     "Robot",
     "Scene",
     "Schedule",
@@ -198,6 +209,7 @@ __all__ = [
     "ompl",
     "planar",
     "schedule",
+    "signed_distance",
     "time_path",
     "view",
 ]

@@ -14,6 +14,8 @@ os.environ.setdefault("LANGUAGE", "C")
 import pytest
 from sample_robots import SRDF, URDF
 
+import plannercheck as pc
+
 # Processor time of a test, its processes included, s. What needs more is a run of its own, see tests/README.md.
 MOST_SECONDS = 30.0
 
@@ -48,6 +50,18 @@ def settings_are_left_as_they_were():
     before = settings()
     yield
     assert settings() == before
+
+
+@pytest.fixture(scope="session")
+def panda():
+    """The shipped Panda."""
+    return pc.Robot.load("panda")
+
+
+@pytest.fixture(scope="module")
+def checker(panda):
+    """The Panda before the bookshelf, unless a module has another."""
+    return pc.Checker(panda, pc.Scene.load("bookshelf"))
 
 
 @pytest.fixture

@@ -2,7 +2,8 @@
 
 In: two prepared bodies and their poses. Out: a `Distance`. The descent of Gilbert, Johnson and Keerthi runs on the
 hierarchies until the gap along a plane's normal equals the distance of two points. Near contact it continues in
-double-double. Whether the bodies share a point is always the exact verdict.
+double-double. Whether the bodies share a point is always the exact verdict. If they do, an expanding polytope finds how
+deep they are in each other (cpp/narrow_phase/penetration_depth).
 """
 
 from __future__ import annotations
@@ -22,20 +23,26 @@ from plannercheck.common.public_names import set_module
 @set_module("plannercheck")
 @dataclass(frozen=True)
 class Distance:
-    """How far apart two bodies are.
+    """How far apart two bodies are, or how deep they are in each other.
+
+    The signed distance of bodies that overlap is minus their penetration depth, the length of the shortest translation
+    of one body that separates them up to contact. It is 0 where they touch.
 
     Attributes:
-        distance: In m, within 1e-9 of max(distance, 1e-3 of the larger body's radius), or within 1e-319 m, where
-            doubles are too coarse, wherever the bodies are; 0 if and only if they share a point, by the exact verdict.
+        distance: In m. Bodies apart: within 1e-9 of max(distance, 1e-3 of the larger body's radius), or within
+            1e-319 m, where doubles are too coarse, wherever the bodies are. Bodies that share a point, by the exact
+            verdict: 0 as `distance` gives it; an upper bound of the signed distance, 0 at most, as `signed_distance`
+            gives it.
         point_p: (3,) in the world, m: the first body's point nearest to the second body. If they overlap: the first
             body's point that is deepest in the second body along `direction`.
         point_r: (3,) in the world, m: the second body's point nearest to the first body. If they overlap: where
             `point_p` is after the translation that separates them.
-        lower_bound: A proved lower bound of the distance, m. If the bodies overlap it is negative: a translation of
-            that length separates them, and the shortest such translation is no longer. It is the shortest one if only
-            the inflation radii overlap, not the hulls. Else it is the shortest along all facets' normals, the boxes'
-            axes and the centres' axis; directions at right angles to two edges are not tried. Of solids it is that of
-            their hulls, of sets of parts that of the boxes around them. Into a half-space it is the depth, rounded up.
+        lower_bound: A proved lower bound of the signed distance, m. If the bodies overlap it is negative: a translation
+            of the first body by that length along `direction` separates them. Of convex bodies it is the signed
+            distance up to rounding, about 1e-14 of their size and of their distance from the origins of their frames.
+            Of solids it is that of their hulls, of sets of parts that of the boxes around them: a shorter translation
+            may separate these; `signed_distance` finds a shorter one where a part of a set leaves a hull last. Into
+            a half-space it is minus the depth of any body, rounded down.
         direction: (3,) of length 1 up to rounding, from the second to the first body: along it they are about
             `lower_bound` apart, or the first body has to be moved.
     """
@@ -54,7 +61,7 @@ def distance(
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
 ) -> Distance:
-    """The distance of two posed bodies, inflation radii included.
+    """The distance of two posed bodies, inflation radii included; 0 if and only if they share a point.
 
     Args:
         P: A body, as for `intersects`.
@@ -68,19 +75,67 @@ def distance(
     Raises:
         PlannercheckError: If a pose is not finite or not rigid.
     """
-    known = queries.distance(P, R, pose_p, pose_r)
-    if known is None:
-        return distance_checked(P, R, pose_p, pose_r)
-    apart, lower_bound, (point_p, point_r, direction) = known
-    return Distance(apart, point_p, point_r, lower_bound, direction)
+    overlap, found = pair_bounds(P, R, pose_p, pose_r, depths=False)
+    return Distance(0.0, *found[1:]) if overlap else Distance(*found)
 
 
-def distance_checked(
-    P: GivenBody, R: GivenBody, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None
+@set_module("plannercheck")
+def signed_distance(
+    P: GivenBody,
+    R: GivenBody,
+    pose_p: ArrayLike | None = None,
+    pose_r: ArrayLike | None = None,
 ) -> Distance:
-    """`distance` for whatever users give: converted, and checked in Python, whose errors say what is wrong."""
+    """The signed distance of two posed bodies, inflation radii included: minus the penetration depth if they overlap.
+
+    It is in [`lower_bound`, `distance`] of what is returned, both proved. They differ by rounding, unless one body is a
+    solid or a set of parts. Where a set of parts and a convex body overlap, `distance` is minus the depth of the
+    deepest part, and `lower_bound` the same up to rounding if the translation that takes this part out separates the
+    set. Where a solid, or two sets, overlap another body, `distance` is 0: no lower bound of their depth is known.
+
+    Args:
+        P: A body, as for `intersects`.
+        R: Another body.
+        pose_p: Pose (4, 4) of P in the world, m; None is the identity. Used as the affine map that its doubles give.
+        pose_r: Pose (4, 4) of R in the world, m.
+
+    Returns:
+        The bounds with points.
+
+    Raises:
+        PlannercheckError: If a pose is not finite or not rigid.
+    """
+    return Distance(*pair_bounds(P, R, pose_p, pose_r, depths=True)[1])
+
+
+Bounds = tuple[float, Floats, Floats, float, Floats]
+
+
+def pair_bounds(
+    P: GivenBody, R: GivenBody, pose_p: ArrayLike | None, pose_r: ArrayLike | None, depths: bool
+) -> tuple[bool, Bounds]:
+    """Whether two bodies share a point, and a `Distance`'s values with the upper bound of the signed distance.
+
+    Args:
+        P: A body.
+        R: Another body.
+        pose_p: Pose of P.
+        pose_r: Pose of R.
+        depths: Whether all parts of a set that overlap a hull are looked at, for closer bounds.
+    """
+    known = queries.distance(P, R, pose_p, pose_r, depths)
+    if known is None:
+        return pair_bounds_checked(P, R, pose_p, pose_r, depths)
+    overlap, upper, lower, (point_p, point_r, direction) = known
+    return overlap, (upper, point_p, point_r, lower, direction)
+
+
+def pair_bounds_checked(
+    P: GivenBody, R: GivenBody, pose_p: ArrayLike | None, pose_r: ArrayLike | None, depths: bool
+) -> tuple[bool, Bounds]:
+    """The same for whatever users give: converted, and checked in Python, whose errors say what is wrong."""
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
     is_of_half_space(P, R)  # which refuses two of them
-    overlap, found, lower, on_p, on_r, along = core.distance_batch(P.core, pose_p[None], R.core, pose_r[None])
-    return Distance(0.0 if overlap[0] else float(found[0]), on_p[0], on_r[0], float(lower[0]), along[0])
+    overlap, upper, lower, on_p, on_r, along = core.distance_batch(P.core, pose_p[None], R.core, pose_r[None], depths)
+    return bool(overlap[0]), (float(upper[0]), on_p[0], on_r[0], float(lower[0]), along[0])

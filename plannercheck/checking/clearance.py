@@ -23,6 +23,7 @@ from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import Configuration
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import checked_threads
 from plannercheck.robots.robot import Robot
 
@@ -233,6 +234,7 @@ class MeasuringChecker(ABC):
         return self._preparation.polytope(k)
 
 
+@set_module("plannercheck")
 def distances_along(
     checker: MeasuringChecker, trajectory: Positions, at: ArrayLike, limit: float = 0.1, *, start_time: float = 0.0
 ) -> Distances:

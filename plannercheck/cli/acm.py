@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import time
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -21,12 +22,14 @@ from plannercheck.checking.collision_matrix import (
     with_all_joints,
 )
 from plannercheck.checking.collision_matrix_files import srdf_text, yaml_text
+from plannercheck.cli import acm_proofs
 from plannercheck.cli.common import check_folder, table, table_of
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, described, given_options
 from plannercheck.cli.unused_options import check_used
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.records import write_record
+from plannercheck.motions.pair_decisions import PairDecision
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.robots.description import RobotDescription, description_of, shipped_robots
 from plannercheck.robots.description_files import description_text
@@ -40,17 +43,23 @@ random configurations; never, in none of them, or proved never to within the joi
 unless --geometry says otherwise, so that they collide more often than their meshes; --meshes says how often those do.
 All joints are moved, whatever the robot's group.
 
+--prove decides pairs by the joints between both links: proved never to collide within the limits, or a configuration
+that collides. What is not decided after some time is open. It takes pairs that were not seen to collide, or with
+--audit all that are disabled.
+
 --audit holds the pairs that the SRDF or YAML disables against the same configurations and names those that collide,
 most frequent first. Its exit code is 1 if there are any.
 
 Examples:
   plannercheck acm --robot my.urdf --output my.srdf
   plannercheck acm --robot panda --audit
+  plannercheck acm --robot panda --audit --prove --output pairs.json
   plannercheck acm --audit --meshes 200          # all shipped robots that disable pairs
 """
 
 # Suffixes of what is written.
 _YAML, _SRDF, _JSON = (".yaml", ".yml"), (".srdf", ".xml"), (".json",)
+_TEXTS = (*_YAML, *_SRDF)
 
 
 @dataclass(frozen=True)
@@ -67,6 +76,10 @@ class AuditRow:
         most: The one that collides most often, and how often.
         colliding_meshes: Of `colliding`, those whose meshes collide; None if they were not asked for.
         most_meshes: As `most`, by meshes.
+        proved_never: Disabled pairs that are proved never to collide; None if no proofs were asked for, as all below.
+        collide: Disabled pairs that collide in some configuration, adjacent ones included.
+        open: Disabled pairs of which neither is known.
+        seconds: Processor time of the proofs.
     """
 
     robot: str
@@ -78,6 +91,10 @@ class AuditRow:
     most: str
     colliding_meshes: int | None = None
     most_meshes: str = ""
+    proved_never: int | None = None
+    collide: int | None = None
+    open: int | None = None
+    seconds: float | None = None
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -98,6 +115,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="share of colliding configurations that counts as always; default: 0.95",
     )
     parser.add_argument(
+        "--prove",
+        type=float,
+        nargs="?",
+        const=1.0,
+        metavar="SECONDS",
+        help="decide pairs by proofs, for so many seconds of processor time a pair; default: 1",
+    )
+    parser.add_argument(
         "--meshes",
         type=int,
         default=0,
@@ -110,12 +135,15 @@ def run(options: argparse.Namespace) -> int:
     """Runs the command."""
     check_folder(options.output)
     of_all = options.audit and options.robot is None
-    if options.output is not None and options.output.suffix not in (_JSON if of_all else (*_YAML, *_SRDF)):
-        kinds = ".json" if of_all else ".srdf or .yaml"
+    proves_audit = options.audit and options.prove is not None
+    if options.output is not None and options.output.suffix not in (_JSON if of_all or proves_audit else _TEXTS):
+        kinds = ".json" if of_all or proves_audit else ".srdf or .yaml"
         raise PlannercheckError(f"--output must end in {kinds}, not {options.output.name!r}")
     if options.states < 1 or options.seed < 0 or options.meshes < 0:
         raise PlannercheckError("--states must be at least 1, --seed and --meshes at least 0")
-    if options.audit and not of_all:
+    if options.prove is not None and not 0 < options.prove < float("inf"):
+        raise PlannercheckError(f"--prove takes seconds, a positive number, not {options.prove}")
+    if options.audit and not of_all and not proves_audit:
         check_used(options, ("--output",), "without --audit, which proposes nothing")
     elif not options.audit:
         check_used(options, ("--meshes",), "with --audit")
@@ -129,7 +157,12 @@ def run(options: argparse.Namespace) -> int:
     matrix = _matrix(description, options)
     if options.audit:
         return _show_audit(matrix, description, options)
+    decisions: list[PairDecision] = []
+    if options.prove is not None:
+        matrix, decisions = acm_proofs.with_proofs(matrix, options.prove)
     _show_proposal(matrix)
+    if options.prove is not None:
+        acm_proofs.show_proposed(decisions)
     if options.output is not None:
         _write(matrix, description, options.output)
     return 0
@@ -177,6 +210,13 @@ def _show_audit(matrix: CollisionMatrix, description: RobotDescription, options:
     if not declared:
         raise PlannercheckError(f"robot {matrix.robot.name!r} disables no pairs, so that there is nothing to audit")
     found = audit(matrix, declared)
+    if options.prove is not None:
+        rows = acm_proofs.audited(matrix, found, options.prove)
+        print(f"{matrix.robot.name}: {_summary(found)}; {len(matrix.configurations)} configurations\n")
+        acm_proofs.show_audited(rows)
+        if options.output is not None:
+            write_record(options.output, rows)
+        return 1 if any(row.answer == "collides" and not row.adjacent for row in rows) or found.hopeless else 0
     as_meshes = _mesh_counter(matrix, description, options.meshes)
     print(f"{matrix.robot.name}: {_summary(found)}; {len(matrix.configurations)} configurations\n")
     for pair in found.suspects:
@@ -243,6 +283,11 @@ def _audit_shipped(options: argparse.Namespace) -> int:
         "of them 'never'": lambda row: row.never,
         "most frequent": lambda row: row.most,
     }
+    if options.prove is not None:
+        columns["proved never"] = lambda row: row.proved_never
+        columns["collide"] = lambda row: row.collide
+        columns["open"] = lambda row: row.open
+        columns["s"] = lambda row: f"{row.seconds or 0:.1f}"
     if options.meshes:
         columns["as meshes"] = lambda row: row.colliding_meshes
         columns["most frequent of them"] = lambda row: row.most_meshes
@@ -267,6 +312,12 @@ def _row(name: str, options: argparse.Namespace) -> AuditRow:
         len(never),
         _worst([(pair, pair.share) for pair in worst]),
     )
+    if options.prove is not None:
+        start = time.process_time()
+        answers = Counter(each.answer for each in acm_proofs.audited(matrix, found, options.prove))
+        spent = time.process_time() - start
+        proved, collide, unknown = answers["never"], answers["collides"] + answers["always"], answers["open"]
+        row = replace(row, proved_never=proved, collide=collide, open=unknown, seconds=spent)
     if not options.meshes:
         return row
     share = _mesh_share(matrix, description, options.meshes)

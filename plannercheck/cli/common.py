@@ -138,6 +138,18 @@ def vector(text: str, name: str) -> Floats:
         raise PlannercheckError(f"{name} must be numbers separated by commas, not {text!r}") from None
 
 
+def limits_of(text: str, name: str) -> Floats | Path:
+    """Limits of joints: numbers, or the path of a joint_limits.yaml."""
+    path = Path(text)
+    return path if path.suffix in (".yaml", ".yml") else numbers_of(text, name)
+
+
+def numbers_of(text: str, name: str) -> Floats:
+    """(nq,) numbers, or () one."""
+    numbers = vector(text, name)
+    return numbers[0] if len(numbers) == 1 else numbers
+
+
 def joint_vector(text: str, name: str, robot: AnyRobot) -> Floats:
     """One configuration; of a robot without a group, one number for each joint will do."""
     values = vector(text, name)

@@ -36,6 +36,8 @@ COMMANDS = {
     "validate": "check sets of configurations of any size: npy, npz, csv, parquet or hdf5 files",
     "plan": "plan with OMPL, one problem or a whole problem set",
     "verify": "confirm proofs of motions that validate --path --certify wrote, without the checker",
+    "gate": "judge chunks of waypoints before a controller runs them, one a line of standard input",
+    "replay": "judge again what a gate has recorded, and say what differs",
     "demo": "validate a shipped set and plan in a shipped scene",
     "view": "show a robot in its scene, what collides, and what proves it, in the browser",
     "robots": "list the shipped robots",

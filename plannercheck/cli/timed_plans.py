@@ -7,14 +7,12 @@ proved.
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 import numpy as np
 
 from plannercheck.checking.protocols import AnyChecker
-from plannercheck.cli.common import vector
+from plannercheck.cli.common import limits_of, numbers_of
 from plannercheck.cli.unused_options import check_used
-from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.plans import Plan
@@ -72,11 +70,11 @@ def check_arguments(options: argparse.Namespace) -> None:
 def timed_plan(checker: AnyChecker, found: Plan, options: argparse.Namespace) -> Trajectory | None:
     """The trajectory, described on the terminal; None if it is not proved."""
     assert isinstance(checker, Checker)  # `check_arguments`
-    tube = _numbers(options.tube, "--tube")
+    tube = numbers_of(options.tube, "--tube")
     if np.any(tube):
         checker = Checker(checker.robot, checker.scene, self_collision=not options.no_self_collision)
     velocity, acceleration = (
-        None if text is None else _limits(text, name)
+        None if text is None else limits_of(text, name)
         for text, name in ((options.velocity, "--velocity"), (options.acceleration, "--acceleration"))
     )
     assert acceleration is not None
@@ -94,14 +92,3 @@ def timed_plan(checker: AnyChecker, found: Plan, options: argparse.Namespace) ->
         f"with a tolerance of {timing.tolerance:g} m"
     )
     return made
-
-
-def _limits(text: str, name: str) -> Floats | Path:
-    path = Path(text)
-    return path if path.suffix in (".yaml", ".yml") else _numbers(text, name)
-
-
-def _numbers(text: str, name: str) -> Floats:
-    """(nq,) numbers, or () one."""
-    numbers = vector(text, name)
-    return numbers[0] if len(numbers) == 1 else numbers

@@ -119,16 +119,35 @@ class MotionCertifier:
         return self._errors
 
     def check_curves(self, curves: Curves, tolerance: float, threads: int) -> Bools:
-        """`check` of curves; those within the limits are judged without Python in between."""
+        """`check` of curves; those in the usual range are judged without Python in between.
+
+        Pairs that can't meet within the limits may come nearer to each other than they have to stay apart.
+        """
         part, (low, high) = self._pairs_within_limits, self._range
+        if curves.have_room:
+            part, (low, high) = self._all_pairs, (self._errors.low, self._errors.high)
         check_tolerance(tolerance)
-        if not part.touching and not curves.have_room:
+        if not part.touching:
             known = core.curve_validity(
                 part.core, self._kernel, low, high, self._errors.usual, *curves, tolerance, threads
             )
             if known is not None:
                 return np.asarray(known).view(bool)
         return self.check(curves, tolerance, threads)
+
+    def curve_judge(self, tolerance: float) -> Callable[[Floats, Floats], Bools]:
+        """`check_curves` with room by one thread, as a function of control points and tubes, without checks."""
+        check_tolerance(tolerance)
+        part, errors = self._all_pairs, self._errors
+        if part.touching:
+            return lambda points, tubes: np.zeros(len(points), dtype=bool)
+        ask, kernel = core.curve_validity, self._kernel
+
+        def judge(points: Floats, tubes: Floats) -> Bools:
+            known = ask(part.core, kernel, errors.low, errors.high, errors.usual, points, tubes, tolerance, 1)
+            return self.check(Curves(points, tubes), tolerance, 1) if known is None else np.asarray(known).view(bool)
+
+        return judge
 
     def check(self, motions: Motions | Curves, tolerance: float, threads: int) -> Bools:
         """Whether each of n motions is free.

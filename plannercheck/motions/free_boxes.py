@@ -18,11 +18,8 @@ from plannercheck.common.arrays import OwnsArrays, named_numbers
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.motions.certifier import MotionCertifier
-from plannercheck.motions.motion_ends import Curves
+from plannercheck.motions.joint_cells import are_free, halved, levers_at
 from plannercheck.robots.robot import Robot
-
-# A cell is refused once pairs come nearer than this, m: far below what splitting it would gain.
-_TOLERANCE = 1e-6
 
 # The box in proportion is found to this part of itself; a side that grows by less stays.
 _FINE = 1.05
@@ -32,9 +29,6 @@ _SMALLEST, _LARGEST = 1e-6, 16.0
 
 # A side grows by the box's width there, or this often by half of what was tried.
 _HALVINGS = 3
-
-# A step by which levers are measured, rad or m.
-_STEP = 1e-6
 
 
 @set_module("plannercheck")
@@ -99,7 +93,7 @@ class FreeBoxes:
 
     def around(self, q: Floats) -> FreeBox | None:
         """The box around a configuration (nq,) that is free; None if nothing around it is proved free."""
-        levers = self._levers(q)
+        levers = levers_at(self._checker.body_poses, q)
         scale, cells = self._largest_scale(q, levers)
         if scale == 0:
             return None
@@ -156,39 +150,14 @@ class FreeBoxes:
         while len(lows):
             if proved + len(lows) > most:
                 return None
-            open_ones = ~self._are_free(lows, highs)
+            open_ones = ~are_free(self._certifier, lows, highs)
             proved += int(len(lows) - open_ones.sum())
             lows, highs = lows[open_ones], highs[open_ones]
             if len(lows) and not self._checker.check_states((lows + highs) / 2).all():
                 return None
-            lows, highs = _halved(lows, highs, levers)
+            lows, highs = halved(lows, highs, levers)
         return proved
-
-    def _are_free(self, lows: Floats, highs: Floats) -> Bools:
-        """(n,) which cells are proved free, each by a tube around its middle."""
-        middles = (lows + highs) / 2
-        halves = np.maximum(highs - middles, middles - lows) * (1 + 2.0**-50)
-        points = np.repeat(middles[:, None], 2, axis=1)
-        tubes = np.pad(halves, ((0, 0), (0, 1)))
-        return self._certifier.check_curves(Curves(np.ascontiguousarray(points), tubes), _TOLERANCE, 1)
 
     def _clipped(self, low: Floats, high: Floats) -> tuple[Floats, Floats]:
         robot = self._checker.robot
         return np.maximum(low, robot.lower), np.minimum(high, robot.upper)
-
-    def _levers(self, q: Floats) -> Floats:
-        """(nq,) how fast each number moves bodies about q, roughly, m/rad and m/m: cells are cut by these."""
-        rows = np.concatenate([q[None], q + _STEP * np.eye(len(q))])
-        poses = self._checker.body_poses(rows)[:, :, :3]
-        moved = np.nan_to_num(np.abs(poses[1:] - poses[0])).max(axis=(1, 2, 3)) / _STEP
-        return np.asarray(np.maximum(moved, 1e-3))
-
-
-def _halved(lows: Floats, highs: Floats, levers: Floats) -> tuple[Floats, Floats]:
-    """Both halves of each cell, cut across the side that moves bodies most."""
-    cut = ((highs - lows) * levers).argmax(axis=1)
-    rows = np.arange(len(lows))
-    middle = (lows[rows, cut] + highs[rows, cut]) / 2
-    first_highs, second_lows = highs.copy(), lows.copy()
-    first_highs[rows, cut] = second_lows[rows, cut] = middle
-    return np.concatenate([lows, second_lows]), np.concatenate([first_highs, highs])

@@ -56,15 +56,15 @@ class TrajectoryChecker(AnyChecker, Protocol):
 
 
 class TrajectoryChecks:
-    """Judges trajectories for one checker, by one tube and one tolerance."""
+    """Judges trajectories for one checker, by one tube, one tolerance and how far bodies stay apart."""
 
-    def __init__(self, checker: TrajectoryChecker, tube: ArrayLike, tolerance: float) -> None:
-        """Takes a tube, a number or a row of the robot's own width, rad and m, and a tolerance, m.
+    def __init__(self, checker: TrajectoryChecker, tube: ArrayLike, tolerance: float, room: float = 0.0) -> None:
+        """Takes a tube, a number or a row of the robot's own width, rad and m, a tolerance, and a distance, m.
 
         Raises:
             PlannercheckError: If the tube is malformed, or not 0 for the numbers of unit vectors.
         """
-        self._checker, self._tolerance = checker, tolerance
+        self._checker, self._tolerance, self._room = checker, tolerance, room
         self._certifier = checker.certifier_of("slerp")
         self._units, self._own = checker.robot.configuration_map.units, checker.robot.own_width
         self.tube = self._checked_tube(named_numbers(tube, "tube"))
@@ -74,17 +74,28 @@ class TrajectoryChecks:
         check_several(trajectories)
         if not trajectories:
             return np.empty(0, dtype=bool)
-        free = self._free_pieces(trajectories, self.tube, threads=threads)
+        free = self._free_pieces(trajectories, self.tube, self._room, threads)
         starts = [0, *accumulate(len(each.curve.pieces) for each in trajectories[:-1])]
         return np.logical_and.reduceat(free, starts)
 
     def free_pieces(self, trajectory: Trajectory, wider: Floats | None = None) -> Bools:
         """Which pieces of a trajectory are proved free; `wider`: (pieces, nq) what each has besides the tube."""
-        return self._free_pieces([trajectory], self.tube, wider=wider)
+        return self._free_pieces([trajectory], self.tube, self._room, wider=wider)
+
+    def largest_room(self, trajectories: Sequence[Trajectory]) -> float:
+        """The distance, m, that bodies are proved to keep on free trajectories, tube included, to a hundredth of it."""
+        least = min((self._least_clearance(each)[1] for each in trajectories), default=np.inf)
+        if not np.isfinite(least):  # no pairs
+            return least
+
+        def is_free(room: float) -> bool:
+            return all(self._is_free(each, self.tube, room) for each in trajectories)
+
+        return max(_largest(is_free, max(self._room, least * _FINE), least), self._room)
 
     def near_instants(self, trajectory: Trajectory, pieces: Sequence[int]) -> list[float]:
         """Where pairs came so near on pieces that are not free that these were refused, s."""
-        breaks, tubes = trajectory.curve.breaks, self._tubes([trajectory.curve], self.tube, 0.0)
+        breaks, tubes = trajectory.curve.breaks, self._tubes([trajectory.curve], self.tube, self._room)
         found = []
         for k in pieces:
             result = self._certifier.result(Curves(trajectory.curve.pieces[k][None], tubes), self._tolerance)
@@ -139,7 +150,7 @@ class TrajectoryChecks:
         self, trajectory: Trajectory, limits: tuple[Excess, ...], prover: Callable[[], tuple[Proof, ...] | None]
     ) -> TrajectoryVerdict:
         """How far a trajectory is free and what stops it; `limits` it breaks, and `prover` computes its proof."""
-        free = self._free_pieces([trajectory], self.tube)
+        free = self.free_pieces(trajectory)
         made = partial(
             TrajectoryVerdict,
             tube=self.tube[: self._own],
@@ -155,10 +166,10 @@ class TrajectoryChecks:
                 proved = _largest(lambda room: self._is_free(trajectory, no_tube, room), least * _FINE, least)
             end = float(trajectory.curve.breaks[-1])
             return made(True, Stop(end), clearance=proved, clearance_at=at, prover=prover)
-        return made(False, self._stopped(trajectory, free), clearance=0.0, clearance_at=at)
+        return made(False, self.stopped(trajectory, free), clearance=0.0, clearance_at=at)
 
-    def _stopped(self, trajectory: Trajectory, free: Bools) -> Stop:
-        """What stops a trajectory that is not free.
+    def stopped(self, trajectory: Trajectory, free: Bools) -> Stop:
+        """What stops a trajectory of which these pieces are free, and not all.
 
         A piece may be refused where nothing collides on the curve itself; then later ones are looked at.
         """
@@ -174,7 +185,7 @@ class TrajectoryChecks:
     def _stopped_on(self, trajectory: Trajectory, piece: int) -> Stop:
         points = trajectory.curve.pieces[piece]
         start, end = (float(time) for time in trajectory.curve.breaks[piece : piece + 2])
-        curve = Curves(points[None], self._tubes([trajectory.curve], self.tube, 0.0))
+        curve = Curves(points[None], self._tubes([trajectory.curve], self.tube, self._room))
         result = self._certifier.result(curve, self._tolerance)
 
         def states(s: Floats) -> Floats:

@@ -23,7 +23,6 @@ from numpy.typing import ArrayLike
 from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.common.angles import nearest_turns
 from plannercheck.common.array_types import Bools, Floats
-from plannercheck.common.arrays import named_numbers, shown_array
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
@@ -154,32 +153,13 @@ def _limits(
     robot: Robot, velocity: ArrayLike | str | Path | None, acceleration: ArrayLike | str | Path, moves: Bools
 ) -> JointLimits:
     """The limits of a robot's joints; joints that rest have limits of 1."""
-    speeds = (
-        joint_limits.velocity_limits(robot)
-        if velocity is None
-        else joint_limits.read(velocity, robot).velocity
-        if isinstance(velocity, str | Path)
-        else _row(robot, velocity, "velocity")
-    )
-    bends = (
-        joint_limits.read(acceleration, robot).acceleration
-        if isinstance(acceleration, str | Path)
-        else _row(robot, acceleration, "acceleration")
-    )
+    speeds = joint_limits.largest_speeds(robot, velocity)
+    bends = joint_limits.largest_accelerations(robot, acceleration)
     unlimited = moves & ~np.isfinite(bends)
     if unlimited.any():
         name = robot.joint_names[int(np.argmax(unlimited))]
         raise PlannercheckError(f"joint {name!r} moves and has no acceleration limit: a plan can't be timed without")
     return JointLimits(np.where(moves, speeds, 1.0), np.where(moves, bends, 1.0))
-
-
-def _row(robot: Robot, values: ArrayLike, name: str) -> Floats:
-    row = named_numbers(values, name)
-    if row.shape not in ((1,), (robot.nq,)) or not (row > 0).all():
-        raise PlannercheckError(
-            f"{name} must be a number more than 0, or {robot.nq}, one a joint, not {shown_array(values)}"
-        )
-    return np.broadcast_to(row, robot.nq)
 
 
 def _check_legs(judge: _Judge, legs: Legs) -> None:

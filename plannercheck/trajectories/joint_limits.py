@@ -14,9 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.arrays import OwnsArrays, named_numbers, shown_array
 from plannercheck.common.checked_yaml import (
     Node,
     check_keys,
@@ -87,6 +88,28 @@ def read(path: str | Path, robot: Robot) -> JointLimits:
                     acceleration[column] = _limit(found, "acceleration", np.inf)
         _warn_of_positions(path, robot, joints)
     return JointLimits(velocity, acceleration)
+
+
+def largest_speeds(robot: Robot, given: ArrayLike | str | Path | None) -> Floats:
+    """(nq,) of numbers, one number or a joint_limits.yaml; the URDF's for None."""
+    if given is None:
+        return velocity_limits(robot)
+    return read(given, robot).velocity if isinstance(given, str | Path) else positive_row(robot, given, "velocity")
+
+
+def largest_accelerations(robot: Robot, given: ArrayLike | str | Path, name: str = "acceleration") -> Floats:
+    """(nq,) of numbers, one number or a joint_limits.yaml; `name` is the argument's, for errors."""
+    return read(given, robot).acceleration if isinstance(given, str | Path) else positive_row(robot, given, name)
+
+
+def positive_row(robot: Robot, values: ArrayLike, name: str) -> Floats:
+    """(nq,) of numbers, or of one number for all joints; an error unless all are more than 0."""
+    row = named_numbers(values, name)
+    if row.shape not in ((1,), (robot.nq,)) or not (row > 0).all():
+        raise PlannercheckError(
+            f"{name} must be a number more than 0, or {robot.nq}, one a joint, not {shown_array(values)}"
+        )
+    return np.broadcast_to(row, robot.nq)
 
 
 def _joints(document: Node) -> Node:

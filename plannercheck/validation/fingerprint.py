@@ -7,18 +7,20 @@ for the same rows; the rows themselves are compared chunk by chunk.
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import asdict
 
 import numpy as np
 
 from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.part_sets import PartSet
-from plannercheck.bodies.shapes import inflated_hull
+from plannercheck.bodies.shapes import GeometryObject, inflated_hull
 from plannercheck.bodies.solids import Solid
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.version import __version__
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.checker import Checker as PlanarChecker
+from plannercheck.planar.links import GeometryObject as PlanarObject
 from plannercheck.validation.judging import Judge
 
 # Configurations whose poses stand for the kinematics.
@@ -49,19 +51,51 @@ def content_hash(checker: AnyChecker) -> str:
         digest.update(repr(names).encode())
     assert isinstance(checker, Checker | PlanarChecker)
     digest.update(np.ascontiguousarray(checker.robot.link_poses(robot.random_configurations(_POSED, 0))).tobytes())
-    for body in checker.bodies:
-        digest.update(f"{body.name} {body.link}".encode() + np.ascontiguousarray(body.pose).tobytes())
-    _add_shapes(digest, checker)
-    return digest.hexdigest()
-
-
-def _add_shapes(digest: hashlib._Hash, checker: Checker | PlanarChecker) -> None:
+    _add_names(digest, checker.bodies)
     if isinstance(checker, PlanarChecker):
         for polygon in checker.bodies:
             digest.update(np.ascontiguousarray(polygon.vertices).tobytes())
-        return
-    digest.update(checker.paddings.tobytes())
-    for body in checker.bodies:
-        points, _, inflation_radius = inflated_hull(body.shape, checker.excess)
+    else:
+        digest.update(checker.paddings.tobytes())
+        _add_shapes(digest, checker.bodies, checker.excess)
+    return digest.hexdigest()
+
+
+def robot_hash(checker: Checker) -> str:
+    """A hash of a robot as a checker has it: its joints, limits and bodies, and the pairs of these that are tested."""
+    robot, count = checker.robot, _robot_bodies(checker)
+    digest = hashlib.sha256(" ".join(robot.joint_names).encode())
+    own = checker.pairs[(checker.pairs < count).all(axis=1)]
+    poses = robot.link_poses(robot.random_configurations(_POSED, 0))
+    for array in (own, robot.lower, robot.upper, poses):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    _add_names(digest, checker.bodies[:count])
+    _add_shapes(digest, checker.bodies[:count], checker.excess)
+    return digest.hexdigest()
+
+
+def scene_hash(checker: Checker) -> str:
+    """A hash of a scene as a checker has it: its bodies, the pairs that these are in, and the paddings of all pairs."""
+    count = _robot_bodies(checker)
+    digest = hashlib.sha256(checker.paddings.tobytes())
+    digest.update(np.ascontiguousarray(checker.pairs[(checker.pairs >= count).any(axis=1)]).tobytes())
+    _add_names(digest, checker.bodies[count:])
+    _add_shapes(digest, checker.bodies[count:], checker.excess)
+    return digest.hexdigest()
+
+
+def _robot_bodies(checker: Checker) -> int:
+    """How many of a checker's bodies, the first ones, are the robot's."""
+    return len(checker.robot.bodies)
+
+
+def _add_names(digest: hashlib._Hash, bodies: Sequence[GeometryObject | PlanarObject]) -> None:
+    for body in bodies:
+        digest.update(f"{body.name} {body.link}".encode() + np.ascontiguousarray(body.pose).tobytes())
+
+
+def _add_shapes(digest: hashlib._Hash, bodies: Sequence[GeometryObject], excess: float) -> None:
+    for body in bodies:
+        points, _, inflation_radius = inflated_hull(body.shape, excess)
         digest.update(np.ascontiguousarray(points).tobytes() + np.float64(inflation_radius).tobytes())
         digest.update(body.shape.digest if isinstance(body.shape, Solid | PartSet | HalfSpace) else b"")

@@ -20,6 +20,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from poses import at
+
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 import coal
@@ -121,8 +123,7 @@ def aimed_case(family: str, robot: pc.Robot, generator: np.random.Generator) -> 
     normal /= np.linalg.norm(normal)
     normal /= np.linalg.norm(normal)  # once more for ways so short that doubles have few digits there
     side = np.linalg.qr(np.column_stack([normal, generator.normal(size=(3, 2))]))[0][:, 1]
-    pose = np.eye(4)
-    pose[:3, 3] = centre + offset * normal
+    pose = at(*centre + offset * normal)
     pose[:3, :3] = np.column_stack([normal, side, np.cross(normal, side)])
     scene = pc.Scene(family)
     scene.add_box("wall", [thickness, *generator.uniform(0.002, 0.05, 2)], pose)

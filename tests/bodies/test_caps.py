@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import solid_meshes
 import trimesh
+from poses import at
 
 import plannercheck as pc
 from plannercheck import _oracle
@@ -21,12 +22,6 @@ from plannercheck.evaluation.stress_solids.torn import TEARS, torn
 CUBE = trimesh.creation.box((2, 2, 2))
 BALL = trimesh.creation.icosphere(2)
 IDENTITY = np.eye(4)
-
-
-def at(*position):
-    pose = np.eye(4)
-    pose[:3, 3] = position
-    return pose
 
 
 def mesh(given):

@@ -11,6 +11,7 @@ from typing import Any
 import exact_verdicts
 import numpy as np
 import pytest
+from poses import at, random_turn
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
@@ -23,19 +24,6 @@ CUBE = np.array(list(product((-1.0, 1.0), repeat=3)))
 SQUARE = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
 SEGMENT = np.array([[-1.0, 0, 0], [1, 0, 0]])
 POINT = np.zeros((1, 3))
-
-
-def at(*position: float, turn: Floats | None = None) -> Floats:
-    pose = np.eye(4)
-    pose[:3, 3] = position
-    if turn is not None:
-        pose[:3, :3] = turn
-    return pose
-
-
-def random_turn(rng: np.random.Generator) -> Floats:
-    q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-    return q * np.sign(np.linalg.det(q))
 
 
 def random_points(rng: np.random.Generator) -> Floats:

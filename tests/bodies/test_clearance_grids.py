@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from random_poses import pose_at
+from poses import pose_at
 
 import plannercheck as pc
 from plannercheck.bodies.part_sets import PartSet

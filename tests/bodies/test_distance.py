@@ -8,7 +8,7 @@ from fractions import Fraction
 import exact_verdicts
 import numpy as np
 import pytest
-from random_poses import pose_at
+from poses import at, pose_at
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
@@ -70,8 +70,7 @@ def test_points_segments_polygons_and_balls():
 def test_touching_is_no_distance():
     cube = pc.Polytope(CUBE)
     for shift, truth in ((1.0, 0.0), (np.nextafter(1.0, 2.0), 2.0**-52), (0.5, 0.0)):
-        pose = np.eye(4)
-        pose[0, 3] = shift
+        pose = at(shift)
         found = pc.distance(cube, cube, pose)
         assert found.distance == pytest.approx(truth, rel=1e-9, abs=1e-12)
         assert (found.distance > 0) == (shift > 1)
@@ -82,8 +81,7 @@ def test_depth_separates():
     rng = np.random.default_rng(7)
     cube = pc.Polytope(CUBE)
     for depth in (0.01, 0.2, 0.5):
-        pose = np.eye(4)
-        pose[0, 3] = 1 - depth
+        pose = at(1 - depth)
         assert pc.distance(cube, cube, pose).lower_bound == pytest.approx(-depth, abs=1e-13)
     for (name, n), (other, m) in itertools.product(FAMILIES[:4], repeat=2):
         first, second = pc.Polytope(family(name, n, 1)), pc.Polytope(family(other, m, 2))
@@ -94,8 +92,7 @@ def test_depth_separates():
         pose[:3, 3] += (found.point_r - found.point_p) * (1 + 1e-9)
         assert not pc.intersects(first, second, pose)
     ball = pc.Polytope([[0.0, 0, 0]], inflation_radius=1.0)
-    pose = np.eye(4)
-    pose[0, 3] = 1.5
+    pose = at(1.5)
     assert pc.distance(ball, ball, pose).lower_bound == pytest.approx(-0.5, abs=1e-14)
 
 
@@ -132,8 +129,7 @@ def test_batches_are_single_calls():
 def test_depths_of_inflated_bodies_have_both_inflation_radii():
     """Cubes that overlap by 1/4: to part them takes that and both radii, and by no less do they come apart."""
     first, second = pc.Polytope(CUBE, inflation_radius=0.125), pc.Polytope(CUBE, inflation_radius=0.0625)
-    pose = np.eye(4)
-    pose[0, 3] = 0.75
+    pose = at(0.75)
     found = pc.distance(first, second, pose)
     depth = 0.25 + 0.125 + 0.0625
     assert found.distance == 0

@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+from poses import at
 from scipy.spatial.transform import Rotation
 from solids import random_poses
 
@@ -35,13 +36,6 @@ def verdicts(first, second, poses, **switches):
     return np.asarray(shared, dtype=bool), np.asarray(stages)
 
 
-def beside(offset):
-    """A pose at a distance across, and along by so much."""
-    pose = np.eye(4)
-    pose[:3, 3] = offset
-    return pose
-
-
 @pytest.mark.parametrize("scale", [1e-20, 1e-3, 1.0, 1e3, 1e20])
 @pytest.mark.parametrize("size", [100, 5000])
 def test_rods_side_by_side_are_apart_across(scale, size):
@@ -50,7 +44,7 @@ def test_rods_side_by_side_are_apart_across(scale, size):
     turn = Rotation.random(40, random_state=1).as_matrix()
     first = np.repeat(np.eye(4)[None], 40, axis=0)
     first[:, :3, :3] = turn
-    second = first @ beside(np.array([0.8, 0.12, 0.12]) * scale)
+    second = first @ at(*np.array([0.8, 0.12, 0.12]) * scale)
     shared, stages = verdicts(*rods, (first, second))
     assert not shared.any()
     assert (stages == CENTRE_AXIS).all()

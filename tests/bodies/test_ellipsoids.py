@@ -9,7 +9,7 @@ import coal
 import fcl
 import numpy as np
 import pytest
-from random_poses import pose_at
+from poses import at, pose_at
 
 import plannercheck as pc
 from plannercheck.bodies.circumscribed import LEAST_BALL_EXCESS, unit_ball
@@ -101,8 +101,7 @@ def test_verdicts_against_hulls_between_the_two_polytopes_are_those_of_the_ellip
 def test_ellipsoids_are_bodies_of_scenes_and_pairs():
     robot = pc.Robot.load("panda")
     scene = pc.Scene()
-    pose = np.eye(4)
-    pose[:3, 3] = 0.5, 0.0, 0.4
+    pose = at(0.5, 0.0, 0.4)
     scene.add("egg", pc.Ellipsoid((0.2, 0.15, 0.3)), pose)
     checker = pc.Checker(robot, scene)
     q = robot.random_configurations(300, 1)
@@ -151,8 +150,7 @@ def test_what_is_certainly_hit_and_what_may_be(tmp_path):
 def test_links_carry_ellipsoids():
     robot, egg, table = pc.Robot.load("panda"), pc.Ellipsoid((0.05, 0.05, 0.2)), np.eye(4)
     table[:3, 3] = 0.85, 0.0, 0.2
-    ahead = np.eye(4)
-    ahead[2, 3] = 0.35
+    ahead = at(0, 0, 0.35)
     ours, hulls = pc.Scene("egg"), pc.Scene("egg")
     for scene, shape in ((ours, egg), (hulls, pc.Hull(egg.vertices_and_faces()[0]))):
         scene.add_box("table", (1.0, 1.0, 0.1), table)

@@ -9,6 +9,7 @@ from itertools import product
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from poses import at, pose_within
 
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.common.errors import PlannercheckError
@@ -64,18 +65,6 @@ def pivot(rows: list[list[Fraction]], leaving: int, entering: int) -> None:
             rows[k] = [x - row[entering] * y for x, y in zip(row, rows[leaving], strict=True)]
 
 
-def rotation(rng: np.random.Generator) -> Points:
-    q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-    return q * np.sign(np.linalg.det(q))
-
-
-def random_pose(rng: np.random.Generator, reach: float) -> Points:
-    pose = np.eye(4)
-    pose[:3, :3] = rotation(rng)
-    pose[:3, 3] = rng.uniform(-reach, reach, 3)
-    return pose
-
-
 def shifted(points: Points, *offset: float) -> Points:
     return points + np.array(offset)
 
@@ -85,7 +74,7 @@ def test_agrees_with_a_linear_program_on_random_bodies() -> None:
     verdicts = []
     for _ in range(60):
         p, r = rng.normal(size=(rng.integers(1, 8), 3)), rng.normal(size=(rng.integers(1, 8), 3))
-        pose_p, pose_r = random_pose(rng, 1.0), random_pose(rng, 1.0)
+        pose_p, pose_r = pose_within(rng, 1.0), pose_within(rng, 1.0)
         verdicts.append(verdict(p, r, pose_p, pose_r))
         assert verdicts[-1] == linear_program(p, r, pose_p, pose_r)
     assert 10 < sum(verdicts) < 50
@@ -111,8 +100,7 @@ def test_boxes_touching_in_a_facet_edge_or_vertex_collide(offset: tuple[float, f
 @pytest.mark.parametrize("offset", [(1, 0, 0), (1, 1, 0), (1, 1, 1)])
 def test_boxes_one_ulp_apart_are_free(offset: tuple[float, float, float]) -> None:
     # The ulp goes into the pose: above 1 it is 2^-52.
-    pose = np.eye(4)
-    pose[:3, 3] = np.nextafter(offset, np.where(np.array(offset) > 0, 2, 0))
+    pose = at(*np.nextafter(offset, np.where(np.array(offset) > 0, 2, 0)))
     assert not verdict(UNIT_BOX, UNIT_BOX, pose_r=pose)
     pose[:3, 3] = np.nextafter(offset, 0)
     assert verdict(UNIT_BOX, UNIT_BOX, pose_r=pose)
@@ -120,8 +108,7 @@ def test_boxes_one_ulp_apart_are_free(offset: tuple[float, float, float]) -> Non
 
 def test_a_gap_below_the_rounding_of_the_posed_vertices_counts() -> None:
     # M v = 1 + 2^-60 in exact arithmetic, 1 in doubles.
-    pose = np.eye(4)
-    pose[0, 3] = 2.0**-60
+    pose = at(2.0**-60)
     assert not verdict(UNIT_BOX, shifted(UNIT_BOX, -1, 0, 0), pose_p=pose)
     pose[0, 3] = -(2.0**-60)
     assert verdict(UNIT_BOX, shifted(UNIT_BOX, -1, 0, 0), pose_p=pose)
@@ -162,9 +149,8 @@ def test_known_gaps_of_round_bodies(gap: float) -> None:
     round_body = rng.normal(size=(200, 3))
     round_body /= np.linalg.norm(round_body, axis=1)[:, None]
     tip = np.concatenate([round_body, [[0.0, 0.0, -2.0]]])
-    turn = random_pose(rng, 3.0)
-    lift = np.eye(4)
-    lift[2, 3] = 3.0 + gap
+    turn = pose_within(rng, 3.0)
+    lift = at(0, 0, 3.0 + gap)
     assert verdict(UNIT_BOX - [0.5, 0.5, 0.0], tip, turn, turn @ lift) == (gap < 0)
 
 
@@ -199,8 +185,7 @@ def test_balls_touch_where_the_radii_add_up_to_the_distance() -> None:
 
 def test_a_inflation_radius_counts_to_the_last_bit_whatever_its_unit() -> None:
     centre = np.zeros((1, 3))
-    pose = np.eye(4)
-    pose[0, 3] = 1.0
+    pose = at(1.0)
     assert inflated_verdict(centre, centre, 1.0, 0, pose)
     assert not inflated_verdict(centre, shifted(centre, 5e-324, 0, 0), 1.0, 0, pose)
     assert inflated_verdict(centre, shifted(centre, 5e-324, 0, 0), 1.0, 5e-324, pose)

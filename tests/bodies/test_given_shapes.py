@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio
 import pytest
 import trimesh
+from poses import at
 
 import plannercheck as pc
 from plannercheck.bodies.given_bodies import given_polytope
@@ -179,8 +180,7 @@ def test_arrays_are_bodies():
     assert not pc.intersects(CUBE, CUBE + np.array([1.0000001, 0, 0]))
     assert pc.intersects(CUBE.tolist(), [[0.5, 0.5, 0.5]])  # a point is a body, too
     assert pc.intersects(CUBE.astype(np.float32), np.array(CUBE, dtype=int))
-    apart = np.eye(4)
-    apart[0, 3] = 3.0
+    apart = at(3.0)
     assert pc.distance(CUBE, CUBE, pose_r=apart).distance == pytest.approx(2.0)
     assert pc.certify(CUBE, CUBE, apart).verify()
     assert pc.depth(CUBE, CUBE + np.array([0.75, 0, 0])).depth == pytest.approx(0.25)

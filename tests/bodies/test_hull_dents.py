@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from solid_meshes import both, box, dimpled, inflated, meshes, prepared, random_pose, ring
+from poses import random_pose
+from solid_meshes import both, box, dimpled, inflated, meshes, prepared, ring
 
 import plannercheck as pc
 from plannercheck.bodies.tuning import pair_options

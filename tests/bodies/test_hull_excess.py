@@ -7,6 +7,7 @@ import warnings
 import numpy as np
 import pytest
 import trimesh
+from poses import at
 
 import plannercheck as pc
 from plannercheck.bodies.hull_excess import hull_between, hull_excess
@@ -27,8 +28,7 @@ def ring(inner):
 def two_boxes(folder, suffix, apart=1.0):
     scene = trimesh.Scene()
     for name, x in (("left", -apart / 2), ("right", apart / 2)):
-        pose = np.eye(4)
-        pose[0, 3] = x
+        pose = at(x)
         scene.add_geometry(trimesh.creation.box((0.1, 0.1, 0.1)), node_name=name, geom_name=name, transform=pose)
     scene.export(folder / f"two{suffix}")
     return folder / f"two{suffix}"

@@ -6,7 +6,8 @@ from itertools import product
 
 import numpy as np
 import pytest
-from solid_meshes import box, inflated, meshes, prepared, random_pose
+from poses import random_pose
+from solid_meshes import box, inflated, meshes, prepared
 
 from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core

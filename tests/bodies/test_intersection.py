@@ -7,7 +7,8 @@ import itertools
 import exact_verdicts
 import numpy as np
 import pytest
-from pair_ways import CENTRE_AXIS, NEAR, PAIRS, UNIT, WAYS, assert_all_ways_agree, moved
+from pair_ways import CENTRE_AXIS, NEAR, PAIRS, UNIT, WAYS, assert_all_ways_agree
+from poses import at
 from solids import dyadic_poses, random_poses, solid_of
 
 import plannercheck as pc
@@ -51,9 +52,9 @@ def test_touching_boxes_collide_and_the_next_double_does_not(scale, shift):
     shift = np.array(shift) * scale
     beyond = np.where(shift == scale, np.nextafter(shift, np.inf), shift)
     for method in METHODS:
-        assert pc.intersects(cube, cube, moved(*shift), method=method)
-        assert not pc.intersects(cube, cube, moved(*beyond), method=method)
-        assert not pc.intersects(cube, cube, None, moved(*-beyond), method=method) or (shift < 0).any()
+        assert pc.intersects(cube, cube, at(*shift), method=method)
+        assert not pc.intersects(cube, cube, at(*beyond), method=method)
+        assert not pc.intersects(cube, cube, None, at(*-beyond), method=method) or (shift < 0).any()
 
 
 @pytest.mark.parametrize("name", ["box", "round", "flat", "doubling", "lattice"])
@@ -169,7 +170,7 @@ def test_bodies_within_their_inflation_radii(first, second):
     ("pose", "message"),
     [
         (np.eye(4) * np.nan, "pose_p.*not finite"),
-        (moved(np.inf), "pose_p.*not finite"),
+        (at(np.inf), "pose_p.*not finite"),
         (np.eye(3), r"pose_p.*\(4, 4\)"),
         (np.diag([1.0, 1, 1 + 1e-5, 1]), "pose_p.*not rigid"),
         (np.diag([1.0, 1, -1, 1]), "pose_p"),

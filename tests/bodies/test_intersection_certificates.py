@@ -8,7 +8,8 @@ from fractions import Fraction
 import exact_verdicts
 import numpy as np
 import pytest
-from pair_ways import CENTRE_AXIS, NEAR, PAIRS, UNIT, moved
+from pair_ways import CENTRE_AXIS, NEAR, PAIRS, UNIT
+from poses import at
 from solids import solid_of
 
 import plannercheck as pc
@@ -23,7 +24,7 @@ from plannercheck.evaluation.stress.body_families import family
 def test_the_point_of_spheres_is_in_both():
     P, R = pc.Polytope(np.zeros((1, 3)), inflation_radius=0.3), pc.Polytope(np.zeros((1, 3)), inflation_radius=0.2)
     for x in (0.0, 0.1, 0.4999):
-        found = core.certify_pair(P.core, moved(x, 0, 0), R.core, np.eye(4), pair_options(), False)
+        found = core.certify_pair(P.core, at(x, 0, 0), R.core, np.eye(4), pair_options(), False)
         assert found["stage"] == "centre axis"
         assert np.linalg.norm(found["point"] - [x, 0, 0]) <= P.inflation_radius
         assert np.linalg.norm(found["point"]) <= R.inflation_radius
@@ -128,11 +129,11 @@ def assert_shared(point, P, R, pose_p, pose_r):
 def test_a_separations_normal_points_from_second_to_first():
     cube = pc.Polytope(UNIT)
     for method in METHODS:
-        plane = pc.certify(cube, cube, moved(3), None, method)
+        plane = pc.certify(cube, cube, at(3), None, method)
         assert plane.normal[0] > 0.5
         assert 1.0 < plane.offset < 3.0
         assert 0 < plane.gap <= 2.0
-        assert pc.certify(cube, cube, None, moved(3), method).normal[0] < -0.5
+        assert pc.certify(cube, cube, None, at(3), method).normal[0] < -0.5
 
 
 @pytest.mark.parametrize("power", [-60, -90, -300])
@@ -142,7 +143,7 @@ def test_certificates_of_gaps_far_below_a_double(power):
     slanted[:3, :3] = contacts.frames(np.array([[1.0, 2.0, 3.0]]) / np.sqrt(14))[0]
     for turn in (np.eye(4), slanted):
         for sign in (1, 0, -1):
-            certificate = pc.certify(cube, cube, turn @ moved(sign * 2.0**power), turn @ moved(-1.0))
+            certificate = pc.certify(cube, cube, turn @ at(sign * 2.0**power), turn @ at(-1.0))
             assert certificate.verify()
             if turn is not slanted:
                 assert isinstance(certificate, pc.Separation) == (sign > 0)
@@ -151,7 +152,7 @@ def test_certificates_of_gaps_far_below_a_double(power):
 @pytest.mark.parametrize("power", [-60, -90])
 def test_the_plane_of_double_double_is_exact(power):
     cube = pc.Polytope(UNIT)
-    found = core.certify_pair(cube.core, moved(2.0**power), cube.core, moved(-1.0), pair_options(), True)
+    found = core.certify_pair(cube.core, at(2.0**power), cube.core, at(-1.0), pair_options(), True)
     assert found["stage"] == "double-double"
     assert not found["shared"]
     assert len(found["exact_normal"]) == 3

@@ -7,7 +7,8 @@ import itertools
 import exact_verdicts
 import numpy as np
 import pytest
-from pair_ways import DOUBLE_DOUBLE, EXACT, NEAREST_POINTS, SOLVER, UNIT, moved
+from pair_ways import DOUBLE_DOUBLE, EXACT, NEAREST_POINTS, SOLVER, UNIT
+from poses import at
 from solids import dyadic_poses, solid_of
 
 import plannercheck as pc
@@ -41,7 +42,7 @@ def test_the_walk_decides_flat_stars_itself(name):
 
 def test_methods_use_their_own_means():
     (_, P), (_, R) = solid_of("round", 1000, 1), solid_of("round", 1000, 2)
-    pose = moved(0.5, 0.5, 0.5)[None]
+    pose = at(0.5, 0.5, 0.5)[None]
     counters = {
         method: core.intersect_batch(P.core, pose, R.core, np.eye(4)[None], pair_options(method, centre_axis=False))[2]
         for method in METHODS
@@ -143,7 +144,7 @@ def test_gaps_far_below_a_double_between_touching_boxes(power, unit):
     gap = unit * 2.0**power
     for other in (cube, plate):
         for sign in (1, 0, -1):
-            poses = moved(sign * gap)[None], moved(-unit)[None] if other is cube else np.eye(4)[None]
+            poses = at(sign * gap)[None], at(-unit)[None] if other is cube else np.eye(4)[None]
             stages = assert_stages_behind_the_filter_agree(cube, other, *poses)
             if unit == 1.0 and sign > 0 and power >= -90:
                 assert (stages[True, True] == DOUBLE_DOUBLE).all()
@@ -158,6 +159,6 @@ def test_balls_and_capsules_whose_gaps_are_far_below_a_double(power):
         pc.Polytope([[0.0, -1, 0], [0, 1, 0]], inflation_radius=2.0),
     )
     for sign in (1, 0, -1):
-        capsule_poses = moved(-5.0)[None]
-        stages = assert_stages_behind_the_filter_agree(ball, capsule, moved(sign * 2.0**power)[None], capsule_poses)
+        capsule_poses = at(-5.0)[None]
+        stages = assert_stages_behind_the_filter_agree(ball, capsule, at(sign * 2.0**power)[None], capsule_poses)
         assert (stages[True, True] == (DOUBLE_DOUBLE if sign != 0 and power > -90 else EXACT)).all()

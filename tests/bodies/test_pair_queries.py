@@ -7,9 +7,10 @@ import pickle
 
 import numpy as np
 import pytest
+from poses import at, random_pose
 
 import plannercheck as pc
-from plannercheck.bodies.distance import distance_checked
+from plannercheck.bodies.distance import pair_bounds, pair_bounds_checked
 from plannercheck.bodies.intersection import intersects_checked
 from plannercheck.bodies.pair_queries import queries
 from plannercheck.bodies.shapes import RIGID_TOLERANCE, _checked_matrix, checked_pose
@@ -20,17 +21,6 @@ from plannercheck.evaluation.stress.body_families import family
 CUBE = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 POINTS = {"cube": CUBE, "round": family("round", 60, 1), "flat": CUBE[:4], "point": CUBE[:1]}
 BODIES = {name: pc.Polytope(points, inflation_radius=0.1 * (name == "point")) for name, points in POINTS.items()}
-
-
-def rotation(rng):
-    q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-    return q * np.sign(np.linalg.det(q))
-
-
-def random_pose(rng):
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = rotation(rng), rng.normal(size=3)
-    return pose
 
 
 def read_only(pose):
@@ -153,7 +143,7 @@ def test_what_the_core_takes_at_once():
     assert {form for form, make in FORMS.items() if core.is_surely_rigid(make(pose), RIGID_TOLERANCE)} == at_once
 
 
-@pytest.mark.parametrize("call", [pc.intersects, pc.certify, pc.distance, pc.depth])
+@pytest.mark.parametrize("call", [pc.intersects, pc.certify, pc.distance, pc.signed_distance, pc.depth])
 @pytest.mark.parametrize("fault", FAULTS)
 def test_errors_are_those_of_the_checks_in_python(call, fault):
     rng = np.random.default_rng(3)
@@ -218,8 +208,7 @@ def test_bodies_that_are_no_polytopes_are_made_into_some():
     class Named(pc.Polytope):
         pass
 
-    pose = np.eye(4)
-    pose[0, 3] = 1.0
+    pose = at(1.0)
     for body in (CUBE, pc.Box((1, 1, 1)), Named(CUBE), CUBE.tolist()):
         assert pc.intersects(body, BODIES["cube"], pose)
         assert pc.intersects(BODIES["cube"], body, pose_r=pose)
@@ -242,10 +231,11 @@ def test_distances_are_those_of_the_checks_in_python():
     rng = np.random.default_rng(8)
     for P, R in itertools.product(BODIES.values(), repeat=2):
         a, b = random_pose(rng), random_pose(rng)
-        found, expected = pc.distance(P, R, a, b), distance_checked(P, R, a, b)
-        assert (found.distance, found.lower_bound) == (expected.distance, expected.lower_bound)
-        for name in ("point_p", "point_r", "direction"):
-            assert np.array_equal(getattr(found, name), getattr(expected, name))
+        (overlap, found), (expected_overlap, expected) = (
+            bounds(P, R, a, b, depths=True) for bounds in (pair_bounds, pair_bounds_checked)
+        )
+        assert overlap == expected_overlap
+        assert all(np.array_equal(*values) for values in zip(found, expected, strict=True))
 
 
 # ----- bodies that keep their poses
@@ -282,7 +272,7 @@ def test_placed_bodies_keep_their_own_poses():
 
 def test_a_placed_body_takes_no_other_pose():
     placed = pc.Placed(BODIES["cube"])
-    for call in (pc.intersects, pc.certify, pc.distance, pc.depth):
+    for call in (pc.intersects, pc.certify, pc.distance, pc.signed_distance, pc.depth):
         for pose in (np.eye(4), [[1]]):
             assert error_of(call, placed, placed, pose) == (
                 pc.PlannercheckError,
@@ -401,7 +391,7 @@ def test_numbers_of_poses_must_agree():
         assert empty.dtype == bool
     assert intersects_checked(P, P, poses[:0]).shape == (0,)
     assert "threads" in error_of(pc.intersects, P, P, poses, threads=0)[1]
-    for call in (pc.certify, pc.distance, pc.depth):
+    for call in (pc.certify, pc.distance, pc.signed_distance, pc.depth):
         assert "(4, 4), not (3, 4, 4)" in error_of(call, P, P, poses)[1]
 
 

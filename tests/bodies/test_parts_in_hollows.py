@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from nested_calls import MODES, checker_of, faults_of_bodies, faults_of_checker, told
 from nested_parts import SHAPES, UNIT, draw, surface
+from poses import at
 
 import plannercheck as pc
 from plannercheck.bodies.part_certificates import PartSeparation, PosedParts, PosedTriangles, RangeSeparation
@@ -40,8 +41,7 @@ def sets(size: float) -> dict[str, pc.PointCloud | pc.VoxelGrid | pc.Octree | pc
 @pytest.mark.parametrize("kind", ["cloud", "grid", "octree", "heights"])
 def test_a_set_between_walls_is_proved_apart(kind: str, size: float) -> None:
     """`noplane_min.py`: where a set is in a hollow, no plane separates its last part from the solid."""
-    pose = np.eye(4)
-    pose[:3, 3] = [20 * UNIT, 20 * UNIT, 22 * UNIT]
+    pose = at(20 * UNIT, 20 * UNIT, 22 * UNIT)
     for pair, poses in (
         ((tray(), sets(size)[kind]), (np.eye(4), pose)),
         ((sets(size)[kind], tray()), (pose, np.eye(4))),

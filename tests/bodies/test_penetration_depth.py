@@ -6,9 +6,12 @@ import itertools
 
 import numpy as np
 import pytest
-from random_poses import pose_at
+from poses import at, pose_at
+from scipy.spatial import ConvexHull
+from solid_meshes import angle
 
 import plannercheck as pc
+from plannercheck.common.core import core
 from plannercheck.evaluation.stress.body_families import family
 
 CUBE = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
@@ -74,8 +77,7 @@ def test_edges_of_cubes():
 
 def test_inflation_radii_add():
     cube = pc.Polytope(CUBE, inflation_radius=0.1)
-    pose = np.eye(4)
-    pose[0, 3] = 0.7
+    pose = at(0.7)
     assert pc.depth(cube, cube, pose).depth == pytest.approx(0.5, abs=1e-13)
     pose[0, 3] = 1.15
     found = pc.depth(cube, cube, pose)
@@ -90,8 +92,7 @@ def test_inflation_radii_add():
 def test_flat_bodies():
     """Two plates in one plane are parted by nothing at all; crossing ones by what sticks through."""
     plate = pc.Polytope([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    pose = np.eye(4)
-    pose[0, 3] = 0.3
+    pose = at(0.3)
     assert pc.depth(plate, plate, pose).depth == pytest.approx(0.0, abs=1e-13)
     upright = np.eye(4)
     upright[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
@@ -102,16 +103,114 @@ def test_flat_bodies():
 
 def test_touching_is_no_depth():
     cube = pc.Polytope(CUBE)
-    pose = np.eye(4)
-    pose[0, 3] = 1.0
+    pose = at(1.0)
     assert pc.intersects(cube, cube, pose)
     assert pc.depth(cube, cube, pose).depth == pytest.approx(0.0, abs=1e-13)
 
 
-def test_large_bodies_are_refused():
-    body = pc.Polytope(family("round", 1000, 1))
-    with pytest.raises(pc.PlannercheckError, match="small bodies"):
-        pc.depth(body, body)
+def test_large_bodies():
+    """Of hulls whose differences are too many for a hull: bounds that meet, and no direction beats them."""
+    rng = np.random.default_rng(11)
+    directions = rng.normal(size=(10_000, 3))
+    for name, n, other, m in (
+        ("round", 3000, "round", 1000),
+        ("cloud", 3000, "needle", 500),
+        ("flat", 800, "cone", 150),
+    ):
+        first, second = pc.Polytope(family(name, n, 1)), pc.Polytope(family(other, m, 2))
+        poses = pose_at(rng, 0.1), pose_at(rng, 0.0)
+        found = pc.depth(first, second, *poses)
+        assert 0 < found.depth - found.lower_bound < 1e-12
+        points = [
+            body.vertices @ pose[:3, :3].T + pose[:3, 3] for body, pose in zip((first, second), poses, strict=True)
+        ]
+        near = found.direction + 1e-3 * rng.normal(size=(1000, 3))
+        tried = np.concatenate([directions, near, found.direction[None]])
+        tried /= np.linalg.norm(tried, axis=1)[:, None]
+        along = (points[1] @ tried.T).max(axis=0) - (points[0] @ tried.T).min(axis=0)
+        assert along.min() >= found.lower_bound - 1e-14
+        assert along[-1] <= found.depth + 1e-14
+
+
+@pytest.mark.parametrize(("name", "n"), FAMILIES)
+def test_depths_are_those_of_the_hull_of_all_differences(name, n):
+    """By brute force: the least height of the facets of the hull of all differences of vertices."""
+    rng = np.random.default_rng(100 + n)
+    for (other, m), distance in itertools.product(FAMILIES, (0.0, 0.2)):
+        first, second = pc.Polytope(family(name, n, 1)), pc.Polytope(family(other, m, 2))
+        poses = pose_at(rng, distance), pose_at(rng, 0.0)
+        if not pc.intersects(first, second, *poses):
+            continue
+        on_p, on_r = (b.vertices @ m[:3, :3].T + m[:3, 3] for b, m in zip((first, second), poses, strict=True))
+        depth = -ConvexHull((on_p[:, None] - on_r).reshape(-1, 3)).equations[:, 3].max()
+        found = pc.depth(first, second, *poses)
+        assert found.lower_bound - 1e-13 <= depth <= found.depth + 1e-13
+        assert found.depth - found.lower_bound < 1e-12
+
+
+def test_exact_hulls_and_doubles_agree():
+    """The path for polytopes that doubles do not tell, on bodies that seldom need it."""
+    rng = np.random.default_rng(12)
+    for (name, n), (other, m) in itertools.product(FAMILIES, repeat=2):
+        first, second = pc.Polytope(family(name, n, 3)), pc.Polytope(family(other, m, 4))
+        poses = pose_at(rng, 0.05), pose_at(rng, 0.0)
+        if not pc.intersects(first, second, *poses):
+            continue
+        given = first.core, poses[0][None], second.core, poses[1][None]
+        (lower, upper), (exact_lower, exact_upper) = (core.hull_depth(*given, doubles) for doubles in (True, False))
+        assert max(lower, exact_lower) <= min(upper, exact_upper)
+        assert max(upper - lower, exact_upper - exact_lower) < 1e-12
+
+
+@pytest.mark.parametrize("exponent", [-1000, -300, 150])
+def test_depths_scale(exponent):
+    """Bodies, poses and depths in units of a power of two."""
+    rng = np.random.default_rng(13)
+    for name, n in FAMILIES:
+        points, poses = family(name, n, 5), [pose_at(rng, 0.05), pose_at(rng, 0.02)]
+        found = pc.signed_distance(points, points, *poses)
+        for pose in poses:
+            pose[:3, 3] = np.ldexp(pose[:3, 3], exponent)
+        scaled = pc.signed_distance(np.ldexp(points, exponent), np.ldexp(points, exponent), *poses)
+        assert scaled.distance == pytest.approx(np.ldexp(found.distance, exponent), rel=1e-12, abs=0)
+        assert scaled.lower_bound == pytest.approx(np.ldexp(found.lower_bound, exponent), rel=1e-12, abs=0)
+
+
+def test_depth_into_a_half_space_is_minus_the_distance():
+    floor = pc.HalfSpace((0, 0, 1), 0.0)
+    box = pc.Box((1, 1, 1))
+    found = pc.depth(box, floor, at(0, 0, 0.25))
+    assert found.lower_bound == pytest.approx(0.25, abs=1e-13)
+    assert found.lower_bound <= 0.25 <= found.depth
+    np.testing.assert_allclose(found.direction, [0, 0, 1])
+
+
+def test_depths_of_solids_and_of_two_sets_are_open():
+    """Their hulls' depth separates them; no lower bound is claimed."""
+    cloud, box = pc.PointCloud([[0.0, 0, 0], [1, 0, 0]], 0.1), pc.Box((1, 1, 1))
+    solid = pc.Polytope(pc.Solid(*angle()))
+    for first, second, least in ((cloud, cloud, 0.2), (solid, box, 0.1)):
+        found = pc.depth(first, second)
+        assert found.lower_bound == 0
+        assert found.depth >= least
+        assert pc.signed_distance(first, second).distance == 0
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_a_set_of_parts_leaves_a_hull_with_its_deepest_part(swapped):
+    """Exact where no other part is in the way; else the deepest part and a translation bound the depth."""
+    box = pc.Box((1, 1, 1))
+    for places, depth, translation in (
+        ([[0.45, 0, 0], [-2, 0, 0], [0.52, 0.1, 0]], 0.15, 0.15),
+        ([[0.45, 0, 0], [-0.45, 0, 0]], 0.15, 0.6),  # in the way of each other: out sideways
+    ):
+        bodies = [pc.PointCloud(places, 0.1), box]
+        found = pc.depth(*(bodies[::-1] if swapped else bodies))
+        assert found.lower_bound == pytest.approx(depth, abs=1e-12)
+        assert found.depth == pytest.approx(translation, abs=1e-12 if translation == depth else 1e-5)  # a box's room
+        away = found.direction * (-1 if swapped else 1)
+        assert not pc.intersects(*bodies, at(*(1 + 1e-9) * found.depth * away))
+        assert pc.intersects(*bodies, at(*(1 - 1e-9) * found.lower_bound * away))
 
 
 def _exact_depth_bounds(first, second, pose, pose_r):
@@ -175,8 +274,7 @@ def by_all_directions_of(first, second, poses):
 @pytest.mark.parametrize("gap", [1e-3, 0.05, 0.19])
 def test_the_depth_of_inflated_bodies_whose_hulls_are_apart(gap):
     cube = pc.Polytope(CUBE, inflation_radius=0.1)
-    pose = np.eye(4)
-    pose[0, 3] = 1 + gap
+    pose = at(1 + gap)
     found = pc.depth(cube, cube, pose)
     assert found.lower_bound < 0.2 - (pose[0, 3] - 1) < found.depth  # the depth in fractions is between doubles
     assert found.depth - found.lower_bound < 1e-12

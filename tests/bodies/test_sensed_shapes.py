@@ -10,6 +10,7 @@ from typing import Any
 import exact_verdicts
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 from plannercheck.bodies.part_sets import PartSet
@@ -221,12 +222,6 @@ def body(rng: np.random.Generator) -> pc.Polytope:
     )
 
 
-def pose(position: np.ndarray) -> np.ndarray:
-    out = np.eye(4)
-    out[:3, 3] = position
-    return out
-
-
 def test_a_grid_an_octree_and_the_same_boxes_have_one_verdict() -> None:
     """Cells alone, merged, as an octree and as boxes one by one; near faces, edges and corners, too."""
     rng, met = np.random.default_rng(2), 0
@@ -246,16 +241,16 @@ def test_a_grid_an_octree_and_the_same_boxes_have_one_verdict() -> None:
             singles = [pc.Polytope(box) for box in boxes]
             for _ in range(20):
                 other = body(rng) if rng.random() < 0.6 else pc.Polytope(CORNERS * resolution)
-                at = pose(np.round(rng.uniform(-1, 5, size=3) * 2) / 2 * resolution)
+                there = at(*np.round(rng.uniform(-1, 5, size=3) * 2) / 2 * resolution)
                 if rng.random() < 0.5:
-                    at[:3, 3] += rng.choice([-1, 0, 1], size=3) * 2.0**-53
-                expected = any(pc.intersects(other, single, at) for single in singles)
+                    there[:3, 3] += rng.choice([-1, 0, 1], size=3) * 2.0**-53
+                expected = any(pc.intersects(other, single, there) for single in singles)
                 exact = any(
-                    exact_verdicts.intersects(other.vertices, box, at, np.eye(4), other.inflation_radius, 0.0)
+                    exact_verdicts.intersects(other.vertices, box, there, np.eye(4), other.inflation_radius, 0.0)
                     for box in boxes
                 )
                 assert expected == exact
-                assert [pc.intersects(other, whole, at) for whole in wholes] == [expected] * 3
+                assert [pc.intersects(other, whole, there) for whole in wholes] == [expected] * 3
                 met += expected
     assert 40 < met < 170
 
@@ -284,17 +279,16 @@ def test_a_height_field_has_the_verdicts_of_its_prisms_one_by_one() -> None:
         for _ in range(20):
             other = body(rng)
             i, j = rng.integers(heights.shape[0]), rng.integers(heights.shape[1])
-            at = pose(
-                np.array([0.25 * i, 0.125 * j, np.nan_to_num(heights[i, j])]) + rng.choice([0, 0.125, 0.01], size=3)
-            )
+            there = at(0.25 * i, 0.125 * j, np.nan_to_num(heights[i, j]))
+            there[:3, 3] += rng.choice([0, 0.125, 0.01], size=3)
             if rng.random() < 0.5:
                 other = pc.Polytope([[0, 0, 0], [0, 0, 2.0]])  # stands on the surface, or beside it
-                at[2, 3] += rng.choice([0, 2.0**-40, -0.01])
+                there[2, 3] += rng.choice([0, 2.0**-40, -0.01])
             exact = any(
-                exact_verdicts.intersects(other.vertices, prism, at, np.eye(4), other.inflation_radius, 0.0)
+                exact_verdicts.intersects(other.vertices, prism, there, np.eye(4), other.inflation_radius, 0.0)
                 for prism in prisms
             )
-            assert pc.intersects(other, whole, at) == exact
+            assert pc.intersects(other, whole, there) == exact
             met += exact
     assert 40 < met < 140
 

@@ -24,7 +24,7 @@ from plannercheck.robots.loading import collision_meshes
 ROBOTS = ("ur3", "ur5", "ur10", "pr2", "kinova", "baxter", "tiago")
 FILES = piece_files()
 # So many of a link are looked at; robots/pieces/make_pieces.py looks at all of them.
-TRIANGLES = int(os.environ.get("PLANNERCHECK_TRIANGLES", "60"))
+TRIANGLES = int(os.environ.get("PLANNERCHECK_TRIANGLES", "30"))
 
 
 @pytest.fixture(autouse=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from random_poses import pose_at
+from poses import at, pose_at
 
 import plannercheck as pc
 from plannercheck.common.core import core
@@ -54,8 +54,7 @@ def test_the_distance_is_the_least_one_of_all_triangles(seed):
 def test_inflated_solids_are_nearer_by_both_radii():
     rng = np.random.default_rng(7)
     solids = [_crumpled(rng) for _ in range(2)]
-    pose = np.eye(4)
-    pose[:3, 3] = 2.5, 0.2, -0.1
+    pose = at(2.5, 0.2, -0.1)
     between, less = (
         pc.distance(
             *(
@@ -74,8 +73,7 @@ def test_a_ball_in_a_hollow_is_as_far_as_the_next_wall():
     points, faces = pc.Box((4.0, 4.0, 4.0)).vertices_and_faces()
     outer = np.concatenate([[[f[0], f[1], f[2]], [f[0], f[2], f[3]]] for f in faces])
     hollow = pc.Solid(np.concatenate([points, points / 2]), np.concatenate([outer, outer[:, ::-1] + len(points)]))
-    place = np.eye(4)
-    place[0, 3] = 0.25
+    place = at(0.25)
     assert pc.distance(hollow, pc.Sphere(0.25), None, place).distance == pytest.approx(0.5)
     place[0, 3] = 1.5
     assert pc.distance(hollow, pc.Sphere(0.25), None, place).distance == 0

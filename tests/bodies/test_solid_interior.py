@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from solid_meshes import at, box, meshes, prepared, random_pose, ring, winding
+from poses import random_pose
+from solid_meshes import at, box, meshes, prepared, ring, winding
 
 from plannercheck.common.core import core
 

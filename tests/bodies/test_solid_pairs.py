@@ -6,7 +6,8 @@ from itertools import product
 
 import numpy as np
 import pytest
-from solid_meshes import box, brute, inflated, is_inside, meshes, prepared, random_pose, triangles_meet
+from poses import random_pose
+from solid_meshes import box, brute, inflated, is_inside, meshes, prepared, triangles_meet
 
 from plannercheck.common.core import core
 

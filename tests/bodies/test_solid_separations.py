@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+from poses import at
 from solid_meshes import ring
 
 import plannercheck as pc
@@ -43,8 +44,7 @@ def test_a_ball_in_a_hollow_is_proved_apart_and_one_in_the_wall_is_not() -> None
     assert isinstance(hollow, SolidSeparation)
     assert hollow.verify()
     assert 0 < hollow.gap <= 0.5
-    in_the_wall = np.eye(4)
-    in_the_wall[0, 3] = 1.5
+    in_the_wall = at(1.5)
     assert not isinstance(pc.certify(box, pc.Sphere(0.25), None, in_the_wall), SolidSeparation)
 
 

@@ -7,7 +7,8 @@ from itertools import product
 
 import numpy as np
 import pytest
-from solid_meshes import inflated, meshes, prepared, random_pose, ring
+from poses import random_pose
+from solid_meshes import inflated, meshes, prepared, ring
 
 from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core

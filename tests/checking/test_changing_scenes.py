@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary, WeakValueDictionary
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 from plannercheck.bodies.objects import Part
@@ -22,21 +23,10 @@ HAND = "panda_hand"
 FINGERS = ("panda_leftfinger", "panda_rightfinger")
 
 
-def at(x, y, z):
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
-    return pose
-
-
 def turned(x, y, z):
     pose = at(x, y, z)
     pose[:3, :3] = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
     return pose
-
-
-@pytest.fixture(scope="module")
-def panda():
-    return pc.Robot.load("panda")
 
 
 @pytest.fixture

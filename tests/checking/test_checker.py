@@ -19,11 +19,6 @@ SWITCHES = (*COUNTED, "learning", "reach")
 
 
 @pytest.fixture(scope="module")
-def panda():
-    return pc.Robot.load("panda")
-
-
-@pytest.fixture(scope="module")
 def scene():
     return pc.Scene.load("bookshelf")
 

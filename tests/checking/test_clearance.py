@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 from plannercheck.bodies.shapes import Box, Capsule, Sphere
@@ -13,23 +14,12 @@ from plannercheck.common.core import core
 EYE = np.eye(4)
 
 
-def posed(x, y=0.0, z=0.0):
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
-    return pose
-
-
-@pytest.fixture(scope="module")
-def panda():
-    return pc.Robot.load("panda")
-
-
 @pytest.fixture(scope="module")
 def scene():
     scene = pc.Scene("some")
-    scene.add_box("shelf", (0.2, 0.8, 0.5), posed(0.75, 0, 0.4))
-    scene.add_sphere("ball", 0.12, posed(0.1, 0.6, 0.7))
-    scene.add_cylinder("pole", 0.05, 1.5, posed(-0.5, -0.3, 0.75))
+    scene.add_box("shelf", (0.2, 0.8, 0.5), at(0.75, 0, 0.4))
+    scene.add_sphere("ball", 0.12, at(0.1, 0.6, 0.7))
+    scene.add_cylinder("pole", 0.05, 1.5, at(-0.5, -0.3, 0.75))
     return scene
 
 
@@ -103,9 +93,9 @@ def test_padding_at_the_distance_itself():
     for padding in (0.25, 0.1, 1e-3):
         halves = [pc.Polytope(cube, inflation_radius=padding / 2) for _ in range(2)]
         gap = 1.0 + 0.25
-        touching = pc.intersects(*halves, posed(gap))
+        touching = pc.intersects(*halves, at(gap))
         assert touching == (padding >= 0.25)
-        assert not pc.intersects(*halves, posed(np.nextafter(gap, 2)))
+        assert not pc.intersects(*halves, at(np.nextafter(gap, 2)))
 
 
 LOLLIPOP = """<robot name="lollipop"><link name="rail"/>
@@ -126,8 +116,8 @@ def test_padding_adds_to_the_radius_of_a_ball_or_capsule(tmp_path, own, other):
     path.write_text(LOLLIPOP.format(shape='<box size="0.25 0.25 0.25"/>', pose='<origin xyz="0 0 9"/>'))
     robot = pc.Robot.from_urdf(path)
     scene = pc.Scene("other")
-    scene.add("other", ROUND[other], posed(2))
-    scene.attach("tip's", "tip", posed(0), (), ROUND[own])
+    scene.add("other", ROUND[other], at(2))
+    scene.attach("tip's", "tip", at(0), (), ROUND[own])
     for padding in (0.125, 0.5, {"other": 0.125}, {"tip's": 0.5}, {("tip's", "other"): 0.25}):
         checker = pc.Checker(robot, scene, padding=padding)
         room = padding if isinstance(padding, float) else next(iter(padding.values()))
@@ -145,8 +135,8 @@ def test_a_body_of_a_link_has_a_padding_of_its_own(tmp_path):
     names = [body.name for body in robot.bodies]
     assert len(names) == 2
     scene = pc.Scene("two")
-    scene.add_box("low", (0.5, 0.5, 0.5), posed(2))
-    scene.add_box("high", (0.5, 0.5, 0.5), posed(2, 0, 5))
+    scene.add_box("low", (0.5, 0.5, 0.5), at(2))
+    scene.add_box("high", (0.5, 0.5, 0.5), at(2, 0, 5))
     for padding, parts in (
         ({names[1]: 0.5}, [0.0, 0.5, 0.0, 0.0]),
         ({names[0]: 0.25, "tip": 0.125}, [0.25, 0.125, 0.0, 0.0]),
@@ -293,7 +283,7 @@ def test_a_motion_costs_its_least_clearance_and_a_path_its_costliest_part(tmp_pa
 <limit lower="0.5" upper="9" effort="1" velocity="1"/></joint></robot>"""
     )
     scene = pc.Scene("post")
-    scene.add_sphere("post", 0.25, posed(-3))
+    scene.add_sphere("post", 0.25, at(-3))
     checker = pc.Checker(pc.Robot.from_urdf(path, group=["turn", "slide"]), scene)
     setup = pc.ompl.setup(checker)
     objective = pc.ompl.clearance_objective(checker, setup)
@@ -317,7 +307,7 @@ def test_a_motion_costs_its_least_clearance_and_a_path_its_costliest_part(tmp_pa
 def test_clearances_of_the_core_skip_only_what_is_further():
     """The same with every order of pairs."""
     cube = pc.Polytope([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
-    poses = np.array([[posed(3.0 * k + 0.3 * k * k) for k in range(5)]])
+    poses = np.array([[at(3.0 * k + 0.3 * k * k) for k in range(5)]])
     pairs = np.array([(a, b) for a in range(5) for b in range(a)], dtype=np.int32)
     on_links = np.arange(5, dtype=np.int32), np.repeat(EYE[None], 5, axis=0)
     for order in (pairs, pairs[::-1].copy()):

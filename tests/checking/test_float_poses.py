@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from multiprecision import link_poses, table_of
+from poses import at
 from random_chains import random_chain, random_placement, random_rows
 from random_trees import random_tree
 from scipy.spatial.transform import Rotation
@@ -241,13 +242,6 @@ def long_chain(folder, shape, base=(0.0, 0.0), slides=False):
     return pc.Robot.from_urdf(path)
 
 
-def translation(x):
-    """A pose."""
-    pose = np.eye(4)
-    pose[0, 3] = x
-    return pose
-
-
 def missed_by_floats(folder, shape, slides=False):
     """Such a chain with its hand at the world's origin, where poses round the least; a configuration, the hand's pose.
 
@@ -329,7 +323,7 @@ def test_contacts_of_what_is_far_away(tmp_path, joint, far):
         f'<geometry><sphere radius="{radius!r}"/></geometry></collision></link></robot>'
     )
     scene = pc.Scene("touched")
-    scene.add_box("box", [1.0, 1.0, 1.0], translation(face + 0.5))
+    scene.add_box("box", [1.0, 1.0, 1.0], at(face + 0.5))
     checker = pc.Checker(pc.Robot.from_urdf(path), scene, tuning=pc.Tuning(reach=False, overlaps=False))
     checker.check_states(np.zeros((17, 1)))
     assert not checker.check_states(np.full((17, 1), far)).any()

@@ -46,11 +46,6 @@ class Exchanged:
 
 
 @pytest.fixture(scope="module")
-def checker():
-    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
-
-
-@pytest.fixture(scope="module")
 def samples(checker):
     return checker.robot.random_configurations(40, 5).astype(np.float32).astype(np.float64)
 

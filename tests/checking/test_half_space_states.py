@@ -16,11 +16,6 @@ FLOOR = pc.HalfSpace((0.0, 0.0, 1.0), 0.1)
 WALL = pc.HalfSpace((3.0, 1.0, 0.5), -0.4)
 
 
-@pytest.fixture(scope="module")
-def panda():
-    return pc.Robot.load("panda")
-
-
 def tilted():
     pose = np.eye(4)
     c, s = np.cos(0.3), np.sin(0.3)

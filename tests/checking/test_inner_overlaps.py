@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pinocchio as pin
 import pytest
+from poses import at
 from solids import solid_of
 
 import plannercheck as pc
@@ -197,8 +198,7 @@ def test_balls_far_from_their_links_overlap_only_what_they_do(free_link, far):
     """A ball above a box at the origin, its link far off: where floats put it, it is off by parts of that way."""
     rng = np.random.default_rng(12)
     radius, gaps = 0.2, np.tile(np.array([1e-8, 2e-7, 1e-6, -1e-8, -2e-5]) * far, 60)
-    placement = np.eye(4)
-    placement[:3, 3] = far * contacts.random_directions(1, rng)[0]
+    placement = at(*far * contacts.random_directions(1, rng)[0])
     scene = pc.Scene("one")
     scene.add("box", shapes.Box((1.0, 1.0, 1.0)))
     bodies = [shapes.GeometryObject("hand", "hand", placement, shapes.Sphere(radius)), *scene.bodies]
@@ -219,8 +219,7 @@ def test_differences_that_overflow_floats(free_link):
     axes = np.column_stack([[1, 1, 1], [1, -1, 0], [1, 1, -2]]) / np.sqrt([3, 2, 6])
     pose = np.eye(4)
     pose[:3, :3], pose[0, 3] = axes.T, 3.3e38
-    far = np.eye(4)
-    far[0, 3] = -3.3e38
+    far = at(-3.3e38)
     scene = pc.Scene("huge")
     scene.add("box", shapes.Hull(3.41e38 * (2.0 * np.indices((2, 2, 2)).reshape(3, 8).T - 1)), pose)
     bodies = [shapes.GeometryObject("hand", "hand", far, shapes.Sphere(3e37)), *scene.bodies]

@@ -6,8 +6,8 @@ import itertools
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 from plannercheck.checking import left_out_pairs as places
@@ -39,12 +39,6 @@ disabled_pairs:
   - reason: by design
     pairs: [[upper, hand], [base, plate]]
 """
-
-
-def at(x, y, z):
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
-    return pose
 
 
 @pytest.fixture(scope="module")

@@ -7,11 +7,6 @@ import plannercheck as pc
 
 
 @pytest.fixture(scope="module")
-def panda():
-    return pc.Robot.load("panda")
-
-
-@pytest.fixture(scope="module")
 def walks(panda):
     """States as planners ask for them: short walks, many of which stay in one collision, and random ones between."""
     rng = np.random.default_rng(3)

@@ -9,11 +9,6 @@ import plannercheck as pc
 from plannercheck.checking.pair_table import fixed_links, pair_table
 
 
-@pytest.fixture(scope="module")
-def panda():
-    return pc.Robot.load("panda")
-
-
 @pytest.fixture
 def scene():
     scene = pc.Scene("two things")

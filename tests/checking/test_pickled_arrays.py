@@ -3,14 +3,6 @@
 import pickle
 
 import numpy as np
-import pytest
-
-import plannercheck as pc
-
-
-@pytest.fixture(scope="module")
-def checker():
-    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
 
 
 def pickled(array):

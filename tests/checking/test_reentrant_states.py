@@ -47,11 +47,6 @@ class Number:
 
 
 @pytest.fixture(scope="module")
-def checker():
-    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
-
-
-@pytest.fixture(scope="module")
 def states(checker):
     q = checker.robot.random_configurations(2 * STATES, 7)
     q[::9] = checker.robot.upper + 0.1  # the full table judges these

@@ -9,6 +9,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 from plannercheck.bodies.part_sets import PartSet
@@ -91,8 +92,7 @@ def test_earlier_checkers_and_copies_keep_their_frame() -> None:
 
 def test_points_are_copied_and_the_rest_of_a_cloud_stays() -> None:
     scene = pc.Scene()
-    pose = np.eye(4)
-    pose[:3, 3] = [1, 2, 3]
+    pose = at(1, 2, 3)
     scene.add("sensor", pc.PointCloud(points_of(0), 0.03, invalid="drop"), pose)
     given = points_of(1)
     given[2] = np.nan
@@ -167,8 +167,7 @@ def test_a_frame_costs_what_its_points_cost_not_what_the_scene_does() -> None:
     """Preparing again what did not change would take seconds here."""
     rng, scene = np.random.default_rng(0), pc.Scene()
     for k in range(60):
-        pose = np.eye(4)
-        pose[:3, 3] = rng.uniform(-1, 1, size=3) + np.array([0, 0, 1.5])
+        pose = at(*rng.uniform(-1, 1, size=3) + np.array([0, 0, 1.5]))
         scene.add_hull(f"rock {k}", rng.normal(size=(1000, 3)) * 0.05, pose)
     scene.add("sensor", shape_of("cloud", 0))
     checker = pc.Checker(panda(), scene)

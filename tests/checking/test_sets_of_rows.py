@@ -9,11 +9,6 @@ N = 40
 
 
 @pytest.fixture(scope="module")
-def checker():
-    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
-
-
-@pytest.fixture(scope="module")
 def rows(checker):
     return checker.robot.random_configurations(N, 5)
 

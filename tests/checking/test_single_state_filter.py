@@ -4,6 +4,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 
@@ -14,8 +15,7 @@ def _boxes(count, size):
     scene = pc.Scene("shell")
     for k in range(count):
         direction = rng.normal(size=3)
-        pose = np.eye(4)
-        pose[:3, 3] = rng.uniform(0.3, 1.2) * direction / np.linalg.norm(direction)
+        pose = at(*rng.uniform(0.3, 1.2) * direction / np.linalg.norm(direction))
         scene.add_box(f"box{k}", [size] * 3, pose)
     return scene
 
@@ -41,8 +41,7 @@ def test_only_the_near_box_is_found(place):
     """One near box among nine, in every place of an eight and in the next one."""
     scene = pc.Scene("one is near")
     for k in range(9):
-        pose = np.eye(4)
-        pose[2, 3] = 0.4 if k == place else 50 + k
+        pose = at(0, 0, 0.4 if k == place else 50 + k)
         scene.add_box(f"box{k}", [0.1] * 3, pose)
     panda = pc.Robot.load("panda")
     checker = pc.Checker(panda, scene, self_collision=False, tuning=pc.Tuning(reach=False))

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import trimesh
 from pinocchio_geometry import pinocchio_geometry
+from poses import at
 
 import plannercheck as pc
 from plannercheck.checking.collision_matrix import collision_matrix
@@ -160,8 +161,7 @@ def test_padding_grows_the_set(rail):
 
 def test_equal_hulls_of_a_solid_and_a_hull_are_prepared_apart(rail):
     scene = pc.Scene("both")
-    pose = np.eye(4)
-    pose[2, 3] = 3
+    pose = at(0, 0, 3)
     scene.add("hull", pc.Hull(pc.Solid(RING.vertices, RING.faces).used[0]), pose)  # the very points
     pose[2, 3] = 5
     scene.add("solid", pc.Solid(RING.vertices, RING.faces), pose)

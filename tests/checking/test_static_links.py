@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 
@@ -21,8 +22,7 @@ def _box_over_the_right_arm(robot, gap):
     poses = checker.body_poses(robot.reference[None])[0]
     arm = [k for k, body in enumerate(checker.bodies) if body.link.startswith("right_")]
     points = np.concatenate([checker.polytopes[k].vertices @ poses[k, :3, :3].T + poses[k, :3, 3] for k in arm])
-    placed = np.eye(4)
-    placed[:3, 3] = points[points[:, 2].argmax()] + [0, 0, gap + 0.01]
+    placed = at(*points[points[:, 2].argmax()] + [0, 0, gap + 0.01])
     scene = pc.Scene("over the arm")
     scene.add_box("box", [0.02] * 3, placed)
     return scene
@@ -104,8 +104,7 @@ def test_pinocchios_poses_are_taken_as_they_are():
 def test_an_object_in_a_held_hand_stands_still_too():
     baxter = pc.Robot.load("baxter")
     touched = [name for name in baxter.link_names if name.startswith(("r_gripper", "right_gripper"))]
-    pose = np.eye(4)
-    pose[2, 3] = 0.1
+    pose = at(0, 0, 0.1)
     checkers = []
     for on in (True, False):
         checker = pc.Checker(baxter, pc.Scene.load("table"), tuning=pc.Tuning(static_poses=on))

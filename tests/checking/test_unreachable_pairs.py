@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 from plannercheck.bodies.shapes import inflated_hull
@@ -54,8 +55,7 @@ def machine(tmp_path):
 def crate(x, y, z=1.0, size=0.2):
     """A cube about a point."""
     scene = pc.Scene("crate")
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
+    pose = at(x, y, z)
     scene.add_box("crate", [size, size, size], pose)
     return scene
 
@@ -309,13 +309,11 @@ def test_what_a_short_chain_carries_is_looked_at_anew(machine):
     """All columns that move the carriage can be cut: where its tool's middle gets is known, and of this tool alone."""
     robot, scene = machine(), pc.Scene("crates")
     for k, (x, y) in enumerate(itertools.product((-3, -1, 0, 1, 3), (-1, 0, 1))):
-        pose = np.eye(4)
-        pose[:3, 3] = x, y, 0.5
+        pose = at(x, y, 0.5)
         scene.add_box(f"crate{k}", [0.1, 0.1, 0.1], pose)
     checker = pc.Checker(robot, scene)
     for place in ((0, 1, 0.5), (0, -1, 0.5), (2, 0, 0.5), (0, 0, 5.0)):
-        pose = np.eye(4)
-        pose[:3, 3] = place
+        pose = at(*place)
         scene.attach("tool", "carriage", pose, (), pc.Box([0.05, 0.05, 0.05]))
         checker = checker.with_scene(scene)
         np.testing.assert_array_equal(checker.unreachable, pc.Checker(robot, scene).unreachable)

@@ -19,15 +19,9 @@ from plannercheck.common.package_data import shipped_folder
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.plans import Plan
 from plannercheck.robots.robot import Robot
-from plannercheck.scenes.scene import Scene
 
 SAMPLES = shipped_folder("configs") / "bookshelf_panda.npy"
 PANDA = ["--robot", "panda", "--scene", "bookshelf"]
-
-
-@pytest.fixture(scope="module")
-def checker() -> Checker:
-    return Checker(Robot.load("panda"), Scene.load("bookshelf"))
 
 
 def error_of(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:

@@ -50,11 +50,6 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.fixture(scope="module")
-def checker():
-    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
-
-
 def said(capsys, *arguments, code=2):
     """What the command line says on the error stream."""
     assert main([str(argument) for argument in arguments]) == code

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 from plannercheck.cli.main import main
@@ -21,8 +22,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("sensed")
     rng, scene = np.random.default_rng(0), pc.Scene("sensed")
     points = rng.uniform(-0.5, 0.5, (2000, 3)) * [0.6, 1.2, 0.0] + np.array([0.6, 0, 0.25])
-    behind = np.eye(4)
-    behind[:3, 3] = [-0.6, 0.3, 0]
+    behind = at(-0.6, 0.3, 0)
     scene.add("camera", pc.PointCloud(points, 0.01))
     scene.add("map", pc.Octree.from_cells(np.unique(rng.integers(0, 6, (30, 3)), axis=0), 0.05), behind)
     scene.add("grid", pc.VoxelGrid(rng.random((6, 6, 6)) < 0.2, 0.05, (-0.5, -0.9, 0.2)))

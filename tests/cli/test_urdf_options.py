@@ -34,7 +34,7 @@ def test_every_command_takes_an_srdf_and_a_group(rows, tmp_path, capsys):
     assert main(["verify", str(tmp_path / "plan.proof.json"), *URDF, *scene]) == 0
     assert "model: confirmed" in capsys.readouterr().out
     assert main(["acm", *URDF, "--states", "50", "--audit"]) in (0, 1)
-    assert main(["bench", "states", *URDF, "--scene", "none", "--states", "20", "--methods", "coal"]) == 0
+    assert main(["bench", "states", *URDF, "--scene", "none", "--states", "20", "--methods", "boxes"]) == 0
 
 
 def test_joints_make_a_group_and_a_root_floats(rows, tmp_path, capsys):

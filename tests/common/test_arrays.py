@@ -59,7 +59,8 @@ def test_nothing_in_the_package_calls_numpys_unique():
     calls = [
         f"{path.relative_to(PACKAGE)}:{node.lineno}"
         for path in PACKAGE.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if any(name in (text := path.read_text(encoding="utf-8")) for name in forbidden)
+        for node in ast.walk(ast.parse(text))
         if isinstance(node, ast.Attribute) and node.attr in forbidden and ast.unparse(node.value) in ("np", "numpy")
     ]
     assert calls == []
@@ -83,7 +84,7 @@ sys.exit(7)
 
 
 def test_processes_end_while_daemon_threads_ask_for_clearances():
-    for k in range(6):
+    for k in range(0, 6, 2):
         ran = subprocess.run(
             [sys.executable, "-c", DAEMON, str(0.05 + 0.03 * k)],
             capture_output=True,

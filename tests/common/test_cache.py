@@ -222,7 +222,7 @@ def test_a_race_with_another_user_is_never_lost(folder, mode):
         finally:
             os._exit(0)
     found: set[bytes | None] = set()
-    end = time.monotonic() + 2
+    end = time.monotonic() + 0.7
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         while time.monotonic() < end:

@@ -109,14 +109,14 @@ def _corner(n: Numbers) -> tuple[Numbers, list[F], F, tuple[list[Numbers], list[
 
 
 def corner(n: Numbers) -> F:
-    """gjk's kDifference."""
+    """kDifference of minkowski_difference."""
     found, true, size, _ = _corner(n)
     off = [F(a) - b for a, b in zip(found, true, strict=True)]
-    return root_above(exact_dot(off, off)) / size / value("gjk", "kDifference")
+    return root_above(exact_dot(off, off)) / size / value("minkowski_difference", "kDifference")
 
 
 def support(n: Numbers) -> F:
-    """gjk's kSupport: the vertex found is as high as another one by rounded products along the rounded direction."""
+    """kSupport of minkowski_difference: the vertex found is as high as another by a rounded direction's products."""
     found, true, size, (m, r) = _corner(n)
     d = n[20:23]
     inverse = 1 / math.sqrt(dot3(d, d))
@@ -131,7 +131,7 @@ def support(n: Numbers) -> F:
         loss += max(F(0), exact_dot(exact, other) - exact_dot(exact, vertex))
     length = root_below(exact_dot(d, d))
     off = F(dot3(d, found)) - (exact_dot(d, true) - loss) / length
-    return off / size / value("gjk", "kSupport")
+    return off / size / value("minkowski_difference", "kSupport")
 
 
 def scan(n: Numbers) -> F:
@@ -199,8 +199,8 @@ SEARCHED: dict[str, tuple[Callable[[Numbers], F], int]] = {
     "double_double/kDoubleDoubleError": (double2, 4),
     "support_scan/kFloatTie": (float_tie, 6),
     "pair_frame/kPairError": (posed, 20),
-    "gjk/kDifference": (corner, 20),
-    "gjk/kSupport": (support, 29),
+    "minkowski_difference/kDifference": (corner, 20),
+    "minkowski_difference/kSupport": (support, 29),
 }
 
 

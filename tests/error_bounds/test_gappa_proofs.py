@@ -19,6 +19,9 @@ from gappa_proofs import PROOFS, constants, filled, is_proved, scripts, value
 CHECKED = [
     "pair_frame",
     "given_poses",
+    "minkowski_difference",
+    "expanding_polytope",
+    "penetration_depth",
     "gjk",
     "points_near_bodies",
     "points_near_hull",

@@ -20,14 +20,9 @@ from plannercheck.evaluation.bench.states import measure
 from plannercheck.evaluation.bench.vamp_model import VampModel
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
-from plannercheck.scenes.scene import Scene
 
+pytestmark = pytest.mark.usefixtures("hasty")
 STATES = 400
-
-
-@pytest.fixture(scope="module")
-def checker():
-    return Checker(Robot.load("panda"), Scene.load("bookshelf"))
 
 
 @pytest.fixture(scope="module")

@@ -22,16 +22,10 @@ from plannercheck.evaluation.bench.plans import Tally
 from plannercheck.evaluation.bench.problems import Task, tasks
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
-from plannercheck.scenes.scene import Scene
 
 START, GOAL = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785], [0.5, -0.5, 0.0, -2.0, 0.0, 1.571, 0.785]
 ARM = [f"panda_joint{k}" for k in range(1, 8)]
 FINGERS = ["panda_finger_joint1", "panda_finger_joint2"]
-
-
-@pytest.fixture(scope="module")
-def checker():
-    return Checker(Robot.load("panda"), Scene.load("bookshelf"))
 
 
 @pytest.fixture
@@ -105,6 +99,7 @@ def test_problems_without_a_free_start_are_left_out(checker, problems):
     assert np.allclose(found[0].goal, GOAL)
 
 
+@pytest.mark.usefixtures("hasty")
 def test_methods_that_judge_motions_agree_where_nothing_is_near(checker):
     for motions in random_sets(checker, "bookshelf", 0.4, 12, 2):
         rows = measure(motions, 1)
@@ -150,6 +145,7 @@ def test_the_same_is_taken_off_states(checker):
     assert rows[1].microseconds == pytest.approx(4000, rel=0.2)  # each state is a part of its own
 
 
+@pytest.mark.usefixtures("hasty")
 def test_motions_command(problems, tmp_path, capsys):
     sizes = ["--motions", "6", "--rounds", "1", "--lengths", "0.3", "--ranges", "0.5"]
     assert main(["bench", "motions", *sizes, "--problems", str(problems), "--output", str(tmp_path / "out")]) == 0
@@ -168,6 +164,7 @@ def test_motions_command(problems, tmp_path, capsys):
     assert "plannercheck, OMPL validator" in printed
 
 
+@pytest.mark.usefixtures("hasty")
 def test_setup_command(tmp_path, capsys):
     options = ["--robot", "ur5", "--scene", "table", "--rounds", "1", "--output", str(tmp_path / "out")]
     assert main(["bench", "setup", *options]) == 0
@@ -181,6 +178,7 @@ def test_setup_command(tmp_path, capsys):
     assert "first verdict ms" in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("hasty")
 def test_setup_without_a_scene_has_nothing_to_load_or_move(monkeypatch):
     monkeypatch.setattr(set_up, "_fresh_rows", lambda *arguments: [])
     notes = []
@@ -191,6 +189,7 @@ def test_setup_without_a_scene_has_nothing_to_load_or_move(monkeypatch):
     assert any("VAMP" in note for note in notes)
 
 
+@pytest.mark.usefixtures("hasty")
 def test_setup_of_very_many_boxes(tmp_path, monkeypatch):
     monkeypatch.setattr("plannercheck.evaluation.bench.set_up.measure", lambda *_: [])
     monkeypatch.setattr("plannercheck.cli.bench_planning._print_setup", lambda rows: None)
@@ -200,6 +199,7 @@ def test_setup_of_very_many_boxes(tmp_path, monkeypatch):
     assert all(row["checker"] > 0 and row["checker_mb"] >= row["scene_mb"] for row in rows)
 
 
+@pytest.mark.usefixtures("hasty")
 def test_setup_from_files_to_a_path(problems, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("plannercheck.evaluation.bench.set_up.measure", lambda *arguments: [])
     monkeypatch.setattr("plannercheck.cli.bench_planning._print_setup", lambda rows: None)
@@ -211,6 +211,7 @@ def test_setup_from_files_to_a_path(problems, tmp_path, monkeypatch, capsys):
     assert "from files to a path" in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("hasty")
 def test_plans_command(problems, tmp_path, capsys):
     sets = ["--problems", str(problems), str(problems), "--seeds", "1", "2", "--rounds", "2"]
     assert main(["bench", "plans", *sets, "--output", str(tmp_path / "out")]) == 0
@@ -241,6 +242,7 @@ def test_a_plan_through_an_obstacle_counts_as_colliding_by_its_depth(checker):
     assert 0 < row.deepest_mm < 1000
 
 
+@pytest.mark.usefixtures("hasty")
 def test_planners_that_cannot_be_had_are_left_out_once(checker, monkeypatch):
     monkeypatch.setitem(sys.modules, "vamp", None)
     q = checker.robot.random_configurations(100, 3)

@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from poses import at
 
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Sphere
@@ -20,6 +21,7 @@ from plannercheck.evaluation.stress_solids.solid_families import torus
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
 
+pytestmark = pytest.mark.usefixtures("hasty")
 STATES = 300
 COUNTS = ("inside", "refused_apart", "missed", "near")
 
@@ -83,8 +85,7 @@ def ring_of(triangles):
 
 
 def ring_meets(ring, height):
-    pose = np.eye(4)
-    pose[2, 3] = height
+    pose = at(0, 0, height)
     return link_pairs.in_batch((ring, ring), (pose[None], np.eye(4)[None]), "oracle")()[0]
 
 
@@ -105,8 +106,7 @@ def test_coal_is_not_given_triangles_without_area(compiled):
     """Named case: a cap of tiago's hand. coal takes a sphere near the box of such a triangle as in contact with it."""
     points = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [0, 0, 1]])
     solid = Polytope(Solid(points, [[0, 1, 3], [0, 1, 4], [0, 1, 2]], open="triangles"))
-    beside = np.eye(4)
-    beside[:3, 3] = 1.5, -0.09, -0.09
+    beside = at(1.5, -0.09, -0.09)
     ball = Sphere(0.1)
     pair = PosedBodies((Polytope(ball), solid), (ball, None), np.array([True, True]), np.array([[0, 1]]), ("a", "b"))
     loop = CoalLoop(pair, np.tile(np.eye(4), (2, 1, 1)))
@@ -178,7 +178,7 @@ def test_the_mean_over_queries_needs_every_row():
 
 
 def test_triangles_command(compiled, tmp_path, capsys):
-    arguments = ["--triangles", "200,400", "--pairs", "6", "--rounds", "1"]
+    arguments = ["--triangles", "100,200", "--pairs", "4", "--rounds", "1"]
     assert main(["bench", "triangles", *arguments, "--output", str(tmp_path)]) == 0
     rows = read(tmp_path / "solid_triangles.json")
     assert {row["shape"] for row in rows} == set(solid_sizes.SHAPES)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from contact_differences import differ_from_contact
+from poses import at
 from solids import centroid
 
 from plannercheck.bodies import exact_reference as exact
@@ -67,8 +68,7 @@ def test_contact_poses_keep_their_gap(gap: float) -> None:
 
 def _opposed(solid: Solid, gap: float) -> list[tuple[contacts.Points, contacts.Points]]:
     """A body over its mirror image below a facet: the gap is the distance."""
-    lift = np.eye(4)
-    lift[:3, 3] = solid.normals[0] * gap
+    lift = at(*solid.normals[0] * gap)
     mirrored = np.diag([-1.0, -1.0, -1.0, 1.0])
     mirrored[:3, 3] = 2 * solid.vertices[solid.faces[0]].mean(axis=0)
     return [(lift @ mirrored, np.eye(4))]

@@ -21,7 +21,7 @@ from plannercheck.evaluation.stress_motions.cell_subject import CellSubject
 from plannercheck.evaluation.stress_motions.outcomes import COLLISION, HISTORY, UNREASONED
 from plannercheck.trajectories.one_clock import on_one_clock
 
-SAMPLE = 400  # trajectories of cells
+SAMPLE = 200  # trajectories of cells
 
 
 def test_nothing_fails_on_a_sample() -> None:
@@ -84,7 +84,7 @@ def test_a_merge_that_forgets_starts_is_found(monkeypatch: pytest.MonkeyPatch) -
 def test_a_body_that_does_not_move_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     moved = Course.at
     monkeypatch.setattr(Course, "at", lambda self, times: moved(self, np.full_like(times, self.knots[0])))
-    found = run(campaign(5, ("cell",)), 160)
+    found = run(campaign(5, ("cell",)), 60)
     assert total(found.faults, family="cell", outcome=COLLISION) > 0
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from poses import pose_within
 
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.evaluation.stress_motions.contacts import Closeness, Extent, extent_of, random_contact
@@ -33,19 +34,11 @@ def gap_of_balls(body, pose, other, placed):
     return float(np.linalg.norm(centres) - first - second)
 
 
-def random_pose(rng):
-    pose = np.eye(4)
-    q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-    pose[:3, :3] = q * np.sign(np.linalg.det(q))
-    pose[:3, 3] = rng.uniform(-1, 1, 3)
-    return pose
-
-
 def contacts(body, shape, closeness, count=60):
     """Contacts of a body at random poses: the pose of each, the contact, and how far the balls are apart."""
     rng = np.random.default_rng(7)
     for _ in range(count):
-        pose = random_pose(rng)
+        pose = pose_within(rng, 1.0)
         contact = random_contact(body, pose, shape, rng, closeness)
         yield pose, contact, gap_of_balls(body, pose, extent_of(shape_of(shape)), contact.pose)
 

@@ -10,9 +10,9 @@ import time
 from pathlib import Path
 
 import pytest
-from long_runs import forked
+from long_runs import forked, seed_files
 from long_runs.environment import ENVIRONMENT
-from long_runs.loaders import NAMES
+from long_runs.loaders import FILES, NAMES
 
 import plannercheck as pc
 
@@ -29,11 +29,11 @@ def rows_of(tmp_path: Path, *arguments: str) -> list[dict[str, object]]:
 
 def test_damage_scenes_plans_threads_and_forks(tmp_path: Path) -> None:
     parts = ("damage", "scenes", "plans", "threads", "forks")
-    counts = ("--damage", "10", "--scenes", "60", "--plans", "8", "--threads", "1", "--forks", "1")
+    counts = ("--damage", "4", "--scenes", "20", "--plans", "4", "--threads", "1", "--forks", "1")
     rows = {row["part"]: row for row in rows_of(tmp_path, *parts, *counts)}
-    assert rows["damage"]["bodies"] == rows["damage"]["cache files"] == rows["damage"]["journals"] == 10
-    assert rows["scenes"]["calls"] == 60
-    assert rows["plans"]["plans"] == 8
+    assert rows["damage"]["bodies"] == rows["damage"]["cache files"] == rows["damage"]["journals"] == 4
+    assert rows["scenes"]["calls"] == 20
+    assert rows["plans"]["plans"] == 4
     assert rows["threads"]["threads"] == 8
     assert rows["forks"]["calls"] == 80
 
@@ -44,9 +44,9 @@ def test_kills(tmp_path: Path) -> None:
 
 
 def test_mutated_inputs_of_every_loader(tmp_path: Path) -> None:
-    rows = rows_of(tmp_path, "mutants", "--mutants", "10")
+    rows = rows_of(tmp_path, "mutants", "--mutants", "5")
     assert [row["loader"] for row in rows] == list(NAMES)
-    assert all((row["inputs"], row["faults"]) == (10, 0) for row in rows)
+    assert all((row["inputs"], row["faults"]) == (5, 0) for row in rows)
 
 
 def test_what_dies_hangs_or_raises_is_charged_to_its_trial(tmp_path: Path) -> None:
@@ -76,23 +76,23 @@ def test_what_dies_hangs_or_raises_is_charged_to_its_trial(tmp_path: Path) -> No
     assert "MemoryError" in words[7]
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_each_loader_takes_its_sound_files(name: str, tmp_path: Path) -> None:
-    from long_runs import seed_files
-    from long_runs.loaders import FILES
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the sound files of all loaders."""
+    folder = tmp_path_factory.mktemp("sound")
+    forked.apart(lambda: seed_files.make(folder), folder)
+    return folder
 
-    if name not in FILES:
-        pytest.skip("of an array")
-    forked.apart(lambda: seed_files.make(tmp_path), tmp_path)
+
+@pytest.mark.parametrize("name", FILES)
+def test_each_loader_takes_its_sound_files(name: str, made: Path) -> None:
     loader = FILES[name]
-    sound = [p for p in (tmp_path / name).rglob("*") if p.is_file() and p.suffix in (loader.suffixes or (p.suffix,))]
+    sound = [p for p in (made / name).rglob("*") if p.is_file() and p.suffix in (loader.suffixes or (p.suffix,))]
     assert sound
     for path in sound:
         loader.read(path)
 
 
 def test_the_page_has_the_number_of_loaders() -> None:
-    from long_runs.loaders import FILES
-
     page = Path(__file__).parents[2] / "docs" / "explanation" / "reliability.md"
     assert f"each of {len(FILES)} loaders" in page.read_text(encoding="utf-8")

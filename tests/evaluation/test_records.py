@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from plannercheck.cli.main import main
 from plannercheck.evaluation.bench.records import command_line, write_record
 
 
@@ -37,9 +36,3 @@ def test_a_record_has_rows_and_where_they_come_from(tmp_path):
 )
 def test_commands_are_as_anyone_may_type_them(arguments, command):
     assert command_line(arguments) == command
-
-
-def test_bench_writes_a_record(tmp_path, capsys):
-    assert main(["bench", "pairs", "--vertices", "8", "--pairs", "20", "--rounds", "1", "--output", str(tmp_path)]) == 0
-    found = json.loads((tmp_path / "pairs.json").read_text("utf-8"))
-    assert {row["vertices"] for row in found["rows"]} == {8}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
+from poses import at
 from scipy.spatial import ConvexHull
 
 import plannercheck as pc
@@ -17,12 +18,6 @@ from plannercheck.evaluation.sensing.terrains import terrain
 
 CAMERA = DepthCamera(80, 60)
 PERFECT = DepthNoise(least=0, growth=0, dropouts=0, flying=0, step=0)
-
-
-def at(x):
-    pose = np.eye(4)
-    pose[0, 3] = x
-    return pose
 
 
 def seen(scene, eye, target=(0, 0, 0)):

@@ -139,7 +139,7 @@ def test_wrong_answers_are_found(
 ) -> None:
     monkeypatch.setattr(SpaceSubject, asked, answer)
     suite = campaign(4, ("tree",), verified=0.1)
-    found = run(suite, 200)
+    found = run(suite, 100)
     assert total(found.faults, family="tree", outcome=kind) > 0, "\n".join(suite.lines(found))
     assert any(line.startswith("first " + kind) for line in suite.lines(found))
 

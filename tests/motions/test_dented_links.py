@@ -7,6 +7,7 @@ import warnings
 import numpy as np
 import pytest
 from carriages import carriage
+from poses import at
 from solid_meshes import dimpled
 
 import plannercheck as pc
@@ -42,8 +43,7 @@ def test_a_ball_moves_within_a_dent(tmp_path, dents):
     scene = pc.Scene("dish")
     dish = pc.Solid(*dimpled(0.05))
     assert np.isfinite(pc.Polytope(dish).core.dent)
-    pose = np.eye(4)
-    pose[2, 3] = -1
+    pose = at(0, 0, -1)
     scene.add("dish", dish, pose)
     checker = pc.Checker(pc.Robot.from_urdf(path), scene, tuning=pc.Tuning(dents=dents))
     free = np.array([[-0.1, -0.02], [0.1, -0.02], [0.0, -0.029], [0.0, 0.1]])

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
-
-
-@pytest.fixture(scope="module")
-def panda():
-    return pc.Robot.load("panda")
 
 
 def room(robot, height):
@@ -25,8 +21,7 @@ def room(robot, height):
 def plates(height):
     """The same room of boxes, so large that the arm never sees their other sides."""
     scene, size = pc.Scene("plates"), 20.0
-    pose = np.eye(4)
-    pose[2, 3] = height - size / 2
+    pose = at(0, 0, height - size / 2)
     scene.add_box("floor", (size, size, size), pose)
     normal = np.array([2.0, 1.0, 0.0]) / np.sqrt(5.0)
     turned = np.eye(4)

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from motion_contacts import HALF, robot_of
+from poses import at
 from random_branches import Joint, Tree
 
 import plannercheck as pc
@@ -67,8 +68,7 @@ def test_planners_are_refused_motions_that_meet_something(follower, multiplier, 
         own = rng.uniform(-0.3, 0.3, 3)
         made = tree.with_body("a1", HALF, own)
         pose = tree.poses(q0, q1, t)["a1"]
-        obstacle = np.eye(4)
-        obstacle[:3, 3] = pose[:3, :3] @ own + pose[:3, 3]
+        obstacle = at(*pose[:3, :3] @ own + pose[:3, 3])
         scene = pc.Scene()
         scene.add_box("met", [2 * HALF] * 3, obstacle)
         checker = pc.Checker(robot_of(made, tmp_path), scene)

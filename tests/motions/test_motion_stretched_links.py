@@ -8,6 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 from motion_contacts import robot_of
+from poses import at
 from random_branches import Joint, Tree
 
 import plannercheck as pc
@@ -40,12 +41,10 @@ def test_stretched_links_are_judged_as_they_are_posed(count, off, others, depth,
         length = mpmath.mpf(float(q[5]))
         face = float(mpmath.mpf(2.4) * (2 * length * length - 1) ** count)
     scene = pc.Scene()
-    pose = np.eye(4)
-    pose[0, 3] = side * (face + 0.5 - depth)
+    pose = at(side * (face + 0.5 - depth))
     scene.add_box("met", [1, 0.5, 0.5], pose)
     for k in range(others):
-        pose = np.eye(4)
-        pose[:3, 3] = [0.1 * k, 30, 0]
+        pose = at(0.1 * k, 30, 0)
         scene.add_box(f"other{k}", [0.1] * 3, pose)
     checker = pc.Checker(robot, scene)
     expected = depth < 0
@@ -105,8 +104,7 @@ def test_motions_hold_their_stretched_ends(count, off, t, tmp_path):
     away = half_turns(count, 0.0)
     away[0] -= 0.5
     scene = pc.Scene()
-    pose = np.eye(4)
-    pose[:3, 3] = tip[:3] + np.array([0.001 - 1e-9, 0, 0])
+    pose = at(*tip[:3] + np.array([0.001 - 1e-9, 0, 0]))
     scene.add_box("met", [0.002] * 3, pose)
     checker = pc.Checker(robot, scene)
     assert not checker.is_valid(q)

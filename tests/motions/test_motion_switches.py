@@ -5,20 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
+from poses import at
+from proof_cases import whole_robot
 
 import plannercheck as pc
 from plannercheck.bodies.tuning import tuning_table
-from plannercheck.common.package_data import example_robot_data
-from plannercheck.robots.description import find_description, read_description
 
 TOLERANCES = (1e-6, 1e-4, 2e-2)
 SWITCHES = tuple(row.name for row in tuning_table() if row.type == "bool")
-
-
-def whole_robot(name, floating=False):
-    """A robot in Pinocchio's own numbers."""
-    description = read_description(find_description(name))
-    return pc.Robot.from_urdf(description.urdf, description.srdf, package_dirs=example_robot_data(), floating=floating)
 
 
 ROBOTS = {
@@ -158,8 +152,7 @@ def test_motions_near_contact(tmp_path):
     verdicts = []
     for gap in (-1e-6, 0.0, 1e-6, 5e-5, 1e-4, 2e-4, 3e-4, 1e-3):
         for width in (3.0, 0.3):
-            pose = np.eye(4)
-            pose[:3, 3] = 1.2 if width < 1 else 0, 0, 0.05 + gap + 0.005
+            pose = at(1.2 if width < 1 else 0, 0, 0.05 + gap + 0.005)
             scene = pc.Scene("plate")
             scene.add_box("plate", [width, width, 0.01], pose)
             found = [c.check_motions(starts, ends).tolist() for c in with_switches(robot, scene, own=True)]
@@ -296,8 +289,7 @@ def test_motions_of_links_with_several_bodies(tmp_path):
     )
     robot = pc.Robot.from_urdf(tmp_path / "pieces.urdf")
     scene = pc.Scene("post")
-    pose = np.eye(4)
-    pose[:3, 3] = 0.4, 0.15, 0
+    pose = at(0.4, 0.15, 0)
     scene.add_box("post", [0.05, 0.05, 0.4], pose)
     generator = np.random.default_rng(4)
     checker, *others = with_switches(robot, scene, own=True)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from random_poses import pose_at
+from poses import at, pose_at
 
 import plannercheck as pc
 from plannercheck.bodies.part_sets import PartSet
@@ -34,14 +34,8 @@ def cloud_and_balls(count: int, radius: float) -> tuple[pc.Scene, pc.Scene]:
     points, cloud, balls = points_of_a_shelf(count, 3), pc.Scene(), pc.Scene()
     cloud.add("camera", pc.PointCloud(points, radius), None)
     for k, point in enumerate(points):
-        balls.add_sphere(f"ball {k}", radius, pc_pose(point))
+        balls.add_sphere(f"ball {k}", radius, at(*point))
     return cloud, balls
-
-
-def pc_pose(point: Floats) -> Floats:
-    pose = np.eye(4)
-    pose[:3, 3] = point
-    return pose
 
 
 def motions(count: int, seed: int, length: float) -> tuple[Floats, Floats]:
@@ -101,7 +95,7 @@ def test_motions_are_judged_as_before_balls_of_their_own(length: float) -> None:
 @pytest.mark.parametrize("kind", ["cloud", "grid", "heights"])
 def test_no_proved_motion_has_a_colliding_state(kind: str) -> None:
     scene = pc.Scene()
-    scene.add(kind, _shape(kind), pc_pose(np.array([0.3, -0.2, 0.1])))
+    scene.add(kind, _shape(kind), at(0.3, -0.2, 0.1))
     checker = pc.Checker(panda(), scene)
     start, end = motions(400, 13, 0.8)
     free = checker.check_motions(start, end)
@@ -114,7 +108,7 @@ def test_no_proved_motion_has_a_colliding_state(kind: str) -> None:
 @pytest.mark.parametrize("kind", ["cloud", "grid", "heights"])
 def test_no_proved_motion_has_a_state_within_the_padding(kind: str) -> None:
     scene = pc.Scene()
-    scene.add(kind, _shape(kind), pc_pose(np.array([0.5, -0.3, 0.1])))
+    scene.add(kind, _shape(kind), at(0.5, -0.3, 0.1))
     checker = pc.Checker(panda(), scene, padding={kind: 0.05})
     start, end = motions(400, 14, 0.6)
     free = checker.check_motions(start, end)
@@ -168,10 +162,10 @@ def test_a_carried_cloud_is_tested_as_its_balls_are() -> None:
     q = panda().random_configurations(800, seed=10)
     cloud, balls = pc.Scene(), pc.Scene()
     for scene in (cloud, balls):
-        scene.add_box("table", (1.0, 1.0, 0.1), pc_pose(np.array([0.7, 0.0, 0.3])))
+        scene.add_box("table", (1.0, 1.0, 0.1), at(0.7, 0.0, 0.3))
     touching = ("panda_leftfinger", "panda_rightfinger")
     cloud.attach("grasped", "panda_hand", touch_links=touching, parts=pc.PointCloud(points, 0.01))
-    each = [pc.Part(pc.Sphere(0.01), pc_pose(point)) for point in points]
+    each = [pc.Part(pc.Sphere(0.01), at(*point)) for point in points]
     balls.attach("grasped", "panda_hand", touch_links=touching, parts=each)
     ours, theirs = (pc.Checker(panda(), scene) for scene in (cloud, balls))
     assert np.array_equal(ours.check_states(q), theirs.check_states(q))
@@ -185,7 +179,7 @@ def test_motions_of_a_carried_cloud_before_a_cloud_are_those_of_its_balls() -> N
     cloud, balls = cloud_and_balls(120, 0.02)
     touching = ("panda_leftfinger", "panda_rightfinger")
     cloud.attach("grasped", "panda_hand", touch_links=touching, parts=pc.PointCloud(points, 0.01))
-    each = [pc.Part(pc.Sphere(0.01), pc_pose(point)) for point in points]
+    each = [pc.Part(pc.Sphere(0.01), at(*point)) for point in points]
     balls.attach("grasped", "panda_hand", touch_links=touching, parts=each)
     start, end = motions(150, 35, 0.8)
     ours, theirs = (pc.Checker(panda(), scene).check_motions(start, end) for scene in (cloud, balls))
@@ -212,9 +206,9 @@ def test_a_box_around_bodies_has_room_for_their_own_rounding(part: float, tmp_pa
     (tmp_path / "two.urdf").write_text(SLIDING.format(place=0.02 + part * step))
     scene, near = pc.Scene(), 1638 * step
     ball = pc.PointCloud([[0.031 + 0.5 * step - near, 0.0, 0.0]], 0.001)
-    scene.add("ball", ball, pc_pose(np.array([far + near, 0.0, 0.0])))
-    box, at = pc.Box((0.02, 0.02, 0.02)), pc_pose(np.array([far + (0.02 + part * step), 0.0, 0.0]))
-    shared = pc.intersects(box, ball, at, pc_pose(np.array([far + near, 0.0, 0.0])))
+    scene.add("ball", ball, at(far + near, 0.0, 0.0))
+    box, there = pc.Box((0.02, 0.02, 0.02)), at(far + (0.02 + part * step), 0.0, 0.0)
+    shared = pc.intersects(box, ball, there, at(far + near, 0.0, 0.0))
     assert shared
     for boxes in (True, False):
         checker = pc.Checker(pc.Robot.load(tmp_path / "two.urdf"), scene, tuning=pc.Tuning(boxes=boxes))

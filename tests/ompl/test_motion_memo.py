@@ -10,11 +10,6 @@ from plannercheck.common.core import core
 from plannercheck.ompl import setup
 
 
-@pytest.fixture(scope="module")
-def checker():
-    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
-
-
 def remembering_judge(checker):
     """A planner's compiled judge of motions between rows."""
     failure = core.PlannerFailure()

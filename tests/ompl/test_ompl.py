@@ -25,11 +25,6 @@ from plannercheck.validation.paths import validate_path
 
 
 @pytest.fixture(scope="module")
-def checker() -> Checker:
-    return Checker(Robot.load("panda"), Scene.load("bookshelf"))
-
-
-@pytest.fixture(scope="module")
 def ends(checker) -> tuple[np.ndarray, np.ndarray]:
     return checker.scene.start("panda"), checker.scene.goal("panda")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from ompl import base
+from poses import at
 
 import plannercheck as pc
 from plannercheck.common.errors import PlannercheckError
@@ -36,8 +37,7 @@ def checker_of(tmp_path, *boxes):
     """The brick among boxes, each of a size and a position, m."""
     scene = pc.Scene("boxes")
     for k, (size, position) in enumerate(boxes):
-        pose = np.eye(4)
-        pose[:3, 3] = position
+        pose = at(*position)
         scene.add_box(f"box {k}", size, pose)
     return pc.Checker(robot_of(tmp_path), scene)
 

@@ -24,11 +24,6 @@ PLANNERS = ("RRTConnect", "KPIECE1", "RRT", "LBKPIECE1", "PRM", "BKPIECE1")
 
 
 @pytest.fixture(scope="module")
-def checker():
-    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
-
-
-@pytest.fixture(scope="module")
 def ends(checker):
     q = checker.robot.random_configurations(400, 2)
     return q[checker.check_states(q)]

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from poses import at
 
 import plannercheck as pc
 from plannercheck.common.errors import PlannercheckError
@@ -50,8 +51,7 @@ def spheres() -> pc.Scene:
     """A few balls around the origin."""
     scene = pc.Scene("spheres")
     for k, position in enumerate(np.random.default_rng(0).uniform(-1.5, 1.5, (6, 3))):
-        pose = np.eye(4)
-        pose[:3, 3] = position
+        pose = at(*position)
         scene.add_sphere(f"ball{k}", 0.12, pose)
     return scene
 

@@ -39,11 +39,6 @@ def answers_to_whole_numbers(number: object, value: str) -> object:
     return ("twin", number) if isinstance(number, int) else None
 
 
-@pytest.fixture(scope="module")
-def checker() -> pc.Checker:
-    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
-
-
 def test_the_twin_is_asked_first_and_the_function_for_what_it_does_not_know() -> None:
     doubling = Doubling(answers_to_whole_numbers)
     assert doubling.doubled(3) == ("twin", 3)

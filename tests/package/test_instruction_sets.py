@@ -53,11 +53,6 @@ def test_pairs_in_any_order_and_alone(method: Method) -> None:
         np.testing.assert_array_equal(turned_round, verdicts)
 
 
-@pytest.fixture(scope="module")
-def checker() -> pc.Checker:
-    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
-
-
 def test_states_in_any_order_and_batch_size(checker: pc.Checker) -> None:
     q = checker.robot.random_configurations(1001, 3)
     first, pairs = checker.first_colliding_pair(q), checker.colliding_pairs(q)

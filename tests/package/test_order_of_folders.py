@@ -142,3 +142,25 @@ def test_a_folder_without_a_place_is_found(lint, tmp_path):
     code, said = lint()
     assert code == 1
     assert "loft" in said
+
+
+def units() -> list[list[Path]]:
+    """Sources that CMake compiles as one, by CMakeLists.txt: those of all levels together, and those of each level."""
+    text = (CPP / "CMakeLists.txt").read_text(encoding="utf-8")
+    (by_level,) = re.findall(r"^foreach\(source ([\w ]+)\)", text, re.MULTILINE)
+    (more,) = re.findall(r"^list\(APPEND common_sources\s+([^)]*)\)", text, re.MULTILINE)
+    common = {*CPP.glob("math/*.cpp"), *CPP.glob("bodies/*.cpp"), *(CPP / name for name in more.split())}
+    common -= {CPP / "bodies" / f"{name}.cpp" for name in by_level.split()}
+    apart = {"oracle", "bindings", "library"}
+    return [sorted(common), sorted(p for p in CPP.glob("*/*.cpp") if p not in common and p.parent.name not in apart)]
+
+
+def test_constants_of_sources_that_are_compiled_as_one_have_names_of_their_own():
+    for unit in units():
+        assert len(unit) > 30
+        known: dict[str, Path] = {}
+        for path in unit:
+            for line in re.findall(r"^(?:inline )?constexpr (.*)$", path.read_text(encoding="utf-8"), re.MULTILINE):
+                for name in set(re.findall(r"\b(k[A-Z]\w*)(?: = |\{)", line)):
+                    assert name not in known, f"{name} is in {known[name].name} and in {path.name}"
+                    known[name] = path

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import importlib
 import importlib.metadata
 import inspect
@@ -134,13 +133,9 @@ def test_type_checkers_may_read_the_annotations():
     assert (Path(pc.__file__).parent / "py.typed").is_file()  # PEP 561
 
 
-def modules():
-    return sorted(p for p in Path(pc.__file__).parent.rglob("*.py") if p.name != "__main__.py")
-
-
-@pytest.mark.parametrize("path", modules(), ids=lambda p: p.stem)
-def test_modules_open_with_what_they_are_for(path):
-    assert ast.get_docstring(ast.parse(path.read_text()))
+def test_modules_open_with_what_they_are_for():
+    paths = Path(pc.__file__).parent.rglob("*.py")
+    assert [path for path in paths if path.name != "__main__.py" and not path.read_text().startswith('"""')] == []
 
 
 def test_the_core_says_what_it_is():

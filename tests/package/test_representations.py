@@ -14,11 +14,6 @@ from plannercheck.ompl.plans import Plan
 
 
 @pytest.fixture(scope="module")
-def checker():
-    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
-
-
-@pytest.fixture(scope="module")
 def colliding(checker):
     q = checker.robot.random_configurations(500, 1)
     rows = q[~checker.check_states(q)]

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 from plannercheck.planar.polygons import Polygons
@@ -22,12 +23,6 @@ SQUARE = [[-0.5, -0.3], [0.5, -0.3], [0.5, 0.3], [-0.5, 0.3]]
 FOREIGN = {"model", "core", "kinematics"}
 
 Maker = Callable[[Callable[[Any], Any]], Any]
-
-
-def _space_pose(x: float) -> np.ndarray:
-    pose = np.eye(4)
-    pose[0, 3] = x
-    return pose
 
 
 def _planar_pose(x: float) -> np.ndarray:
@@ -57,9 +52,9 @@ def _planar_checker(given: Callable[[Any], Any]) -> pc.planar.Checker:
 
 def _scene(given: Callable[[Any], Any]) -> pc.Scene:
     scene = pc.Scene("s")
-    scene.add_box("box", given([0.4, 0.4, 0.4]), given(_space_pose(2)))
-    scene.add_hull("hull", given(TETRAHEDRON), given(_space_pose(-2)))
-    scene.add("parts", [pc.Part(pc.Box(given([0.1, 0.1, 0.1])), given(_space_pose(0.1)))], given(_space_pose(3)))
+    scene.add_box("box", given([0.4, 0.4, 0.4]), given(at(2)))
+    scene.add_hull("hull", given(TETRAHEDRON), given(at(-2)))
+    scene.add("parts", [pc.Part(pc.Box(given([0.1, 0.1, 0.1])), given(at(0.1)))], given(at(3)))
     scene.set_states("panda", given(np.zeros(7)), given(np.zeros(7)))
     return scene
 
@@ -79,18 +74,18 @@ MAKERS: dict[str, Maker] = {
         given(TETRAHEDRON), [given(f) for f in ([0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3])]
     ),
     "Hull": lambda given: pc.Hull(given(TETRAHEDRON)),
-    "Part": lambda given: pc.Part(pc.Sphere(0.1), given(_space_pose(1))),
-    "Moving": lambda given: pc.Moving(given([0.0, 1.0]), given(np.stack([_space_pose(0), _space_pose(1)]))),
+    "Part": lambda given: pc.Part(pc.Sphere(0.1), given(at(1))),
+    "Moving": lambda given: pc.Moving(given([0.0, 1.0]), given(np.stack([at(0), at(1)]))),
     "Scene": _scene,
     "Checker": _checker,
     "Robot": lambda given: pc.Robot.load("panda"),
     "explain": lambda given: _checker(given).explain(given(pc.Robot.load("panda").reference), separations=True),
     "explain_motion": _motion,
     "certify apart": lambda given: pc.certify(
-        pc.Polytope(given(TETRAHEDRON)), pc.Polytope(given(TETRAHEDRON)), given(_space_pose(0)), given(_space_pose(3))
+        pc.Polytope(given(TETRAHEDRON)), pc.Polytope(given(TETRAHEDRON)), given(at(0)), given(at(3))
     ),
     "certify sharing": lambda given: pc.certify(
-        pc.Polytope(given(TETRAHEDRON)), pc.Polytope(given(TETRAHEDRON)), given(_space_pose(0)), given(_space_pose(0.1))
+        pc.Polytope(given(TETRAHEDRON)), pc.Polytope(given(TETRAHEDRON)), given(at(0)), given(at(0.1))
     ),
     "planar scene": _planar_scene,
     "planar robot": _planar_robot,

@@ -103,9 +103,14 @@ def mixed():
     raise AssertionError
 
 
+def test_what_is_forged_below_is_sound(mixed, panda, tmp_path):
+    assert verified(mixed, tmp_path)
+    (tmp_path / "x.json").write_text(json.dumps(panda))
+    assert load_proofs(tmp_path / "x.json")[0].verify("panda", "table")
+
+
 @pytest.mark.parametrize("name", FORGED)
 def test_forged_proofs_are_refused(mixed, name, tmp_path):
-    assert verified(mixed, tmp_path)
     document = copy.deepcopy(mixed)
     FORGED[name](document)
     document["hashes"] = plain_builder.hashes(document["model"])
@@ -170,8 +175,6 @@ BESIDE_FILES = {
 @pytest.mark.parametrize("name", BESIDE_FILES)
 def test_forged_models_are_refused_beside_their_files(panda, name, tmp_path):
     path = tmp_path / "x.json"
-    path.write_text(json.dumps(panda))
-    assert load_proofs(path)[0].verify("panda", "table")
     document = copy.deepcopy(panda)
     BESIDE_FILES[name](document)
     document["hashes"] = plain_builder.hashes(document["model"])

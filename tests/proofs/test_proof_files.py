@@ -214,6 +214,15 @@ def shifted(rows):
     return (*rows[:3], rows[3] + 1e-9, *rows[4:])
 
 
+@pytest.fixture(scope="module")
+def model():
+    """That of a padded checker, as its files say it is."""
+    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("table"), padding=0.002)
+    model = Builder(checker)._model
+    confirm_model(model, "panda", "table")
+    return model
+
+
 @pytest.mark.parametrize(
     ("part", "change"),
     [
@@ -236,10 +245,7 @@ def shifted(rows):
         ("pairs", lambda pair: (0, 1)),
     ],
 )
-def test_models_that_differ_from_their_files_are_refused(part, change):
-    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("table"), padding=0.002)
-    model = Builder(checker)._model
-    confirm_model(model, "panda", "table")
+def test_models_that_differ_from_their_files_are_refused(model, part, change):
     items = list(getattr(model, part))
     k = 3 if part != "pairs" else next(k for k, pair in enumerate(items) if pair[1] > 5)
     items[k] = change(items[k])

@@ -8,6 +8,7 @@ import numpy as np
 import proof_oracle
 import pytest
 from flint import arb
+from poses import at
 from proof_cases import (
     free_motions,
     random_tree,
@@ -95,8 +96,7 @@ def test_the_proof_of_a_verdict_is_computed_once_and_of_this_motion():
 
 def test_held_fingers_and_padding_and_attached_objects_are_in_the_proof():
     robot = pc.Robot.load("panda").holding({"panda_finger_joint1": 0.02})
-    pose = np.eye(4)
-    pose[2, 3] = 0.25
+    pose = at(0, 0, 0.25)
     checker = pc.Checker(robot, pc.Scene.load("table"), padding=0.004)
     checker = checker.attach("stick", pc.Box((0.02, 0.02, 0.2)), "panda_hand", pose)
     q0, q1 = free_motions(checker, 1, 2)

@@ -22,11 +22,6 @@ from plannercheck.proofs.nesting import check_not_nested
 from plannercheck.proofs.well_formed import hashes_of
 
 
-@pytest.fixture(scope="module")
-def panda():
-    return pc.Robot.load("panda")
-
-
 def test_free_motions_near_parts_are_proved(panda):
     rng = np.random.default_rng(3)
     points = rng.uniform((0.25, -0.6, 0.0), (0.8, 0.6, 1.0), size=(80, 3))

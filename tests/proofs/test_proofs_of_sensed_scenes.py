@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 from plannercheck.bodies.part_sets import PartSet
@@ -25,12 +26,6 @@ RADII = RNG.uniform(0.001, 0.02, size=300)
 @cache
 def panda() -> pc.Robot:
     return pc.Robot.load("panda")
-
-
-def at(*place: float) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, 3] = place
-    return pose
 
 
 def frame_of_points(count: int = 4) -> PartSet:

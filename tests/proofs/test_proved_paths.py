@@ -15,11 +15,6 @@ from plannercheck.proofs import load_proofs, save_proofs, verify_path
 
 
 @pytest.fixture(scope="module")
-def checker():
-    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
-
-
-@pytest.fixture(scope="module")
 def rows(checker):
     return checker.scene.start("panda") + np.linspace(0, 0.05, 5)[:, None] * [1, -1, 0.5, 0, 1, 0.3, 1]
 

@@ -7,6 +7,7 @@ import pickle
 import numpy as np
 import pytest
 from merged_robots import Placed, merged
+from poses import at
 from sample_robots import PANDA, PANDA_SRDF, ROBOTS
 
 import plannercheck as pc
@@ -14,17 +15,6 @@ from plannercheck.common.errors import PlannercheckError
 
 UR5 = ROBOTS / "ur_description" / "urdf" / "ur5_robot.urdf"
 UR5_SRDF = ROBOTS / "ur_description" / "srdf" / "ur5.srdf"
-
-
-def at(x, y=0.0, z=0.0):
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
-    return pose
-
-
-@pytest.fixture(scope="module")
-def panda():
-    return pc.Robot.load("panda")
 
 
 @pytest.fixture(scope="module")

@@ -22,11 +22,6 @@ KINDS = range(12)
 SILLY = 40
 
 
-@pytest.fixture(scope="module")
-def panda():
-    return pc.Robot.load("panda")
-
-
 def chain_errors(kinds, seed, **options):
     """(measured, bound) over a few configurations of a random chain with a box on each link."""
     rng = np.random.default_rng(seed)

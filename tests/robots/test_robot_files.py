@@ -20,12 +20,6 @@ from plannercheck.robots.srdf import Srdf, read_srdf
 from plannercheck.robots.urdf import read_model
 from plannercheck.robots.urdf_file import UrdfFile
 
-
-@pytest.fixture(scope="module")
-def panda():
-    return Robot.load("panda")
-
-
 # ---- YAML files
 
 

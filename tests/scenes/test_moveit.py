@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio
 import pytest
 import yaml
+from poses import at
 
 from plannercheck.bodies.shapes import Box, Cone, Cylinder, Sphere
 from plannercheck.common.errors import PlannercheckError
@@ -373,25 +374,19 @@ def test_attached_objects_are_carried_where_the_state_has_them(tmp_path):
     found = dict(zip((body.name for body in checker.bodies), checker.body_poses(q)[0], strict=True))
     hand, upper = links[panda.link_index("panda_hand")], links[panda.link_index("panda_link6")]
     expected = {
-        "mug/0": hand @ moved(0, 0, 0.1),
-        "mug/1": hand @ moved(0, 0.05, 0.1),
+        "mug/0": hand @ at(0, 0, 0.1),
+        "mug/1": hand @ at(0, 0.05, 0.1),
         "board": pinocchio.XYZQUATToSE3(np.array([2.0, 1.0, 0, 0, 0, 0.6, 0.8])).homogeneous,
     }
     for name, pose in expected.items():
         np.testing.assert_allclose(found[name], pose, atol=1e-14, err_msg=name)
     item = checker.scene.object("camera")
-    np.testing.assert_allclose(links[panda.link_index("panda_link4")] @ item.pose, upper @ moved(0, 0.2, 0), atol=1e-14)
+    np.testing.assert_allclose(links[panda.link_index("panda_link4")] @ item.pose, upper @ at(0, 0.2, 0), atol=1e-14)
     pairs = [checker.pair_names(k) for k in range(len(checker.pairs))]
     assert not any("camera" in pair for pair in pairs)  # allowed by default
     partners = {name for pair in pairs for name in pair if "mug" in pair} - {"mug"}
     fingers = {"panda_leftfinger", "panda_rightfinger"}
     assert partners == {body.link for body in panda.bodies} - {"panda_hand", "panda_link3"} - fingers | {"board"}
-
-
-def moved(x, y, z):
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
-    return pose
 
 
 def test_scenes_with_anchored_objects_are_saved_once_their_links_are_posed(tmp_path):

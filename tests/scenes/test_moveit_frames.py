@@ -42,12 +42,6 @@ from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
 
-
-@pytest.fixture(scope="module")
-def panda():
-    return Robot.load("panda")
-
-
 # --- fixed frames ---------------------------------------------------------------------------------------------------
 
 

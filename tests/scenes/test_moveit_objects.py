@@ -30,15 +30,8 @@ from moveit_messages import (
 
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
-from plannercheck.robots.robot import Robot
 from plannercheck.scenes.motion_bench_maker import load_problems
 from plannercheck.scenes.moveit_scene import attach_from_state
-
-
-@pytest.fixture(scope="module")
-def panda():
-    return Robot.load("panda")
-
 
 # --- other objects --------------------------------------------------------------------------------------------------
 

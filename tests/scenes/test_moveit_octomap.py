@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import yaml
 from moveit_messages import MAP, OFFSET, STATE, fixed, pose_node, se3
+from poses import at
 
 import plannercheck as pc
 
@@ -139,8 +140,7 @@ def test_verdicts_are_those_of_its_boxes(tmp_path: Path) -> None:
     robot = pc.Robot.load("panda")
     scene, boxes = loaded(tmp_path, {**octomap(), "origin": pose_node([0.3, 0, 0.4, 0, 0, 0.6, 0.8])}), pc.Scene()
     for key in WANTED:
-        centre = np.eye(4)
-        centre[:3, 3] = (np.array(key) + 0.5) * RESOLUTION
+        centre = at(*(np.array(key) + 0.5) * RESOLUTION)
         boxes.add_box(f"cell {key}", (RESOLUTION,) * 3, scene.object("<octomap>").pose @ centre)
     q = robot.random_configurations(600, seed=2)
     ours, theirs = (pc.Checker(robot, each).check_states(q) for each in (scene, boxes))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 
@@ -66,8 +67,7 @@ def test_faulty_motions_are_refused(times: list[float], poses: list[np.ndarray],
 
 def test_screws_that_are_not_exact_are_refused() -> None:
     """A step that slides or turns alone is the same on both paths."""
-    slid = np.eye(4)
-    slid[0, 3] = 1.0
+    slid = at(1.0)
     turned = _TURN.copy()
     turned[:3, 3] = slid[:3, 3]
     assert pc.Moving([0, 1, 2], [np.eye(4), slid, turned], path="screw").path == "screw"

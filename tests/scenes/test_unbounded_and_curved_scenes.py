@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 import yaml
+from poses import at
 
 import plannercheck as pc
 from plannercheck.cli.main import main
@@ -86,8 +87,7 @@ def test_moveits_text_holds_neither(tmp_path):
 
 def room():
     scene = pc.Scene("room")
-    pose = np.eye(4)
-    pose[:3, 3] = 0.5, 0.2, 0.3
+    pose = at(0.5, 0.2, 0.3)
     scene.add("egg", pc.Ellipsoid((0.1, 0.15, 0.3), 0.02), pose)
     scene.add("floor", pc.HalfSpace((0, 0, 1), -0.02))
     return scene

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 
@@ -11,18 +12,12 @@ RNG = np.random.default_rng(0)
 FIRST, SECOND = RNG.uniform([0.2, -0.6, 0], [0.8, 0.6, 0.9], (2, 400, 3))
 
 
-def moved(x):
-    pose = np.eye(4)
-    pose[0, 3] = x
-    return pose
-
-
 @pytest.fixture
 def scene():
     scene = pc.Scene()
-    scene.add_box("table", (0.5, 1.0, 0.05), moved(0.7))
-    scene.add("camera", pc.PointCloud(FIRST, 0.02), moved(0.1))
-    scene.add_sphere("ball", 0.1, moved(-0.5))
+    scene.add_box("table", (0.5, 1.0, 0.05), at(0.7))
+    scene.add("camera", pc.PointCloud(FIRST, 0.02), at(0.1))
+    scene.add_sphere("ball", 0.1, at(-0.5))
     return scene
 
 
@@ -34,7 +29,7 @@ def test_points_change_and_all_else_stays(scene):
     changed = scene.object("camera")
     assert np.array_equal(changed.parts[0].shape.points, SECOND[:100])
     assert np.array_equal(changed.parts[0].shape.radius, [0.02])
-    assert np.array_equal(changed.bodies[0].pose, moved(0.1))
+    assert np.array_equal(changed.bodies[0].pose, at(0.1))
     assert np.array_equal(before["camera"].parts[0].shape.points, FIRST)
 
 
@@ -46,9 +41,9 @@ def test_checkers_of_frames_are_those_of_new_scenes(scene):
         scene.update("camera", points)
         checker = checker.with_scene(scene)
         fresh = pc.Scene()
-        fresh.add_box("table", (0.5, 1.0, 0.05), moved(0.7))
-        fresh.add("camera", pc.PointCloud(points, 0.02), moved(0.1))
-        fresh.add_sphere("ball", 0.1, moved(-0.5))
+        fresh.add_box("table", (0.5, 1.0, 0.05), at(0.7))
+        fresh.add("camera", pc.PointCloud(points, 0.02), at(0.1))
+        fresh.add_sphere("ball", 0.1, at(-0.5))
         assert np.array_equal(checker.check_states(q), pc.Checker(robot, fresh).check_states(q))
 
 

@@ -54,9 +54,3 @@ PAIRS = [
     (MESHES[0], MESHES[2], 0),
     (MESHES[3], "box", 8),
 ]
-
-
-def moved(x, y=0.0, z=0.0):
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
-    return pose

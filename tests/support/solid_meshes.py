@@ -83,14 +83,6 @@ def inflated(mesh, radius):
     return core.Polytope.from_points(np.ascontiguousarray(points[np.unique(triangles)]), radius).with_solid(solid)
 
 
-def random_pose(rng, spread):
-    pose = np.eye(4)
-    q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-    pose[:3, :3] = q * np.sign(np.linalg.det(q))
-    pose[:3, 3] = spread * rng.normal(size=3)
-    return pose
-
-
 def at(mesh, pose):
     points, triangles = mesh
     return (points @ pose[:3, :3].T + pose[:3, 3])[triangles]

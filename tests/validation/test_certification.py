@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
 from plannercheck.bodies.exact_planes import PosedBody
@@ -18,8 +19,7 @@ from plannercheck.validation.certification import _Certification, certify_verdic
 @pytest.fixture(scope="module")
 def checker() -> pc.Checker:
     scene = pc.Scene("test")
-    pose = np.eye(4)
-    pose[:3, 3] = [0.5, 0.1, 0.4]
+    pose = at(0.5, 0.1, 0.4)
     scene.add_sphere("ball", 0.2, pose)
     pose[2, 3] = -0.2
     scene.add_box("table", (2.0, 2.0, 0.1), pose)
@@ -64,8 +64,7 @@ def test_a_hull_without_one_of_its_points_does_not_pass(checker: pc.Checker) -> 
 
 def test_another_excess_is_certified_too() -> None:
     scene = pc.Scene()
-    pose = np.eye(4)
-    pose[0, 3] = 0.5
+    pose = at(0.5)
     scene.add_cylinder("pole", 0.1, 1.0, pose)
     checker = pc.Checker(pc.Robot.load("panda"), scene, excess=0.01)
     q = checker.robot.random_configurations(2, seed=7)
@@ -74,8 +73,7 @@ def test_another_excess_is_certified_too() -> None:
 
 
 def test_boxes_are_exact_outward_to_the_grid() -> None:
-    pose = np.eye(4)
-    pose[:3, 3] = [1, 2.0**-70, -3]
+    pose = at(1, 2.0**-70, -3)
     box = exact_box(PosedBody(np.array([[0, 0, 0], [1, 0, 0.5]]), pose, inflation_radius=0.25))
     one = 1 << 60
     assert box == ((one * 3 // 4, -one // 4, -one * 13 // 4), (one * 9 // 4, one // 4 + 1, -one * 9 // 4))

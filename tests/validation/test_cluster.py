@@ -28,11 +28,6 @@ from plannercheck.validation.run import Run
 CHUNKS, ROWS = 12, 2000
 
 
-@pytest.fixture(scope="module")
-def checker() -> Checker:
-    return Checker(Robot.load("panda"), Scene.load("bookshelf"))
-
-
 @pytest.mark.parametrize("name", ["panda", "truck_trailer", "talos"])
 def test_a_checker_travels_with_its_prepared_bodies(name, monkeypatch):
     if name == "truck_trailer":

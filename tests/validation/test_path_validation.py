@@ -13,11 +13,6 @@ from plannercheck.validation.paths import validate_path
 
 
 @pytest.fixture(scope="module")
-def checker():
-    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
-
-
-@pytest.fixture(scope="module")
 def plan(checker):
     return pc.ompl.plan(checker, checker.scene.start("panda"), checker.scene.goal("panda"), seed=1)
 

@@ -6,15 +6,7 @@ import numpy as np
 import pytest
 
 from plannercheck.checking.verdicts import PairCount, ValidityReport, merged
-from plannercheck.motions.checker import Checker
-from plannercheck.robots.robot import Robot
-from plannercheck.scenes.scene import Scene
 from plannercheck.validation.validate import validate
-
-
-@pytest.fixture(scope="module")
-def checker() -> Checker:
-    return Checker(Robot.load("panda"), Scene.load("bookshelf"))
 
 
 @pytest.fixture(scope="module")

@@ -33,11 +33,6 @@ ROWS = 300
 
 
 @pytest.fixture(scope="module")
-def checker() -> Checker:
-    return Checker(Robot.load("panda"), Scene.load("bookshelf"))
-
-
-@pytest.fixture(scope="module")
 def samples(checker) -> np.ndarray:
     """Some of which are beyond the limits."""
     rows = checker.robot.random_configurations(ROWS, 5)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
+from poses import at
 
 import plannercheck as pc
 from plannercheck.validation.certification import certify_verdicts
@@ -16,12 +17,6 @@ RING = pc.Solid(*(lambda m: (m.vertices, m.faces))(trimesh.creation.torus(0.5, 0
 BOX = pc.Box((0.1, 0.12, 0.14))
 POINTS = BOX.vertices_and_faces()[0]
 HERE = np.eye(4)
-
-
-def at(*position):
-    pose = np.eye(4)
-    pose[:3, 3] = position
-    return pose
 
 
 def given(pose, radius=0.0):

@@ -11,14 +11,8 @@ from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.robot import Robot as PlanarRobot
 from plannercheck.planar.scene import Scene as PlanarScene
 from plannercheck.robots.robot import Robot
-from plannercheck.scenes.scene import Scene
 from plannercheck.view import joints_of, picture, serve
 from plannercheck.view.model import COLLIDING
-
-
-@pytest.fixture(scope="module")
-def checker():
-    return Checker(Robot.load("panda"), Scene.load("bookshelf"))
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from browser import BROWSER, browser_flags
+from poses import at
 
 from plannercheck.cli.main import main
 from plannercheck.motions.checker import Checker
@@ -26,23 +27,12 @@ BROWSER_FLAGS = browser_flags(900, 600)
 
 
 @pytest.fixture(scope="module")
-def checker():
-    return Checker(Robot.load("panda"), Scene.load("bookshelf"))
-
-
-@pytest.fixture(scope="module")
 def start(checker):
     return checker.scene.start("panda")
 
 
 def layers(shown):
     return {mesh.owner: mesh.layer for mesh in shown.meshes if mesh.layer in ("obstacle", "floor")}
-
-
-def at(*position):
-    pose = np.eye(4)
-    pose[:3, 3] = position
-    return pose
 
 
 def test_the_floor_differs_from_the_furniture(checker, start):

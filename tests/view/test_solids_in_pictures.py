@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
+from poses import at
 
 import plannercheck as pc
 from plannercheck.view.picture import picture
@@ -22,8 +23,7 @@ def test_solids_are_drawn_as_their_triangles():
 
 def test_contacts_and_planes_of_solids():
     scene = pc.Scene("ring")
-    pose = np.eye(4)
-    pose[:3, 3] = 0.6, 0.1, 0.5
+    pose = at(0.6, 0.1, 0.5)
     scene.add("ring", pc.Solid(RING.vertices, RING.faces), pose)
     checker = pc.Checker(pc.Robot.load("ur5", geometry="solid"), scene)
     q = checker.robot.random_configurations(40, 0)

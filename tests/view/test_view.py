@@ -35,11 +35,6 @@ BROWSER_FLAGS = browser_flags(500, 400)
 
 
 @pytest.fixture(scope="module")
-def checker():
-    return Checker(Robot.load("panda"), Scene.load("bookshelf"))
-
-
-@pytest.fixture(scope="module")
 def rows(checker):
     """A valid configuration, then one that collides."""
     samples = np.load(SAMPLES)

@@ -22,6 +22,7 @@
 #include "narrow_phase/distance.hpp"
 #include "narrow_phase/given_poses.hpp"
 #include "narrow_phase/pair_kernels.hpp"
+#include "narrow_phase/part_depth.hpp"
 
 namespace nb = nanobind;
 
@@ -55,16 +56,18 @@ class PairQueries {
     return nb::bool_(kernel_of(a, b).share(first_is_b ? b : a, first_is_b ? a : b, options_, counters));
   }
 
-  // (distance, lower bound, points on p and r and the direction from r to p as rows).
-  nb::object distance(nb::handle p, nb::handle r, nb::handle pose_p, nb::handle pose_r) const {
+  // (whether they overlap, upper and lower bound of the signed distance, points on p and r and the direction from r to
+  // p as rows). `depths`: whether bodies that overlap get bounds as close as they can be.
+  nb::object distance(nb::handle p, nb::handle r, nb::handle pose_p, nb::handle pose_r, bool depths) const {
     Side first, second;
     if (!read(p, pose_p, first) || !read(r, pose_r, second) || are_half_spaces(first, second)) return nb::none();
     if (first.poses.are_many() || second.poses.are_many()) return nb::none();
     PairCounters counters;
-    const PairDistance found = pair_distance(first.posed(), second.posed(), kNoLimit, counters);
+    const PosedPolytope a = first.posed(), b = second.posed();
+    const PairDistance found = depths ? signed_distance(a, b, counters) : pair_distance(a, b, kNoLimit, counters);
     std::vector<double> rows;
     for (const Vec3& v : {found.on_body_a, found.on_body_b, found.direction}) rows.insert(rows.end(), {v.x, v.y, v.z});
-    return nb::make_tuple(found.overlap ? 0.0 : found.upper, found.lower,
+    return nb::make_tuple(found.overlap, found.upper, found.lower,
                           output_array(rows, {std::size_t{3}, std::size_t{3}}));
   }
 
@@ -171,7 +174,7 @@ void bind_pair_queries(nb::module_& m) {
       .def("intersects", &PairQueries::intersects, nb::arg().none(), nb::arg().none(), nb::arg().none(),
            nb::arg().none(), nb::arg(), plain_floats)
       .def("distance", &PairQueries::distance, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
-           plain_floats);
+           nb::arg(), plain_floats);
 }
 
 }  // namespace plannercheck

@@ -125,7 +125,8 @@ void DistanceCore::nearest(const GivenStates& states, const Tangent* tangent, st
     std::int32_t pair;
   };
   const auto is_nearer = [](const Candidate& a, const Candidate& b) {
-    return a.found.upper < b.found.upper || (a.found.upper == b.found.upper && a.pair < b.pair);
+    const double of_a = a.found.measured(), of_b = b.found.measured();
+    return of_a < of_b || (of_a == of_b && a.pair < b.pair);
   };
   prepare(states, tangent, w);
   std::vector<Candidate> best;
@@ -135,7 +136,7 @@ void DistanceCore::nearest(const GivenStates& states, const Tangent* tangent, st
     order_by_gaps(links, w);
     best.clear();
     for (const std::int32_t pair : w.order) {
-      const double limit = best.size() < count ? kNoLimit : best.back().found.upper;
+      const double limit = best.size() < count ? kNoLimit : best.back().found.measured();
       if (best.size() == count && w.gaps[at(pair)] > limit) break;
       const PosedPolytope a = posed(pairs_[at(pair)][0], links), b = posed(pairs_[at(pair)][1], links);
       PairDistance found;
@@ -194,8 +195,8 @@ void DistanceCore::add_row(std::size_t state, std::int32_t pair, const PairDista
   const auto [a, b] = pairs_[at(pair)];
   const double apart = spread(pair, links, found, w.counters);
   const double size = smaller(bodies_[at(a)].body->radius, bodies_[at(b)].body->radius);
-  out.rows.push_back({static_cast<std::int64_t>(states.first + state), pair, found.upper, found.lower, found.on_body_a,
-                      found.on_body_b, found.direction, apart, apart <= kOnePoint * size});
+  out.rows.push_back({static_cast<std::int64_t>(states.first + state), pair, found.measured(), found.lower,
+                      found.on_body_a, found.on_body_b, found.direction, apart, apart <= kOnePoint * size});
   if (tangent == nullptr) return;
   out.gradients.resize(out.gradients.size() + tangent->width, 0.0);
   double* const gradient = out.gradients.data() + out.gradients.size() - tangent->width;

@@ -1,6 +1,9 @@
 #include "narrow_phase/distance.hpp"
 
 #include <algorithm>
+#include <optional>
+
+#include "narrow_phase/penetration_depth.hpp"
 
 namespace plannercheck {
 namespace {
@@ -8,6 +11,8 @@ namespace {
 // Bodies are off rigid by at most 3.6e-6, so they stretch by half of that. kBallRounding: the rounding of a ball's
 // centre and of distances, relative to their operands. A norm whose squares underflow errs by less than kTrustedLength.
 constexpr double kDistanceStretch = 1 + 4e-6, kBallRounding = 64 * 0x1p-53;
+// Two inflation radii added, and their sum added to a depth or taken off a distance: 2u of all.
+constexpr double kRadiusRounding = 4 * 0x1p-53;
 
 // Where doubles end: this part of the larger body's size, and of the distance.
 constexpr double kDoublesError = 0x1p-48;
@@ -20,59 +25,31 @@ Vec3 posed_centre(const PosedPolytope& posed) { return posed.pose.apply(posed.bo
 
 double extent(const Polytope& body) { return body.radius + body.inflation_radius; }
 
-// Directions along which A may leave B; keeps the best one found.
-class WayOut {
- public:
-  WayOut(const PosedPolytope& body_a, const PosedPolytope& body_b, PairCounters& counters)
-      : body_a_(body_a), body_b_(body_b), counters_(counters) {}
-
-  // The hulls' penetration is at most `depth`: moving A that far along `direction` separates them.
-  double depth = std::numeric_limits<double>::infinity();
-  Vec3 direction, deepest;
-
-  void run() {
-    try_direction(posed_centre(body_a_) - posed_centre(body_b_));
-    try_axes(body_a_.pose), try_axes(body_b_.pose);
-    for (const Vec3& q : body_b_.body->polar.points) try_direction(body_b_.pose.rotate(q));
-    for (const Vec3& q : body_a_.body->polar.points) try_direction(-body_a_.pose.rotate(q));
-  }
-
- private:
-  const PosedPolytope &body_a_, &body_b_;
-  PairCounters& counters_;
-
-  void try_axes(const Pose& pose) {
-    for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
-      try_direction(pose.rotate(axis));
-      try_direction(-pose.rotate(axis));
-    }
-  }
-
-  void try_direction(Vec3 d) {
-    if (!(norm_max(d) > 0) || !std::isfinite(norm_max(d))) return;
-    d = unit(d);
-    const LowestDifference found = lowest_difference(body_a_, body_b_, d, counters_);
-    if (-found.height < depth) depth = -found.height, direction = d, deepest = found.vertex_a;
-  }
-};
-
-PairDistance hulls_overlap(const PosedPolytope& body_a, const PosedPolytope& body_b, double inflation_radius,
-                           PairCounters& counters) {
-  WayOut way(body_a, body_b, counters);
-  way.run();
-  const double depth = larger(way.depth, 0) + inflation_radius;
-  const Vec3 point = way.deepest - body_a.body->inflation_radius * way.direction;
-  return {true, -depth, -depth, point, point + depth * way.direction, way.direction};
+// Of bodies whose hulls share a point. `hulls`: the descent towards that point, whose upper bound of the distance holds
+// where the depth has no proved lower bound: then the hulls may touch, as far as doubles tell, or be apart by less.
+PairDistance hulls_overlap(const PosedPolytope& body_a, const PosedPolytope& body_b, const HullDistance& hulls,
+                           const HullDepth& depth) {
+  const double inflation_radius = total_inflation_radius(body_a, body_b);
+  const double most = (depth.upper + inflation_radius) * (1 + kRadiusRounding);
+  const double hulls_least = depth.lower > 0 ? depth.lower : -hulls.upper;
+  const double least = hulls_least + inflation_radius * (1 - kRadiusRounding);
+  const Vec3 point = depth.on_body_a - body_a.body->inflation_radius * depth.direction;
+  return {true,           -most, smaller(-least * (1 - kRadiusRounding), 0), point, point + most * depth.direction,
+          depth.direction};
 }
 
 PairDistance between_hulls(const PosedPolytope& body_a, const PosedPolytope& body_b, const HullDistance& found,
                            bool overlap) {
   const double inflation_radius = total_inflation_radius(body_a, body_b);
-  PairDistance out{
-      overlap,        found.lower - inflation_radius, found.upper - inflation_radius, found.on_body_a, found.on_body_b,
-      found.direction};
+  const double rounding = inflation_radius > 0 ? kRadiusRounding * (inflation_radius + found.upper) : 0;
+  PairDistance out{overlap,
+                   found.lower - inflation_radius - rounding,
+                   found.upper - inflation_radius + rounding,
+                   found.on_body_a,
+                   found.on_body_b,
+                   found.direction};
   if (overlap) {
-    out.lower = out.upper = smaller(out.lower, 0);
+    out.lower = smaller(out.lower, 0), out.upper = smaller(out.upper, 0);
   } else {
     // The exact verdict says that there is a gap, however small.
     out.upper = larger(out.upper, std::numeric_limits<double>::denorm_min());
@@ -83,6 +60,13 @@ PairDistance between_hulls(const PosedPolytope& body_a, const PosedPolytope& bod
   out.on_body_a = out.on_body_a - body_a.body->inflation_radius * d;
   out.on_body_b = out.on_body_b + body_b.body->inflation_radius * d;
   return out;
+}
+
+bool share_a_point(const PosedPolytope& body_a, const PosedPolytope& body_b, PairCounters& counters) {
+  const bool swapped = choose_b(*body_a.body, *body_b.body) == 0;
+  PairOptions of_hulls;
+  of_hulls.dents = false;
+  return test_pair(swapped ? body_b : body_a, swapped ? body_a : body_b, of_hulls, nullptr, counters).shared;
 }
 
 DistanceGoal goal_for(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit) {
@@ -130,16 +114,22 @@ PairDistance convex_distance(const PosedPolytope& body_a, const PosedPolytope& b
   DistanceGoal of_doubles = goal;  // the last rounds are cheap, and the nearest points are those of the features, then
   of_doubles.relative = kDoublesError;
   HullDistance found = hull_distance(body_a, body_b, first_direction(body_a, body_b), of_doubles, counters);
+  std::optional<HullDepth> depth;
   bool overlap = false;
   if (!(found.lower > goal.inflation_radius * (1 + 0x1p-48))) {
-    const bool swapped = choose_b(*body_a.body, *body_b.body) == 0;
-    PairOptions of_hulls;
-    of_hulls.dents = false;
-    overlap = test_pair(swapped ? body_b : body_a, swapped ? body_a : body_b, of_hulls, nullptr, counters).shared;
+    if (found.start.count == 4) {  // the hulls share a point, as far as doubles tell: their depth proves it
+      depth = hull_depth(body_a, body_b, found.start, counters);
+      if (depth->lower > 0) return hulls_overlap(body_a, body_b, found, *depth);
+    }
+    overlap = share_a_point(body_a, body_b, counters);
   }
   const bool in_doubt = !goal.met(found) && !(overlap && found.start.count == 4);
   if (in_doubt) found = hull_distance_double_double(body_a, body_b, found, goal, counters);
-  if (overlap && !(found.lower > 0)) return hulls_overlap(body_a, body_b, goal.inflation_radius, counters);
+  if (!(found.lower > 0)) {
+    if (!depth) depth = hull_depth(body_a, body_b, found.start, counters);
+    if (overlap) return hulls_overlap(body_a, body_b, found, *depth);
+    found.direction = depth->direction;  // the descent has none for gaps below its rounding
+  }
   return between_hulls(body_a, body_b, found, overlap);
 }
 

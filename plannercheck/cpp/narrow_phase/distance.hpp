@@ -1,9 +1,9 @@
 // The distance of two posed bodies, between proved bounds, with the points where they are nearest.
 //
 // In: two posed bodies. Out: the distance of the inflated bodies or, where the exact verdict says that they share a
-// point, an upper bound of their penetration depth. Idea: gjk's descent on the hierarchies continues past the first
-// separating plane until the gap along its direction equals the length of the nearest difference; if doubles leave a
-// difference, double-double continues from the same vertices.
+// point, minus their penetration depth. Idea: gjk's descent on the hierarchies continues past the first separating
+// plane until the gap along its direction equals the length of the nearest difference; if doubles leave a difference,
+// double-double continues from the same vertices. Hulls that overlap are left to penetration_depth.hpp.
 #pragma once
 
 #include <limits>
@@ -20,9 +20,12 @@ inline constexpr double kDistanceError = 2.5e-10, kLeastOfSize = 1e-3;
 
 struct PairDistance {
   bool overlap = false;         // the exact verdict; touching counts
-  double lower = 0, upper = 0;  // m; if they overlap both are −(the depth found)
+  double lower = 0, upper = 0;  // m, of the distance or, if they overlap, of minus the depth
   Vec3 on_body_a, on_body_b;    // in the world, on the surfaces; if they overlap, the deepest point and where it leaves
   Vec3 direction;               // in the world, from B to A: along which A leaves
+
+  // The distance of bodies apart; of others minus a depth that surely separates them.
+  double measured() const { return overlap ? lower : upper; }
 };
 
 // `limit`: the search ends once the lower bound exceeds it. Of solids that overlap, the depth is that of their hulls.

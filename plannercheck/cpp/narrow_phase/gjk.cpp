@@ -8,31 +8,13 @@ namespace {
 
 constexpr int kGjkRounds = 64;
 
-// All bounds are multiples of the sum of the sizes r_P + r_R + |w|, w = t_P − t_R; tests/error_bounds/gjk checks them.
-//
-// kDifference: fl(M_P p) − fl(M_R r) + fl(t_P − t_R) errs by 5.2u (r_P + r_R) in the products, u |w| in the
-// translations and 2u of everything in the sums: below 7.2u.
-//
-// kSupport: a direction d of the world errs by 5.2u |d| when turned into a body's frame. This moves both the vertex
-// found and the one lowest along d itself: 10.4u |d| r. A scan in doubles compares two rounded products, 3u |d| r each
-// by Cauchy-Schwarz (kScanError, by |d|_1, would be 7u). The difference errs as above, evaluating d·w by 3u |d| |w|:
-// 26.6u in all. The length of d is 1 up to 4.5u, and heights are at most the sum of the sizes, so distances need that
-// much more: 31.1u. Inflation radii lose 3u to rounding, of the 4u that kInflationAlong gives them.
+// tests/error_bounds/gjk checks these bounds; those of differences and their heights are minkowski_difference.hpp's.
 //
 // kVolume: determinants of three corners, times the product of their |.|_1: cross product, product and two sums, 5u.
-//
-// Where lengths are so small that products underflow, all of this errs by at most kDenormalError more: nine products a
-// body and three of the height, by 2^-1075 each, times entries of the direction.
-constexpr double kDifference = 12 * 0x1p-53, kSupport = 32 * 0x1p-53;
 // kMixedAbove: vertices less a centre, mixed: 16u of the radius, and less than as much for their product with a facet.
 constexpr double kMixedAbove = 64 * 0x1p-53;
 constexpr double kVolume = 16 * 0x1p-53;
 constexpr double kInflationAlong = 1 + 4 * 0x1p-53, kNormAbove = 1 + 8 * 0x1p-53;
-
-struct Corner {
-  Vec3 difference, body_a;  // A vertex − B vertex relative to both translations; A vertex in the world
-  std::int32_t vertex_a, vertex_b;
-};
 
 // The mixture of some vectors: vector(i) with weight[i].
 template <class Vector>
@@ -44,7 +26,7 @@ Vec3 mixed(int count, const std::array<double, 4>& weight, Vector vector) {
 
 struct Simplex {
   int count = 0;
-  std::array<Corner, 4> corner;
+  std::array<DifferenceCorner, 4> corner;
   std::array<double, 4> weight;
 
   Vec3 nearest() const {
@@ -158,13 +140,11 @@ class NearestPoints {
       : body_a_(body_a),
         body_b_(body_b),
         counters_(counters),
-        shift_(body_a.pose.translation() - body_b.pose.translation()),
-        dents_(dents) {
-    inflation_radius_ = body_a.body->inflation_radius + body_b.body->inflation_radius;
-    const double size = body_a.body->origin_radius + body_b.body->origin_radius + norm_1(shift_);
-    difference_error_ = kDifference * size + kDenormalError;
-    support_error_ = kSupport * size + kDenormalError;
-  }
+        differences_(body_a, body_b, counters),
+        inflation_radius_(body_a.body->inflation_radius + body_b.body->inflation_radius),
+        dents_(dents),
+        difference_error_(differences_.difference_error()),
+        support_error_(differences_.support_error()) {}
 
   Proximity run(Vec3 direction) {
     Simplex simplex;
@@ -179,18 +159,13 @@ class NearestPoints {
     return out;
   }
 
-  LowestDifference lowest(Vec3 direction) {
-    const Corner corner = furthest_against(direction);
-    return {dot(direction, corner.difference) - support_error_, corner.body_a};
-  }
-
  private:
   const PosedPolytope &body_a_, &body_b_;
   PairCounters& counters_;
-  Vec3 shift_;
+  MinkowskiDifference differences_;
   double inflation_radius_;
   bool dents_;
-  double difference_error_, support_error_;  // of a difference as a vector; of a height along a direction of length 1
+  double difference_error_, support_error_;
 
   static Proximity with_corners(Proximity out, const Simplex& simplex) {
     out.count = simplex.count;
@@ -202,7 +177,7 @@ class NearestPoints {
   }
 
   // Adds a corner and keeps the nearest face; false if that is no progress: the simplex is as near as doubles tell.
-  static bool take(const Corner& corner, Simplex& simplex, double& square) {
+  static bool take(const DifferenceCorner& corner, Simplex& simplex, double& square) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
       if (simplex.corner[i].difference == corner.difference) return false;
     }
@@ -222,7 +197,7 @@ class NearestPoints {
       const double length = norm(direction);
       if (!(length > kTrustedLength) || !std::isfinite(length)) return out;
       direction = (1 / length) * direction;
-      const Corner corner = furthest_against(direction);
+      const DifferenceCorner corner = differences_.lowest_along(direction);
       const double height = dot(direction, corner.difference) - support_error_;
       if (round == 0 || height > out.lower) out.direction = direction;
       out.lower = larger(out.lower, height);
@@ -247,7 +222,7 @@ class NearestPoints {
       if (!(length > kTrustedLength) || !std::isfinite(length)) return out;
       direction = (1 / length) * direction;
       out.direction = direction;
-      const Corner corner = furthest_against(direction);
+      const DifferenceCorner corner = differences_.lowest_along(direction);
       const double height = dot(direction, corner.difference);
       if (height > inflation_radius_ * kInflationAlong + support_error_) {
         out.answer = Answer::kSeparated;
@@ -262,27 +237,16 @@ class NearestPoints {
     return out;
   }
 
-  Corner furthest_against(Vec3 d) {
-    ++counters_.queries_a, ++counters_.queries_b;
-    const auto p =
-        static_cast<std::size_t>(extreme(body_a_.body->inner, -body_a_.pose.rotate_back(d), counters_.queries));
-    const auto r =
-        static_cast<std::size_t>(extreme(body_b_.body->inner, body_b_.pose.rotate_back(d), counters_.queries));
-    const Vec3 turned = body_a_.pose.rotate(body_a_.body->inner.points[p]);
-    return {(turned - body_b_.pose.rotate(body_b_.body->inner.points[r])) + shift_, turned + body_a_.pose.translation(),
-            static_cast<std::int32_t>(p), static_cast<std::int32_t>(r)};
-  }
-
   // How far both points that a simplex mixes are from points of their bodies, in m.
   double reach_past_dents(const Simplex& s) const {
-    const auto reach = [&](const Polytope& body, std::int32_t Corner::* vertex) {
+    const auto reach = [&](const Polytope& body, std::int32_t DifferenceCorner::* vertex) {
       const Vec3 y = mixed(s.count, s.weight, [&](std::size_t i) {
         return body.inner.points[static_cast<std::size_t>(s.corner[i].*vertex)] - body.centre;
       });
       const double error = kMixedAbove * body.polar_radius * body.radius;
       return (1 - scale_past_dents(body, y, error)) * norm(y) * kDentStretch + kMixedAbove * body.radius;
     };
-    return reach(*body_a_.body, &Corner::vertex_a) + reach(*body_b_.body, &Corner::vertex_b);
+    return reach(*body_a_.body, &DifferenceCorner::vertex_a) + reach(*body_b_.body, &DifferenceCorner::vertex_b);
   }
 
   // Mixing four corners errs by 4u more of their size, the sum of weights by 4u: twice kDifference covers both.
@@ -308,11 +272,6 @@ Proximity nearest_points(const PosedPolytope& body_a, const PosedPolytope& body_
 HullDistance hull_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 hint,
                            const DistanceGoal& goal, PairCounters& counters) {
   return NearestPoints(body_a, body_b, counters).distance(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0}, goal);
-}
-
-LowestDifference lowest_difference(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 direction,
-                                   PairCounters& counters) {
-  return NearestPoints(body_a, body_b, counters).lowest(direction);
 }
 
 }  // namespace plannercheck

@@ -6,6 +6,7 @@
 #include <array>
 #include <limits>
 
+#include "narrow_phase/minkowski_difference.hpp"
 #include "narrow_phase/pair_frame.hpp"
 
 namespace plannercheck {
@@ -43,14 +44,6 @@ struct DistanceGoal {
 // The bounds that doubles can prove.
 HullDistance hull_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 hint,
                            const DistanceGoal& goal, PairCounters& counters);
-
-// The lowest difference of vertices along a direction of the world, from B to A, of length 1 up to rounding.
-struct LowestDifference {
-  double height;  // along the direction, less the rounding allowed
-  Vec3 vertex_a;  // in the world
-};
-LowestDifference lowest_difference(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 direction,
-                                   PairCounters& counters);
 
 // `hint`: a world direction to begin with. `dents`: points have to be within the inflation radius past the dents of
 // both bodies; hulls that share a point do not count, then.

@@ -29,6 +29,9 @@ constexpr int kDoubleDoubleRounds = 32;  // the start is close to the answer; th
 //     constant leaves room for rounding the bound itself.
 constexpr double kDifference = 16 * kDoubleDoubleError, kSupport = 64 * kDoubleDoubleError,
                  kMixing = 64 * kDoubleDoubleError, kDeterminant = 32 * kDoubleDoubleError;
+// Squares of distances are compared in doubles. They may tie while the direction is still far off: if it is off by an
+// angle, the lower bound loses the angle times the bodies' size, and the distance only its square.
+constexpr double kSquareTie = 1 + 0x1p-49;
 constexpr double kSquares = 32 * kDoubleDoubleError;  // of squares, their products and differences: ten operations
 // Of heights and lengths when rounded to doubles, with norms, quotients and sums of weights in doubles: below 8u.
 constexpr double kHeightRounding = 0x1p-49, kLengthRounding = 0x1p-48;
@@ -124,7 +127,7 @@ class FineNearestPoints {
       raise_lower_bound(found, towards, corner);
       if (goal.met(found) || holds(corner)) break;
       simplex_.corner[static_cast<std::size_t>(simplex_.count++)] = corner;
-      if (!keep_nearest(1U << (simplex_.count - 1), towards, square)) break;
+      if (!keep_nearest(1U << (simplex_.count - 1), towards, square, kSquareTie)) break;
       measure(found);
     }
     return found;
@@ -201,10 +204,10 @@ class FineNearestPoints {
     return false;
   }
 
-  // Reduces the simplex to the nearest face; false if that is no nearer than before.
-  bool keep_nearest(unsigned needed, DoubleDoubleVec3& towards, double& square) {
+  // Reduces the simplex to the nearest face; false if that is no nearer than before, or not by about a factor.
+  bool keep_nearest(unsigned needed, DoubleDoubleVec3& towards, double& square, double factor = 1) {
     const FineFace face = nearest_face(simplex_, needed);
-    if (!(face.square < square)) return false;
+    if (!(face.square < square * factor)) return false;
     square = face.square;
     if (face.set + 1 != 1U << 4) towards = face.towards;
     int count = 0;

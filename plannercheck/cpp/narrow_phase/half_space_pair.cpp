@@ -187,7 +187,7 @@ PairDistance hull_distance_over(const PosedPolytope& half_space, const PosedPoly
   out.lower = least.lower - heights.radius();
   out.upper = least.upper - heights.radius();
   if (out.overlap) {
-    out.lower = out.upper = smaller(out.lower, 0);
+    out.lower = smaller(out.lower, 0), out.upper = smaller(out.upper, 0);
   } else {
     out.upper = larger(out.upper, std::numeric_limits<double>::denorm_min());
     out.lower = larger(out.lower, 0);

@@ -46,12 +46,17 @@ PairDistance sets_distance(const PosedPolytope& body_a, const PosedPolytope& bod
   return parts_distance(body_a, body_b, limit, least, counters);
 }
 
-// That of the hulls is a lower bound; where the bodies share a point, it is the depth.
+// That of the hulls is a lower bound; where the bodies share a point, it is minus a depth that separates them, and they
+// may be in each other by less.
 template <Contact contact, auto distance>
 PairDistance past_hulls(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
                         PairCounters& counters) {
-  const PairDistance hulls = convex_distance(body_a, body_b, limit, counters);
-  if (hulls.lower > limit || (hulls.overlap && contact(body_a, body_b, {}, counters, {}, nullptr))) return hulls;
+  PairDistance hulls = convex_distance(body_a, body_b, limit, counters);
+  if (hulls.lower > limit) return hulls;
+  if (hulls.overlap && contact(body_a, body_b, {}, counters, {}, nullptr)) {
+    hulls.upper = 0;
+    return hulls;
+  }
   return distance(body_a, body_b, limit, hulls.lower, counters);
 }
 

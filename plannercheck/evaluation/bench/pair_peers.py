@@ -135,7 +135,7 @@ def mujoco_ready(bodies: Bodies) -> JudgeMaker:
         raise PlannercheckError("comparing with MuJoCo needs its package: pip install mujoco") from error
 
     def posed_judge(posed: Posed) -> Judge:
-        model = _mujoco_model(mujoco, bodies, posed)
+        model = mujoco_model(mujoco, bodies, posed)
         data = mujoco.MjData(model)
         mujoco.mj_kinematics(model, data)
         distance, pairs = mujoco.mj_geomDistance, [(2 * k, 2 * k + 1) for k in range(len(posed[0]))]
@@ -148,7 +148,7 @@ def mujoco_ready(bodies: Bodies) -> JudgeMaker:
     return posed_judge
 
 
-def _mujoco_model(mujoco: Any, bodies: Bodies, posed: Posed) -> Any:
+def mujoco_model(mujoco: Any, bodies: Bodies, posed: Posed) -> Any:
     """A model with both bodies of each pair as geoms of the world."""
     spec = mujoco.MjSpec()
     for k, body in enumerate(bodies):

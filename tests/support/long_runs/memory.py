@@ -13,6 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from poses import at
 
 import plannercheck as pc
 from long_runs.counts import BrokenPromiseError, Counts
@@ -54,12 +55,12 @@ def _round(checker: pc.Checker, link: str, touched: list[str], rng: np.random.Ge
         scene = checker.scene.copy()
         if "moving" in scene.object_names:
             scene.remove("moving")
-        scene.add_box("moving", [0.1, 0.1, 0.1], _placed(rng.uniform(1, 2, 3)))
+        scene.add_box("moving", [0.1, 0.1, 0.1], at(*rng.uniform(1, 2, 3)))
         checker = checker.with_scene(scene)
         count["with_scene"] += 1
         _require(checker.is_valid(q) == free, "a far obstacle changes a verdict")
         if number == 2:
-            checker = checker.attach("can", pc.Sphere(0.03), link, _placed([0, 0, 0.5]), [link, *touched])
+            checker = checker.attach("can", pc.Sphere(0.03), link, at(0, 0, 0.5), [link, *touched])
             count["attach"] += 1
             checker.is_valid(q)
         if number == 5:
@@ -125,13 +126,6 @@ def _constant(one: Callable[[int], object], trials: int, told: dict[str, int]) -
 def _resident() -> int:
     """Bytes of memory that this process has now."""
     return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * resource.getpagesize()
-
-
-def _placed(position: object) -> np.ndarray:
-    """A pose (4, 4) at a position, m."""
-    pose = np.eye(4)
-    pose[:3, 3] = position
-    return pose
 
 
 def _require(holds: bool, otherwise: str) -> None:

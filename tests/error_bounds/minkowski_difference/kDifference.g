@@ -1,7 +1,7 @@
 # kDifference: a corner's difference fl(fl(M_P p) − fl(M_R r)) + fl(t_P − t_R)), as a vector, times r_P + r_R + |w|.
 #
-# turned: an entry of M p by a product and two sums, c, of Σ |m p| <= |row| |p|; √3 of that as a vector (NearestPoints,
-#         furthest_against); both subtractions round what was turned, a and b.
+# turned: an entry of M p by a product and two sums, c, of Σ |m p| <= |row| |p|; √3 of that as a vector (MinkowskiDifference,
+#         corner); both subtractions round what was turned, a and b.
 # shift:  t_P − t_R rounded, w; and the second subtraction.
 # mixed:  NearestPoints::shared and descend allow twice the constant for a mixture of four: its corners, products and
 #         sums, m, the weights' sum (quotient and three sums), g, a norm, n (kNormAbove is for `shared` besides).

@@ -1,0 +1,64 @@
+"""`plannercheck gate` answers line by line, `plannercheck replay` judges records again."""
+
+from __future__ import annotations
+
+import io
+import json
+
+import numpy as np
+import pytest
+
+import plannercheck as pc
+from plannercheck.cli.main import main
+
+COMMAND = ("gate", "--robot", "panda", "--velocity", "1", "--acceleration", "20", "--brake", "5")
+
+
+@pytest.fixture
+def answers(monkeypatch, capsys):
+    def run(lines, *words):
+        monkeypatch.setattr("sys.stdin", io.StringIO("\n".join(lines)))
+        code = main([*COMMAND, *words])
+        return code, [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+
+    return run
+
+
+def line(shift=0.0, **changes):
+    q = pc.Robot.load("panda").reference
+    chunk = q + shift + 0.004 * np.arange(1, 9)[:, None]
+    given = {"chunk": chunk.tolist(), "rate": 50, "start": {"q": q.tolist(), "dq": [0.2] * 7}}
+    return json.dumps({**given, **changes})
+
+
+def test_each_line_is_answered(answers):
+    code, (good, jump, empty, unknown, broken) = answers(
+        [line(id="a"), "", line(0.5, id=7), line(chunk=[]), line(speed=3), "{"]
+    )
+    assert code == 2
+    assert (good["id"], good["ok"], good["reasons"], good["safe_until"]) == ("a", True, [], 0.16)
+    assert good["stop"]["velocities"][-1] == [0.0] * 7
+    assert (jump["id"], jump["ok"], jump["reasons"][0]["kind"]) == (7, False, "jump")
+    for answer, words in ((empty, "chunk must have the shape"), (unknown, "unknown key 'speed'"), (broken, "no JSON")):
+        assert not answer["ok"]
+        assert words in answer["error"]
+
+
+def test_exit_codes(answers):
+    assert answers([line()])[0] == 0
+    assert answers([line(), line(0.5)])[0] == 1
+    assert answers([])[0] == 0
+
+
+def test_records_are_replayed(answers, tmp_path, capsys):
+    path = tmp_path / "judged.jsonl"
+    answers([line(), line(0.5)], "--record", str(path))
+    assert main(["replay", str(path)]) == 0
+    assert capsys.readouterr().out.count("the same") == 2
+    assert main(["replay", str(path), "--scene", "table"]) == 1
+    assert "scene: not the one that was judged" in capsys.readouterr().out
+    path.write_text("{}\n")
+    assert main(["replay", str(path)]) == 2
+    assert "is no record of a gate" in capsys.readouterr().err
+    path.write_text("")
+    assert main(["replay", str(path)]) == 2
