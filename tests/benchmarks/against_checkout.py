@@ -8,8 +8,6 @@ medians. Above 1, this checkout is slower. Each round starts a process of its ow
 A B B A; within it, each kind of work is done several times and the least process time counts.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

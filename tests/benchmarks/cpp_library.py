@@ -9,8 +9,6 @@ the time of loading, of a state and of a motion, and whether the verdicts are th
 became of damaged cells. The exit code is 1 if verdicts differ.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import subprocess
