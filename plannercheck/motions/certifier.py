@@ -107,7 +107,6 @@ class MotionCertifier:
     def _all_pairs(self) -> ChainedPairs:
         return self._pairs_within_limits if self._limits is None else self._compile_all_pairs()
 
-    @property
     def pairs_by_table(self) -> tuple[ChainedPairs, ...]:
         """The pairs that judge motions within the limits, and those beyond if these are others."""
         within = self._pairs_within_limits
