@@ -112,7 +112,6 @@ class MotionCertifier:
         within = self._pairs_within_limits
         return (within,) if self._all_pairs is within else (within, self._all_pairs)
 
-    @property
     def rounding(self) -> RoundingBounds:
         """The bounds of the kinematics' rounding."""
         return self._errors

@@ -103,7 +103,7 @@ def _sections(cell: CellInputs) -> Iterator[Section]:
 
 
 def _configurations(robot: Robot, certifier: MotionCertifier) -> Iterator[Section]:
-    lengths, bounds = robot.configuration_map.lengths, certifier.rounding
+    lengths, bounds = robot.configuration_map.lengths, certifier.rounding()
     yield Section("lower", robot.lower)
     yield Section("upper", robot.upper)
     yield Section("largest value", LARGEST_VALUE)
