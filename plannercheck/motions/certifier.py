@@ -135,6 +135,20 @@ class MotionCertifier:
                 return np.asarray(known).view(bool)
         return self.check(curves, tolerance, threads)
 
+    def curve_judge(self, tolerance: float) -> Callable[[Floats, Floats], Bools]:
+        """`check_curves` with room by one thread, as a function of control points and tubes, without checks."""
+        check_tolerance(tolerance)
+        part, errors = self._all_pairs, self._errors
+        if part.touching:
+            return lambda points, tubes: np.zeros(len(points), dtype=bool)
+        ask, kernel = core.curve_validity, self._kernel
+
+        def judge(points: Floats, tubes: Floats) -> Bools:
+            known = ask(part.core, kernel, errors.low, errors.high, errors.usual, points, tubes, tolerance, 1)
+            return self.check(Curves(points, tubes), tolerance, 1) if known is None else np.asarray(known).view(bool)
+
+        return judge
+
     def check(self, motions: Motions | Curves, tolerance: float, threads: int) -> Bools:
         """Whether each of n motions is free.
 

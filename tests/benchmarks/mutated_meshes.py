@@ -11,25 +11,23 @@ from __future__ import annotations
 import argparse
 import base64
 import json
-import multiprocessing
-import os
 import re
-import resource
 import struct
 import sys
 import tempfile
 import traceback
 import warnings
 from collections import Counter
-from multiprocessing.connection import Connection
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+
 import numpy as np
+from long_runs import forked
 
 from plannercheck.bodies.mesh_files import MeshFile, read_mesh
 from plannercheck.common.errors import PlannercheckError
 
-_SECONDS, _BYTES = 10.0, 2 << 30
 _WORDS = (
     b"nan -1 3.0 x inf 1e400 0 7 99999999999999999999 4294967295 -0 1_0 0x10 1e 1,5 # \\ / // 1/ -2147483648".split()
 )
@@ -348,70 +346,43 @@ def _judge(name: str, content: bytes, folder: Path) -> str:
     return found if found else "loaded"
 
 
-def _work(connection: Connection) -> None:
-    """Judges seeds as they come, in 2 GB."""
-    resource.setrlimit(resource.RLIMIT_AS, (_BYTES, _BYTES))
-    with tempfile.TemporaryDirectory() as folder:
-        while (seed := connection.recv()) is not None:
-            name = list(BASES)[seed % len(BASES)]
-            connection.send(_judge(name, mutated(BASES[name], seed), Path(folder)))
-
-
-class _Worker:
-    """A process that judges files one after the other; another one takes its place if it dies or hangs."""
-
-    def __init__(self) -> None:
-        self._connection, other = multiprocessing.Pipe()
-        self._process = multiprocessing.Process(target=_work, args=(other,), daemon=True)
-        self._process.start()
-        other.close()
-
-    def judged(self, seed: int) -> str:
-        self._connection.send(seed)
-        try:
-            if self._connection.poll(_SECONDS):
-                return str(self._connection.recv())
-            verdict = f"takes more than {_SECONDS:g} s"
-        except EOFError:
-            verdict = "the process dies"
-        self._process.kill()
-        self.__init__()
-        return verdict
-
-    def stop(self) -> None:
-        self._connection.send(None)
-        self._process.join()
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("count", type=int, nargs="?", default=2000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--keep", type=Path, default=Path("mutated_meshes"))
     options = parser.parse_args()
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    worker = _Worker()
-    for name in BASES:  # a base that is refused would prove nothing
-        with tempfile.TemporaryDirectory() as folder:
-            verdict = _judge(name, BASES[name], Path(folder))
-        if verdict != "loaded":
-            print(f"{name} itself: {verdict}")
-            return 1
-    tally: Counter[tuple[str, str]] = Counter()
-    for seed in range(options.seed, options.seed + options.count):
-        name, verdict = list(BASES)[seed % len(BASES)], worker.judged(seed)
-        if verdict not in ("loaded", "refused"):
-            options.keep.mkdir(parents=True, exist_ok=True)
-            kept = options.keep / f"{seed}_{name}"
-            kept.write_bytes(mutated(BASES[name], seed))
-            print(f"seed {seed}, {kept}: {verdict}", flush=True)
-            verdict = "failed"
-        tally[name, verdict] += 1
-    worker.stop()
+    names = list(BASES)
+    with tempfile.TemporaryDirectory() as made:
+        folder = Path(made)
+        for name in names:  # a base that is refused would prove nothing
+            if (verdict := _judge(name, BASES[name], folder)) != "loaded":
+                print(f"{name} itself: {verdict}")
+                return 1
+
+        def trial(number: int) -> str:
+            seed = options.seed + number
+            name = names[seed % len(names)]
+            verdict = _judge(name, mutated(BASES[name], seed), folder)
+            if verdict not in ("loaded", "refused"):
+                raise AssertionError(verdict)
+            return f"{name} {verdict}"
+
+        tally = forked.run(trial, options.count, folder)
+    failed = Counter[str]()
+    for number, what in tally.faults:
+        seed = options.seed + number
+        name = names[seed % len(names)]
+        options.keep.mkdir(parents=True, exist_ok=True)
+        kept = options.keep / f"{seed}_{name}"
+        kept.write_bytes(mutated(BASES[name], seed))
+        print(f"seed {seed}, {kept}: {what}", flush=True)
+        failed[name] += 1
     print(f"{'':12} {'loaded':>8} {'refused':>8} {'failed':>8}")
-    for name in BASES:
-        print(f"{name:12}" + "".join(f" {tally[name, verdict]:>8}" for verdict in ("loaded", "refused", "failed")))
-    return int(any(verdict == "failed" for _, verdict in tally))
+    for name in names:
+        counts = (tally.outcomes[f"{name} loaded"], tally.outcomes[f"{name} refused"], failed[name])
+        print(f"{name:12}" + "".join(f" {count:>8}" for count in counts))
+    return int(bool(tally.faults))
 
 
 if __name__ == "__main__":

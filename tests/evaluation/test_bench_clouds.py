@@ -12,6 +12,7 @@ from poses import at
 
 import plannercheck as pc
 from plannercheck.cli.main import main
+from plannercheck.evaluation.bench import clouds
 from plannercheck.evaluation.bench.sensed_peers import coal_map, fcl_map
 from plannercheck.evaluation.sensing.buildings import building
 from plannercheck.evaluation.sensing.moving_camera import STATES, STEPS, Frame, frames, step_rows
@@ -76,7 +77,9 @@ def test_what_libraries_lack_is_refused():
         coal_map(pc.HeightField([[0, 0], [0, np.nan], [0, 0]], 0.1, -1.0))
 
 
-def test_tiny_runs_write_their_files(tmp_path, capsys):
+def test_tiny_runs_write_their_files(tmp_path, capsys, monkeypatch):
+    some = {name: clouds.HOLDERS[name] for name in ("plannercheck, balls", "plannercheck, cells", "coal's octree")}
+    monkeypatch.setattr(clouds, "HOLDERS", some)
     tiny = ["--states", "20", "--motions", "5", "--rounds", "1", "--output", str(tmp_path)]
     assert main(["bench", "clouds", "--points", "300", *tiny]) == 0
     assert main(["bench", "maps", "--length", "8", "--storeys", "1", "--ground", "64", *tiny]) == 0

@@ -13,7 +13,6 @@ import pytest
 from plannercheck import _oracle
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.common.core import core
-from plannercheck.evaluation.campaign.campaign import run
 from plannercheck.evaluation.campaign.tallies import EXCEPTION
 from plannercheck.evaluation.stress import campaign as stress
 from plannercheck.evaluation.stress import oracle as oracles
@@ -235,11 +234,3 @@ def test_what_the_oracle_does_not_prove_integers_decide(monkeypatch):
 
     monkeypatch.setattr(oracles, "compiled_oracle", lambda: Shy)
     assert Oracle(drawn).truth(thorough=False) == (expected, [oracles.BY_INTEGERS] * len(expected))
-
-
-def test_runs_do_not_depend_on_the_number_of_processes():
-    alone, together = run(stress.campaign(9), 2000), run(stress.campaign(9), 2000, processes=2)
-    assert alone.failures == 0
-    for of in ("counts", "faults", "draws", "broken"):
-        assert getattr(alone, of) == getattr(together, of)
-    assert alone.judged == together.judged == 55 * 37

@@ -14,13 +14,11 @@ import pytest
 import plannercheck as pc
 from plannercheck.bodies import exact_reference
 from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
-from plannercheck.cli.main import main
-from plannercheck.evaluation.campaign import pairs
-from plannercheck.evaluation.campaign.campaign import judged, run
+from plannercheck.evaluation.campaign.campaign import run
 from plannercheck.evaluation.campaign.cases import load, save
 from plannercheck.evaluation.campaign.pairs import PairCase, smaller
-from plannercheck.evaluation.campaign.posed_pairs import UNFIT, Outcome
-from plannercheck.evaluation.campaign.tallies import EXCEPTION, TIMEOUT, WRONG, Tally, total
+from plannercheck.evaluation.campaign.posed_pairs import UNFIT
+from plannercheck.evaluation.campaign.tallies import Tally, total
 from plannercheck.evaluation.stress.random_cases import GAPS
 from plannercheck.evaluation.stress_parts import campaign as stress
 from plannercheck.evaluation.stress_parts import judges
@@ -65,16 +63,6 @@ def test_the_tables_count_every_pair(tally: Tally[PairCase[Body]]) -> None:
     assert sum(map(int, sums[2][1:])) == total(tally.counts, who=MOTIONS) > 0
     for each in sums[:2]:
         assert each[1:] == [str(tally.judged), sums[0][2], "0", "0", "0"]
-
-
-def test_runs_do_not_depend_on_the_number_of_processes() -> None:
-    alone, together = run(campaign(9), 400), run(campaign(9), 400, processes=2)
-    for of in ("counts", "faults", "draws", "judged", "broken"):
-        assert getattr(alone, of) == getattr(together, of)
-
-
-def test_numbered_draws_are_the_same_alone() -> None:
-    assert numbered_draw(3, 5).label == numbered_draw(3, 5).label
 
 
 def test_the_shares_of_other_bodies_add_up() -> None:
@@ -208,22 +196,6 @@ def ellipsoid_on_a_plane() -> Draw:
     assert oval.inner is not None
     on_plane = lowered(oval.inner, poses, ground, poses, 0.1)
     return Draw("", "", oval, Body("", ground), on_plane, poses, tuple(GAPS))
-
-
-@pytest.mark.parametrize(("outcome", "kind"), [("wrong", WRONG), (EXCEPTION, EXCEPTION), (TIMEOUT, TIMEOUT)])
-def test_failures_are_counted_and_kept(outcome: str, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of one contestant, at one pair of each draw."""
-
-    def answers(drawn: Draw, truth: list[bool], number: int) -> pairs.Asked:
-        told: list[Outcome] = [*truth]
-        told[0] = not truth[0] if outcome == "wrong" else outcome
-        return {judges.BATCH: lambda: told}
-
-    suite = replace(campaign(1), questions=answers)
-    tally = Tally[PairCase[Body]]()
-    for number in range(3):
-        tally.merge(judged((suite, number)))
-    assert total(tally.faults, outcome=kind) == tally.failures == len(tally.cases) == 3
 
 
 def test_motions_that_meet_a_set_and_are_passed_are_missed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -370,26 +342,3 @@ def test_a_failure_is_shrunk_to_the_parts_that_it_takes(given: Given) -> None:
     left = smaller(case, fails)
     assert fails(left)
     assert len(left.p.pieces) == 1
-
-
-def test_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    assert main(["stress", "--parts", "100", "--seed", "4", "--cases", str(tmp_path)]) == 0
-    assert "pairs of" in capsys.readouterr().out
-    assert not list(tmp_path.iterdir())
-    assert main(["stress", "--parts", "0"]) == 2
-
-
-def test_a_wrong_verdict_fails_the_command(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    told = judges.batch
-    monkeypatch.setattr(judges, "batch", lambda *a: [not shared for shared in told(*a)])
-    monkeypatch.setattr(pairs, "KEPT", 1)
-    assert main(["stress", "--parts", "20", "--seed", "4", "--cases", str(tmp_path)]) == 1
-    assert "failed: draw 0" in capsys.readouterr().out
-    (file,) = tmp_path.iterdir()
-    assert main(["stress", "--case", str(file)]) == 1
-    assert "batch:" in capsys.readouterr().out
-    monkeypatch.undo()
-    assert main(["stress", "--case", str(file)]) == 0
-    assert "nothing is wrong now" in capsys.readouterr().out

@@ -6,19 +6,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from certified_motions import certified_ends, dense_states
+from proof_cases import whole_robot
 
 import plannercheck as pc
-from plannercheck.common.package_data import example_robot_data
-from plannercheck.robots.description import find_description, read_description
 
 # Of lengths in m, for what is computed twice.
 ROUNDING = 1e-11
-
-
-def whole_robot(name, floating=False):
-    """A robot in Pinocchio's own numbers."""
-    description = read_description(find_description(name))
-    return pc.Robot.from_urdf(description.urdf, description.srdf, package_dirs=example_robot_data(), floating=floating)
 
 
 ROBOTS = {

@@ -6,20 +6,13 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from poses import at
+from proof_cases import whole_robot
 
 import plannercheck as pc
 from plannercheck.bodies.tuning import tuning_table
-from plannercheck.common.package_data import example_robot_data
-from plannercheck.robots.description import find_description, read_description
 
 TOLERANCES = (1e-6, 1e-4, 2e-2)
 SWITCHES = tuple(row.name for row in tuning_table() if row.type == "bool")
-
-
-def whole_robot(name, floating=False):
-    """A robot in Pinocchio's own numbers."""
-    description = read_description(find_description(name))
-    return pc.Robot.from_urdf(description.urdf, description.srdf, package_dirs=example_robot_data(), floating=floating)
 
 
 ROBOTS = {

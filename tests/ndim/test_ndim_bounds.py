@@ -14,7 +14,7 @@ from plannercheck import ndim
 KINDS = [("points", "points"), ("points", "halfspaces"), ("halfspaces", "points"), ("halfspaces", "halfspaces")]
 
 # Integers take longer for halfspaces.
-_COUNTS = dict(zip(KINDS, (60, 16, 16, 8), strict=True))
+_COUNTS = dict(zip(KINDS, (100, 30, 30, 12), strict=True))
 
 
 def moved(pose, by):

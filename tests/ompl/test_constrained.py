@@ -71,7 +71,7 @@ def test_a_given_jacobian_is_used(checker, ends):
 @pytest.mark.parametrize("name", planner_names())
 def test_every_planner_holds_to_the_constraint(checker, ends, name):
     arguments = (checker, *ends, lambda q: q[:, 3:4] + q[:, 5:6] + 0.785)
-    found = plan_constrained(*arguments, planner=name, time_limit=0.3, seed=3)
+    found = plan_constrained(*arguments, planner=name, time_limit=0.15, seed=3)
     assert np.abs(found.path[:, 3] + found.path[:, 5] + 0.785).max(initial=0.0) <= TOLERANCE
     assert checker.check_motions(found.path[:-1], found.path[1:]).all()
 

@@ -158,7 +158,7 @@ def test_a_fault_of_loading_does_not_confirm_itself(write, monkeypatch, fault):
 def test_poses_of_every_form_are_read(write, form):
     rng = np.random.default_rng(7)
     write(URDF, "arm.urdf")
-    for _ in range(20):
+    for _ in range(6):
         numbers = {"position": rng.uniform(-3, 3, 3).tolist()}
         if form == "quaternion":
             numbers["quaternion"] = (rng.normal(size=4) * 3).tolist()

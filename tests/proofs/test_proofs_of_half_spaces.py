@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from flint import arb, arb_mat
 from proof_cases import STILL, at, claim, plane, point, proofs_where_free, turn
+from set_proof_cases import refused, replaced, with_bodies
 
 import plannercheck as pc
 from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
@@ -16,7 +17,6 @@ from plannercheck.cli.main import main
 from plannercheck.proofs import Entry, Joint, PosedBody, load_proofs
 from plannercheck.proofs.half_spaces import plane_of
 from plannercheck.proofs.verify import model_confirmed
-from plannercheck.proofs.well_formed import hashes_of
 
 OVER = Entry(0, 0.0, 1.0, "half-space")
 
@@ -25,22 +25,6 @@ def floor(normal=(0.0, 0.0, 1.0), offset=0.0, pose=STILL, radius=0.0):
     return PosedBody(
         "floor", "floor", -1, pose, np.zeros(0), radius, 0.0, (0.0, 0.0, 0.0), 0.0, half_space=(*normal, offset)
     )
-
-
-def refused(proof, words):
-    found = proof.verify()
-    assert not found
-    assert words in found.fault, found.fault
-
-
-def replaced(proof, **changes):
-    fields = ("kind", "robot", "scene", "hashes", "model", "motion", "margin", "entries")
-    return type(proof)(*(changes.get(name, getattr(proof, name)) for name in fields))
-
-
-def with_bodies(proof, bodies):
-    model = replace(proof.model, bodies=tuple(bodies))
-    return replaced(proof, model=model, hashes=hashes_of(model))
 
 
 def room(height=0.1, pose=None):

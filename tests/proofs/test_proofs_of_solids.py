@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import solid_meshes
 from flint import arb_mat
+from set_proof_cases import refused, replaced, with_bodies
 
 import plannercheck as pc
 from plannercheck.cli.main import main
@@ -59,12 +60,6 @@ def hooks_proof(hook):
 
 def in_parts(proof):
     return sum(bool(entry.first or entry.second) for entry in proof.entries)
-
-
-def refused(proof, words):
-    found = proof.verify()
-    assert not found
-    assert words in found.fault, found.fault
 
 
 @pytest.mark.parametrize("path", ["screw", "slerp"])
@@ -223,16 +218,6 @@ def test_a_proof_of_another_motion_holds_only_if_that_is_free(hook, hooks_proof)
         assert free or not proved
         seen.append((proved, bool(free)))
     assert {(True, True), (False, False)} <= set(seen)
-
-
-def replaced(proof, **changes):
-    fields = ("kind", "robot", "scene", "hashes", "model", "motion", "margin", "entries")
-    return type(proof)(*(changes.get(name, getattr(proof, name)) for name in fields))
-
-
-def with_bodies(proof, bodies):
-    model = replace(proof.model, bodies=tuple(bodies))
-    return replaced(proof, model=model, hashes=hashes_of(model))
 
 
 @pytest.fixture

@@ -66,7 +66,7 @@ def single(files, entry):
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize(("left", "right"), [*itertools.combinations_with_replacement(KINDS, 2)])
+@pytest.mark.parametrize(("left", "right"), [*zip(KINDS, KINDS, strict=True), *itertools.pairwise(KINDS)])
 def test_robots_of_all_kinds_stand_side_by_side(files, left, right):
     (first, count), (second, more) = KINDS[left], KINDS[right]
     path = written(files, f"robots:\n  left: {{{first}}}\n  right: {{{second}, {POSE}}}\n")

@@ -5,26 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from gantries import gantry_robot
 
 import plannercheck as pc
 
 # Half edges of the boxes, m.
 HALF = 0.1
 
-_URDF = f"""<robot name="gantry"><link name="base"/><link name="bridge"/>
-<link name="tip"><collision><geometry><box size="{2 * HALF} {2 * HALF} {2 * HALF}"/></geometry></collision></link>
-<joint name="x" type="prismatic"><parent link="base"/><child link="bridge"/><axis xyz="1 0 0"/>
-  <limit lower="-9" upper="9" effort="1" velocity="9"/></joint>
-<joint name="y" type="prismatic"><parent link="bridge"/><child link="tip"/><axis xyz="0 1 0"/>
-  <limit lower="-9" upper="9" effort="1" velocity="9"/></joint>
-</robot>"""
-
 
 def gantries(folder: Path, names, post: tuple[float, float] | None = None) -> pc.Checker:
     """A cell of gantries at one place, and a post of the same size."""
-    urdf = folder / "gantry.urdf"
-    urdf.write_text(_URDF)
-    robot, scene = pc.Robot.from_urdf(urdf), pc.Scene("posts")
+    robot, scene = gantry_robot(folder, HALF, (9.0, 9.0)), pc.Scene("posts")
     if post is not None:
         place = np.eye(4)
         place[:2, 3] = post

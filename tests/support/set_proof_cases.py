@@ -68,3 +68,14 @@ def with_set(proof, **changes):
 
 def set_of(proof):
     return next(body for body in proof.model.bodies if body.parts)
+
+
+def with_bodies(proof, bodies):
+    model = replace(proof.model, bodies=tuple(bodies))
+    return replaced(proof, model=model, hashes=hashes_of(model))
+
+
+def refused(proof, words):
+    found = proof.verify()
+    assert not found
+    assert words in found.fault, found.fault

@@ -208,6 +208,66 @@ def test_a_stop_beyond_the_limits_is_a_reason(gate, checker, home):
     assert (reason.kind, reason.joint, reason.on_stop) == ("limit", "panda_joint7", True)
 
 
+def wall_at(checker, q, link, size=0.002):
+    """The same robot with a small body at the origin of a link at a state."""
+    scene, pose = pc.Scene("wall"), checker.robot.link_poses(q)[checker.robot.link_index(link)]
+    scene.add("wall", pc.Box((size, size, size)), pose)
+    return pc.Checker(checker.robot, scene)
+
+
+def test_a_stop_into_a_wall_does_not_pass(checker, home):
+    dq = np.array([1.5, 0, 0, 0, 0, 0, 0])
+    chunk = home + dq * np.arange(1, 4)[:, None] / 50
+    rest = chunk[-1] + dq * dq / (2 * BRAKE)
+    among = wall_at(checker, rest + 0.05 * np.eye(7)[0], "panda_hand")
+    gate = pc.Gate(among, velocity=SPEED, brake=BRAKE)
+    for each in (gate, plain(gate)):
+        verdict = each.judge(chunk, 50, start=(home, dq))
+        assert not verdict.ok
+        assert verdict.reasons[0].on_stop
+        assert verdict.reasons[0].kind == "collision"
+
+
+def asked_quickly(gate, rows, dq):
+    """The motions and tubes that the fast path asks for, the first refused."""
+    quick, seen = gate.of(gate.checker)._quick, []
+
+    def refuse(points, tubes):
+        seen.append((points.copy(), tubes.copy()))
+        return np.zeros(len(points), dtype=bool)
+
+    quick._free = refuse
+    quick.judge(rows, dq, 50.0)
+    return seen
+
+
+@pytest.mark.parametrize("slow", [0.1, 0.3, 0.7])
+def test_the_fast_path_covers_the_stop(checker, home, slow):
+    """In a stop, the quick joint is ahead of the straight motion by just what the bound says, at T / (1 + r)."""
+    gate = pc.Gate(checker, velocity=SPEED, brake=[5.0] * 6 + [5.0 * slow])
+    dq = np.array([1.0, 0, 0, 0, 0, 0, -1.0])
+    rows = home + dq * np.arange(4)[:, None] / 50
+    (cover, wide), (pieces, tubes) = asked_quickly(gate, rows, dq)
+    at, lasts = stop_by_hand(rows[-1], dq, np.array([5.0] * 6 + [5.0 * slow]))
+    times = np.linspace(0, lasts, 1001)
+    states = np.array([at(t) for t in times])
+    assert (np.abs(states - cover[0, 1]) <= wide[0, :-1] - TUBE + 1e-9).all()
+    share = 1 - (1 - times[:, None] / lasts) ** 2
+    off = np.abs(states - (pieces[-1, 0] + share * (pieces[-1, 1] - pieces[-1, 0]))).max(axis=0)
+    assert (off <= tubes[-1, :-1] - TUBE + 1e-9).all()
+    assert off[0] >= 0.999 * (tubes[-1, 0] - TUBE) - 1e-8
+
+
+def test_the_fast_path_covers_all_waypoints(gate, home):
+    rows = home + 0.1 * np.sin(np.arange(17)[:, None] / 16 * np.pi) * np.array([1, -0.5, 0, 0, 0, 0, 0])
+    ((cover, wide), _) = asked_quickly(gate, rows, np.zeros(7))
+    part = np.linspace(0, 16, 401)
+    states = np.array([np.interp(part, np.arange(17), column) for column in rows.T]).T
+    line = cover[0, 0] + part[:, None] / 16 * (cover[0, 1] - cover[0, 0])
+    assert (np.abs(states - line) <= wide[0, :-1] - TUBE + 1e-9).all()
+    assert wide[0, -1] == MARGIN
+
+
 def test_a_robot_at_rest_stops_where_it_stands(gate, home):
     verdict = gate.judge(np.tile(home, (3, 1)), 50, start=home)
     assert verdict.ok

@@ -133,8 +133,11 @@ class Gate:
         given = self._quick.rows(chunk, start)
         if given is None:
             return None
-        ok, checked = self._quick.judge(*given, float(rate))
-        return None if checked is None else GateVerdict(checked, self._tools, ok)
+        found = self._quick.judge(*given, float(rate))
+        if found is None:
+            return None
+        checked, ok = found
+        return GateVerdict(checked, self._tools, ok, but_the_stop=True)
 
     def __repr__(self) -> str:
         return f"Gate({self.checker.robot.name} in {self.checker.scene.name}, {self.settings.controller})"

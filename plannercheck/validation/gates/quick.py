@@ -1,14 +1,17 @@
 """The fast path of a gate: most chunks pass by a few operations on whole arrays, and one or two calls of the core.
 
 In: where the robot stands and its waypoints, at even times, straight between them. Out: whether the chunk passes for
-sure, or fails for sure, or nothing is known: then the plain path judges (`GateVerdict`).
+sure, or fails for sure; where nothing is known, or all but the stop, the plain path judges (`GateVerdict`).
 
 1. The limits of positions, speeds and accelerations, at the waypoints. A number that is none keeps no limit.
 2. One straight motion from the start to the middle of the stop. Its tube is so wide that it covers the chunk and the
    stop: their difference from it is linear between waypoints, so it is largest at one of them.
-3. The pieces as they are, and the stop as the box of all states between its begin and its end.
+3. The pieces as they are, and the stop as a straight motion with a tube.
 
-In a stop each joint moves by v T / 2 one way, where T is less than 2 ns longer than |v| / brake (stops.py).
+In a stop, joint j gets by d = v T / 2 further, of which the part 1 − (1 − t/T)² is done at t. The straight motion does
+for all joints what the joint does that takes longest, M. With r = T/M, joint j is ahead of it by d (1 − t/M)² − d (1 −
+t/T)², which is largest at t = T/(1 + r): d (1 − r)/(1 + r). The motion is moved by half of that. T is less than 2 ns
+longer than |v|/brake (stops.py), by which all this changes by less than 8 ns · |v|.
 """
 
 from __future__ import annotations
@@ -22,7 +25,6 @@ from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import named_numbers
-from plannercheck.motions.motion_ends import Curves
 from plannercheck.trajectories.rounding import UNIT, hermite_error
 from plannercheck.trajectories.stamps import durations
 from plannercheck.validation.gates.chunks import REMEMBERED, Chunk, even_times
@@ -30,11 +32,14 @@ from plannercheck.validation.gates.limits import ROUNDED, GateLimits
 from plannercheck.validation.gates.proving import ChunkProofs
 from plannercheck.validation.gates.settings import GateSettings
 
-# Longer than a stop may last beyond |v| / brake, s.
-_LATER = 2e-9
+# By how much rounding a stop's times up moves it, at most, as a part of the speed, s.
+_LATER = 8e-9
 
 # Relative errors of all that is computed here, by the largest number within the limits: 12 operations, thrice as many.
 _ERRORS = 36
+
+# In place of the longest time of a stop where all joints rest, s.
+_NO_TIME = 1e-300
 
 # Limits are held here to a smaller part of themselves than in `GateLimits`: what passes here passes there.
 _STRICTER = 1 + ROUNDED / 2
@@ -72,11 +77,15 @@ class QuickJudge:
 
     def __init__(self, settings: GateSettings, limits: GateLimits, proofs: ChunkProofs) -> None:
         """Computes what all chunks share."""
-        self._proofs, self._brake = proofs, settings.brake
-        self._tolerance, self._rest = settings.tolerance, np.zeros(len(settings.tube))
+        self._free, self._brake = proofs.certifier.curve_judge(settings.tolerance), settings.brake
+        self._rest = np.zeros(len(settings.tube))
         self._lower, self._upper, self._nq = limits.lower, limits.upper, len(settings.tube)
         self._velocity, self._acceleration = settings.velocity * _STRICTER, settings.acceleration * _STRICTER
         self._bends = limits.has_accelerations
+        self._centre = (limits.lower + limits.upper) / 2
+        reach = (limits.upper - limits.lower) / 2
+        self._around_centre = reach - 4 * UNIT * (np.abs(self._centre) + reach)
+        self._sizes: dict[tuple[int, float], Floats] = {}
         largest = np.maximum(np.abs(limits.lower), np.abs(limits.upper))
         error = hermite_error(np.array((largest, largest)), None, None, 1.0, True) + _ERRORS * UNIT * largest
         self._around = np.append((settings.tube + error) * (1 + 2.0**-50), settings.margin)
@@ -99,33 +108,51 @@ class QuickJudge:
         speeds.setflags(write=False)
         return rows, speeds
 
-    def judge(self, rows: Floats, dq: Floats, rate: float) -> tuple[bool | None, Chunk | None]:
-        """Whether a chunk passes, None if that is not known; and the chunk where it is."""
+    def judge(self, rows: Floats, dq: Floats, rate: float) -> tuple[Chunk, bool | None] | None:
+        """The chunk, and whether it passes, None if all but its stop does; None if nothing is known."""
         at = _even(len(rows) - 1, rate)
-        moved = rows[1:] - rows[:-1]
-        if not self._keeps_limits(rows, moved, dq, at):
-            return None, None
-        velocity = moved[-1] / at.last
-        half = velocity * (np.abs(velocity) / self._brake + _LATER) / 4
-        middle = rows[-1] + half
-        rest = middle + half
-        if not ((rest >= self._lower).all() and (rest <= self._upper).all()):
-            return None, None
-        reach = np.abs(half)
-        known = self._is_covered(rows, middle, reach, at) or self._is_free(rows, middle, reach)
-        return known, None if known is None else Chunk(at.times, rows[1:], rows[0], dq, rate)
+        if not self._keeps_limits(rows, dq, at):
+            return None
+        velocity = (rows[-1] - rows[-2]) / at.last
+        speed = np.abs(velocity)
+        lasts = speed / self._brake
+        late = _LATER * speed
+        half = velocity * lasts / 4
+        rest = rows[-1] + 2 * half
+        if not ((rest - late >= self._lower).all() and (rest + late <= self._upper).all()):
+            return None
+        chunk = Chunk(at.times, rows[1:], rows[0], dq, rate)
+        if self._is_covered(rows, rows[-1] + half, np.abs(half) + late, at):
+            return chunk, True
+        share = lasts / max(lasts.max(), _NO_TIME)
+        aside = half * ((1 - share) / (1 + share))
+        return chunk, self._is_free(rows, aside, rest + aside, np.abs(aside) + late)
 
-    def _keeps_limits(self, rows: Floats, moved: Floats, dq: Floats, at: _Even) -> bool:
+    def _keeps_limits(self, rows: Floats, dq: Floats, at: _Even) -> bool:
         """Whether all limits are kept for sure."""
-        if not ((rows >= self._lower).all() and (rows <= self._upper).all()):
-            return False
-        if not ((np.abs(moved) <= self._velocity * at.least).all() and (np.abs(dq) <= self._velocity).all()):
-            return False
-        if not self._bends:
-            return True
-        most = self._acceleration * (at.least * at.least)
-        from_start = np.abs(moved[0] - dq * at.first) <= most
-        return bool(from_start.all() and (np.abs(moved[1:] - moved[:-1]) <= most).all())
+        count = len(rows)
+        sizes = np.empty((2 * count, self._nq))
+        moved = sizes[count:-1]
+        np.subtract(rows, self._centre, out=sizes[:count])
+        np.subtract(rows[1:], rows[:-1], out=moved)
+        sizes[-1] = dq
+        if self._bends:
+            most = self._acceleration * (at.least * at.least)
+            from_start = np.abs(moved[0] - dq * at.first) <= most
+            if not (from_start.all() and (np.abs(moved[1:] - moved[:-1]) <= most).all()):
+                return False
+        np.abs(sizes, out=sizes)
+        return bool((sizes <= self._largest_sizes(count, at.least)).all())
+
+    def _largest_sizes(self, count: int, step: float) -> Floats:
+        """(2 count, nq) of offsets from the middle of the limits, of steps, and of velocities at the start."""
+        known = self._sizes.get((count, step))
+        if known is not None:
+            return known
+        if len(self._sizes) >= REMEMBERED:
+            self._sizes.clear()
+        rows = ((self._around_centre, count), (self._velocity * step, count - 1), (self._velocity, 1))
+        return self._sizes.setdefault((count, step), np.concatenate([np.tile(row, (n, 1)) for row, n in rows]))
 
     def _is_covered(self, rows: Floats, middle: Floats, reach: Floats, at: _Even) -> bool:
         """Whether one straight motion is proved whose tube covers all."""
@@ -133,16 +160,20 @@ class QuickJudge:
         tubes = self._around[None].copy()
         tubes[0, :-1] += np.maximum(np.abs(rows - straight).max(axis=0), reach)
         ends = np.array(((rows[0], middle),))
-        return bool(self._proofs.certifier.check_curves(Curves(ends, tubes), self._tolerance, 1)[0])
+        return bool(self._free(ends, tubes)[0])
 
-    def _is_free(self, rows: Floats, middle: Floats, reach: Floats) -> bool | None:
-        """Whether the pieces are proved, and the box of the stop; None if only the box is not."""
+    def _is_free(self, rows: Floats, aside: Floats, end: Floats, off: Floats) -> bool | None:
+        """Whether the pieces are proved, and the stop as a straight motion; None if only the stop is not.
+
+        The stop's motion begins aside of the last waypoint.
+        """
         ends = np.empty((len(rows), 2, self._nq))
-        ends[:-1, 0], ends[:-1, 1], ends[-1] = rows[:-1], rows[1:], middle
+        ends[:, 0], ends[:-1, 1], ends[-1, 1] = rows, rows[1:], end
+        ends[-1, 0] += aside
         tubes = np.empty((len(rows), self._nq + 1))
         tubes[:] = self._around
-        tubes[-1, :-1] += reach
-        free = self._proofs.certifier.check_curves(Curves(ends, tubes), self._tolerance, 1)
+        tubes[-1, :-1] += off
+        free = self._free(ends, tubes)
         if free.all():
             return True
         return None if free[:-1].all() else False

@@ -90,10 +90,10 @@ class GateVerdict:
         ok: Whether the chunk keeps all limits, and it and the stop behind it are proved free.
     """
 
-    def __init__(self, chunk: Chunk, tools: GateTools, ok: bool | None = None) -> None:
-        """Made by `Gate.judge`; `ok` if that is known already."""
+    def __init__(self, chunk: Chunk, tools: GateTools, ok: bool | None = None, but_the_stop: bool = False) -> None:
+        """Made by `Gate.judge`; `ok` if that is known already, or that all passes `but_the_stop`."""
         self._chunk, self._tools = chunk, tools
-        self.ok = self._passes() if ok is None else ok
+        self.ok = ok if ok is not None else self._stop_passes() if but_the_stop else self._passes()
 
     @cached_property
     def _run(self) -> Run:
@@ -108,10 +108,13 @@ class GateVerdict:
 
     def _passes(self) -> bool:
         """Whether the chunk passes, by the plain path: limits first, then proofs of all pieces."""
-        tools = self._tools
-        if not (self._keeps_limits.all() and tools.limits.hold(self._stops.rests)[0]):
+        if not (self._keeps_limits.all() and self._tools.limits.hold(self._stops.rests)[0]):
             return False
-        return bool(self._free.all() and tools.proofs.stop_pieces_free(self._run.error, self._stops).all())
+        return bool(self._free.all()) and self._stop_passes()
+
+    def _stop_passes(self) -> bool:
+        """Whether the stop behind the chunk is proved free."""
+        return bool(self._tools.proofs.stop_pieces_free(self._run.error, self._stops).all())
 
     @cached_property
     def _keeps_limits(self) -> Bools:
