@@ -9,8 +9,6 @@ robot and each level that this machine runs, the time of loading, of a state and
 are the bits of Python's; with --fuzz what became of damaged cells. The exit code is 1 if verdicts differ.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Pairs of links decided by their joints' values, against dense samples and geometry that is known."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

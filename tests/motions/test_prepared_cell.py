@@ -3,8 +3,6 @@
 `python tests/benchmarks/cpp_library.py` builds the library and compares its verdicts with Python's, in minutes.
 """
 
-from __future__ import annotations
-
 import random
 import shutil
 import subprocess
