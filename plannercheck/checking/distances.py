@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.checking.nearest_sets import nearest_points_of
 from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
-from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.arrays import OwnsArrays, distinct
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 
@@ -71,7 +71,7 @@ class Distances(OwnsArrays):
         if not len(self):
             return "Distances(no pair within the limit)"
         return (
-            f"Distances({len(self)} {'row' if len(self) == 1 else 'rows'} of {len(np.unique(self.state))} "
+            f"Distances({len(self)} {'row' if len(self) == 1 else 'rows'} of {len(distinct(self.state))} "
             f"configurations, the least {self.distance.min():.6g} m, {self.unique.mean():.0%} unique)"
         )
 

@@ -263,7 +263,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         other._prepare(scene if scene is not None else Scene("empty"), self)
         return other
 
-    def of_new_obstacle(self) -> tuple[Bools, float]:
+    def _of_new_obstacle(self) -> tuple[Bools, float]:
         """How a new obstacle that no allowed collision names would be tested.
 
         Returns:

@@ -316,7 +316,7 @@ def _row(name: str, options: argparse.Namespace) -> AuditRow:
         start = time.process_time()
         answers = Counter(each.answer for each in acm_proofs.audited(matrix, found, options.prove))
         spent = time.process_time() - start
-        proved, collide, unknown = answers["never"], answers["collides"], answers["open"]
+        proved, collide, unknown = answers["never"], answers["collides"] + answers["always"], answers["open"]
         row = replace(row, proved_never=proved, collide=collide, open=unknown, seconds=spent)
     if not options.meshes:
         return row

@@ -23,7 +23,7 @@ class DecisionRow:
         link_a: A link.
         link_b: Another link.
         declared: The reason that the SRDF or YAML gives.
-        answer: "never", "collides" or "open", see `PairDecision`.
+        answer: "never", "always", "collides" or "open", see `PairDecision`.
         adjacent: Whether a joint connects the links.
         joints: The joints between them.
         cells: Boxes of these joints' values that were proved free.
@@ -103,7 +103,12 @@ def show_proposed(decisions: Sequence[PairDecision]) -> None:
 def show_audited(rows: Sequence[DecisionRow]) -> None:
     """Prints how many disabled pairs are proved, and those that collide though they are not adjacent."""
     counts = Counter((row.answer, row.adjacent) for row in rows)
-    words = {"never": "proved never to collide", "collides": "collide in some configuration", "open": "open"}
+    words = {
+        "never": "proved never to collide",
+        "always": "proved to collide always",
+        "collides": "collide in some configuration",
+        "open": "open",
+    }
     cells = [(text, counts[answer, True], counts[answer, False]) for answer, text in words.items()]
     print(table(("disabled pairs", "adjacent", "others"), cells))
     for row in rows:

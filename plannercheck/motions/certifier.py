@@ -107,13 +107,11 @@ class MotionCertifier:
     def _all_pairs(self) -> ChainedPairs:
         return self._pairs_within_limits if self._limits is None else self._compile_all_pairs()
 
-    @property
     def pairs_by_table(self) -> tuple[ChainedPairs, ...]:
         """The pairs that judge motions within the limits, and those beyond if these are others."""
         within = self._pairs_within_limits
         return (within,) if self._all_pairs is within else (within, self._all_pairs)
 
-    @property
     def rounding(self) -> RoundingBounds:
         """The bounds of the kinematics' rounding."""
         return self._errors

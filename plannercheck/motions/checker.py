@@ -364,7 +364,7 @@ class Checker(StateChecker):
                 or the file can't be written.
         """
         kernel, robot = check_can_be_saved(self.robot, self.scene, self._kernel), self.robot
-        meets, padding = self.of_new_obstacle()
+        meets, padding = self._of_new_obstacle()
         _ = self.polytopes  # prepares those of all pairs
         self._preparation.prepare(np.flatnonzero(meets).tolist())
         parts = self._labels, self.prepared, self.pairs, self.unreachable, meets, padding

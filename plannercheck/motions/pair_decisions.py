@@ -19,16 +19,17 @@ from plannercheck.checking.collision_matrix import with_all_joints
 from plannercheck.checking.compiled_pairs import PairSource
 from plannercheck.checking.compiled_tables import CompiledTables
 from plannercheck.checking.prepared_bodies import Preparation
-from plannercheck.common.array_types import Floats, Ints
+from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.certifier import MotionCertifier
 from plannercheck.motions.joint_cells import are_free, halved, levers_at
+from plannercheck.motions.lasting_overlaps import LastingOverlaps
 from plannercheck.robots.configurations import COSINE
 from plannercheck.robots.robot import Robot
 
-# never: proved apart at every configuration. collides: at `example`. open: neither is known.
-Answer: TypeAlias = Literal["never", "collides", "open"]
+# never, always: proved for every configuration. collides: at `example`. open: none of these is known.
+Answer: TypeAlias = Literal["never", "always", "collides", "open"]
 
 # Cells that are judged at once, and the most that wait: a search that needs more stays open.
 _BATCH, _MOST_WAITING = 4096, 1_000_000
@@ -44,10 +45,10 @@ class PairDecision(OwnsArrays):
     Attributes:
         link_a: A link.
         link_b: Another link.
-        answer: "never": proved. "collides": at `example`. "open": neither.
+        answer: "never" and "always": proved. "collides": at `example`. "open": none of these is known.
         joints: The joints between both, which alone matter; the others stand at the reference.
-        cells: How many cells were proved free.
-        open_share: The share of the joints' box that is in cells which are not proved free; 0 if never.
+        cells: How many cells were proved free, or for "always" to collide throughout.
+        open_share: The share of the joints' box that is in cells which are not proved; 0 for "never" and "always".
         example: (nq,) a configuration that collides, of the group of all joints, rad and m; None if none was found.
     """
 
@@ -119,7 +120,7 @@ class _Search:
     """The search for one pair."""
 
     def __init__(self, decider: PairDecider, link_a: str, link_b: str, pairs: Ints) -> None:
-        self._decider, self._links, robot = decider, (link_a, link_b), decider.robot
+        self._decider, self._links, self._pairs, robot = decider, (link_a, link_b), pairs, decider.robot
         source = PairSource(robot, robot.bodies, decider._preparation, core_tuning(), robot.kinematics)
         self._tables = CompiledTables(source, pairs, np.zeros(len(pairs), dtype=bool))
         self._certifier = MotionCertifier(robot, robot.bodies, pairs, self._tables, DEFAULT_EXCESS, DEFAULT_TUNING)
@@ -132,11 +133,14 @@ class _Search:
         low[self._columns], high[self._columns] = decider._lower[self._columns], decider._upper[self._columns]
         if not decider._has_range[self._columns].all():
             return self._decision("open", 0, 1.0)
-        example = self._first_collision(np.random.default_rng(0).uniform(low, high, (_TRIED, len(low))))
-        if example is not None:
-            return self._decision("collides", 0, 1.0, example)
+        tried = np.random.default_rng(0).uniform(low, high, (_TRIED, len(low)))
+        free = self._are_free(tried)
         levers = np.zeros(len(low))
         levers[self._columns] = levers_at(self._body_poses, (low + high) / 2)[self._columns]
+        if not free.any():
+            return self._always(low, high, levers, until, tried[0])
+        if not free.all():
+            return self._decision("collides", 0, 1.0, np.asarray(tried[int(np.argmin(free))]))
         waiting, proved, share = [(low[None], high[None])], 0, 1.0
         while waiting and time.process_time() < until and sum(len(lows) for lows, _ in waiting) < _MOST_WAITING:
             lows, highs = self._next(waiting)
@@ -146,11 +150,33 @@ class _Search:
             lows, highs = lows[~free], highs[~free]
             if not len(lows):
                 continue
-            example = self._first_collision((lows + highs) / 2)
-            if example is not None:
-                return self._decision("collides", proved, share, example)
+            middles = (lows + highs) / 2
+            free = self._are_free(middles)
+            if not free.all():
+                return self._decision("collides", proved, share, np.asarray(middles[int(np.argmin(free))]))
             waiting.append(halved(lows, highs, levers))
         return self._decision("open", proved, share) if waiting else self._decision("never", proved, 0.0)
+
+    def _always(self, low: Floats, high: Floats, levers: Floats, until: float, example: Floats) -> PairDecision:
+        """Cuts the box until every cell is proved to collide throughout, a middle is free, or the time is over."""
+        extents = np.maximum(np.abs(self._decider._lower), np.abs(self._decider._upper))
+        overlaps = LastingOverlaps(self._decider.robot, self._pairs, self._tables, extents, DEFAULT_EXCESS)
+        if not self._columns:
+            return self._decision("always", 1, 0.0, example)
+        waiting, proved, share = [(low[None], high[None])], 0, 1.0
+        while waiting and time.process_time() < until and sum(len(lows) for lows, _ in waiting) < _MOST_WAITING:
+            lows, highs = self._next(waiting)
+            hold = overlaps.hold(lows, highs)
+            proved += int(hold.sum())
+            share -= float(self._shares(lows[hold], highs[hold], low, high).sum())
+            lows, highs = lows[~hold], highs[~hold]
+            if len(lows) and self._are_free((lows + highs) / 2).any():
+                return self._decision("collides", proved, share, example)
+            if len(lows):
+                waiting.append(halved(lows, highs, levers))
+        if waiting:
+            return self._decision("collides", proved, share, example)
+        return self._decision("always", proved, 0.0, example)
 
     def _next(self, waiting: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
         """Takes a batch of the largest cells that wait: they come first."""
@@ -164,12 +190,11 @@ class _Search:
         sides = [k for k in self._columns if high[k] > low[k]]
         return np.asarray(((highs - lows)[:, sides] / (high - low)[sides]).prod(axis=1))
 
-    def _first_collision(self, q: Floats) -> Floats | None:
-        """The first of configurations (n, nq) that collides."""
+    def _are_free(self, q: Floats) -> Bools:
+        """(n,) whether configurations (n, nq) are free."""
         robot = self._decider.robot
         assert robot.kinematics is not None
-        free = self._tables.check_states(robot.kinematics, q, 1)
-        return None if free.all() else np.asarray(q[int(np.argmin(free))])
+        return self._tables.check_states(robot.kinematics, q, 1)
 
     def _body_poses(self, q: Floats) -> Floats:
         return self._tables.all.body_poses(self._decider.robot.link_poses(q))

@@ -103,7 +103,7 @@ def _sections(cell: CellInputs) -> Iterator[Section]:
 
 
 def _configurations(robot: Robot, certifier: MotionCertifier) -> Iterator[Section]:
-    lengths, bounds = robot.configuration_map.lengths, certifier.rounding
+    lengths, bounds = robot.configuration_map.lengths, certifier.rounding()
     yield Section("lower", robot.lower)
     yield Section("upper", robot.upper)
     yield Section("largest value", LARGEST_VALUE)
@@ -187,7 +187,7 @@ def _pairs(cell: CellInputs) -> Iterator[Section]:
 
 
 def _motions(cell: CellInputs) -> Iterator[Section]:
-    by_table = cell.certifier.pairs_by_table
+    by_table = cell.certifier.pairs_by_table()
     moving = cell.tables.mounts(cell.kernel)[0][: len(cell.meets_obstacles)] >= 0
     joints = by_table[0].of_robot
     drives, factors, parts = joints.drives

@@ -5,8 +5,6 @@ bodies with a clear gap. Half of the configurations are random within the limits
 the border between free and colliding that halving can't bring them closer.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from pair_run import is_clear, kept_case
 

@@ -1,7 +1,5 @@
 """Sizes of the agreement runs, and their tables at the end of the session."""
 
-from __future__ import annotations
-
 import os
 
 import pytest

@@ -8,8 +8,6 @@ the other at a known gap, or are random. Exact arithmetic is asked wherever we d
 sign of the gap, and now and then everywhere near contact, so that a common error would show too.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """FCL's errors, counted by the size and flatness of the bodies and by the gap between them."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 
@@ -44,10 +42,7 @@ class ErrorTable:
     def lines(self) -> list[str]:
         """The table as text, in percent of wrong verdicts a cell."""
         lines = []
-        for truth, title in (
-            (True, "collisions that FCL misses"),
-            (False, "free pairs that FCL calls collisions"),
-        ):
+        for truth, title in ((True, "collisions that FCL misses"), (False, "free pairs that FCL calls collisions")):
             errors, pairs = self.total(truth)
             lines += [f"{title}: {errors} of {pairs}; percent by |gap| over the smaller size", heading()]
             lines += [self._line(size, flatness, truth) for size, flatness in self._rows(truth)]

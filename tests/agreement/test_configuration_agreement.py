@@ -1,7 +1,5 @@
 """Configuration by configuration, for every shipped robot in every shipped scene: nothing goes against us."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

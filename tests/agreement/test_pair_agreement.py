@@ -1,7 +1,5 @@
 """Pair by pair: no disagreement with FCL, at any gap, goes against us."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

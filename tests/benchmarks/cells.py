@@ -10,8 +10,6 @@ control), of one at the other place, and of both, on random states, free ones, s
 the bodies that building takes: of one Panda, of two, and of two and a UR5.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

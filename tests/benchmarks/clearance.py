@@ -15,8 +15,6 @@ poses (which is C++ alone). All start cold: Pinocchio would have coal start from
 the same poses is the answer.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 import warnings

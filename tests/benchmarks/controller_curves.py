@@ -7,8 +7,6 @@ the numbers in the message, and the largest difference of positions by the bound
 (`Curve.error`), with the curve evaluated in rationals.
 """
 
-from __future__ import annotations
-
 import argparse
 import ctypes
 import subprocess

@@ -4,12 +4,10 @@
     python tests/benchmarks/cpp_library.py --levels v3 --static
     python tests/benchmarks/cpp_library.py --levels v3 --sanitize address,undefined --fuzz 10000
 
-Out: the library's size; the examples' output (docs/examples/cpp); for each robot and each level that this machine runs,
-the time of loading, of a state and of a motion, and whether the verdicts are the bits of Python's; with --fuzz what
-became of damaged cells. The exit code is 1 if verdicts differ.
+Out: the library's size, and an error if its levels are not apart; the examples' output (docs/examples/cpp); for each
+robot and each level that this machine runs, the time of loading, of a state and of a motion, and whether the verdicts
+are the bits of Python's; with --fuzz what became of damaged cells. The exit code is 1 if verdicts differ.
 """
-
-from __future__ import annotations
 
 import argparse
 import os
@@ -27,6 +25,20 @@ import plannercheck as pc
 
 ROOT = Path(__file__).parents[2]
 CELLS = (("panda", "bookshelf"), ("ur5", "table"), ("baxter", "kitchen"))
+# Planar, prismatic, turning and floating joints.
+LIFT = """<robot name="lift"><link name="floor"/>
+<link name="sled"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+<link name="lift"/><link name="arm"><collision><origin xyz="0.2 0 0"/><geometry><box size="0.4 0.1 0.1"/></geometry>
+</collision></link><link name="hand"><collision><geometry><cylinder radius="0.05" length="0.2"/></geometry></collision>
+</link><link name="kite"><collision><origin xyz="0.4 0 0"/><geometry><box size="0.2 0.2 0.1"/></geometry></collision>
+</link><joint name="slide" type="planar"><parent link="floor"/><child link="sled"/><axis xyz="0 0 1"/></joint>
+<joint name="rise" type="prismatic"><parent link="sled"/><child link="lift"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint><joint name="turn" type="revolute"><parent link="lift"/>
+<child link="arm"/><origin xyz="0 0 0.2"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/>
+</joint><joint name="wrist" type="continuous"><parent link="arm"/><child link="hand"/><origin xyz="0.5 0 0"/>
+<axis xyz="1 0 0"/></joint><joint name="fly" type="floating"><parent link="hand"/><child link="kite"/></joint>
+</robot>"""
+
 EDITED = 2000  # kEdited in judge.cpp
 PROGRAMS = ROOT / "tests" / "support" / "cpp"
 
@@ -55,6 +67,18 @@ def built(options: argparse.Namespace, folder: Path) -> Path:
     )
     print(f"{library.name}: {sizes}, built in {took:.0f} s of processor time")
     return prefix
+
+
+def check_levels_apart(build: Path) -> None:
+    """No level has a symbol that others see but its entry, nor code that runs when the library is loaded."""
+    for joined in build.glob("level_??.o"):
+        seen = subprocess.run(
+            ["nm", "--defined-only", "--extern-only", joined], capture_output=True, text=True, check=True
+        )
+        names = [line.split()[-1] for line in seen.stdout.splitlines()]
+        assert names == [f"plannercheck_engine_{joined.stem.removeprefix('level_')}"], names
+        sections = subprocess.run(["objdump", "-h", joined], capture_output=True, text=True, check=True).stdout
+        assert ".init_array" not in sections, joined
 
 
 def consumer(prefix: Path, folder: Path, options: argparse.Namespace) -> Path:
@@ -115,6 +139,37 @@ def of_edits(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarra
         yield checker.check_motions(given[1][:EDITED], given[2][:EDITED])
 
 
+def cell_of_all_kinds(folder: Path) -> Path:
+    """A small cell with all kinds of bodies, and joints of several kinds, to be damaged."""
+    (folder / "lift.urdf").write_text(LIFT)
+    rng = np.random.default_rng(0)
+    ball = rng.standard_normal((120, 3))
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) * 0.3
+    scene = pc.Scene("all kinds")
+    scene.add("hull", pc.Hull(0.2 * ball / np.linalg.norm(ball, axis=1, keepdims=True)), shifted(0.9, 0, 0.3))
+    scene.add(
+        "solid",
+        pc.Solid(
+            np.concatenate([corners, corners + 0.5]),
+            np.array([[k + i for i in face] for k in (0, 4) for face in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))]),
+        ),
+        shifted(-1.2, 0, 0),
+    )
+    scene.add("cloud", pc.PointCloud(rng.uniform(-1, 1, (20, 3)), 0.02), shifted(0, 1.2, 0))
+    scene.add("map", pc.Octree.from_cells(np.array([[0, 0, 0], [2, 1, 3]], dtype=np.int32), 0.1), shifted(0, -1, 0))
+    scene.add("ground", pc.HeightField(rng.uniform(-0.6, -0.5, (4, 5)), 0.5, -0.8))
+    scene.add("floor", pc.HalfSpace((0.0, 0.1, 1.0), -0.7))
+    pc.Checker(pc.Robot.from_urdf(folder / "lift.urdf"), scene).save(folder / "lift.plannercheck")
+    return folder / "lift.plannercheck"
+
+
+def shifted(x: float, y: float, z: float) -> np.ndarray:
+    """A pose without a turn, m."""
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose
+
+
 def compare(checker: pc.Checker, cell: Path, programs: Path, folder: Path, options: argparse.Namespace) -> bool:
     """Whether all levels give Python's verdicts."""
     given = inputs(checker, options.states, options.motions)
@@ -168,21 +223,25 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as temporary:
         folder = options.folder or Path(temporary)
         folder.mkdir(exist_ok=True)
-        programs = consumer(built(options, folder), folder, options)
+        prefix = built(options, folder)
+        if not options.sanitize:  # which has code of its own that runs first
+            check_levels_apart(folder / "build")
+        programs = consumer(prefix, folder, options)
         same = True
         for robot, scene in CELLS:
             checker = pc.Checker(pc.Robot.load(robot), pc.Scene.load(scene))
             cell = folder / f"{robot}.plannercheck"
             checker.save(cell)
             print(f"{robot} in {scene}: {cell.stat().st_size / 1e6:.1f} MB")
-            for name in ("check", "threads"):
-                done = subprocess.run([programs / name, cell], capture_output=True, text=True, check=True)
-                print("  " + done.stdout.strip().replace("\n", "; "))
+            for name in ("check", "threads", "plan"):  # the last where OMPL is installed
+                if (programs / name).exists():
+                    done = subprocess.run([programs / name, cell], capture_output=True, text=True, check=name != "plan")
+                    print(f"  {name}: " + "; ".join(done.stdout.strip().splitlines()[-4:]))
             same &= compare(checker, cell, programs, folder, options)
-            if options.fuzz:
-                sys.stdout.flush()
-                command = [str(programs / "fuzz_cell"), str(cell), str(options.fuzz), str(options.seed)]
-                subprocess.run(command, check=True)
+        if options.fuzz:
+            cell = cell_of_all_kinds(folder)
+            print(f"damaged cells of {cell.stat().st_size / 1e3:.0f} kB:", flush=True)
+            subprocess.run([programs / "fuzz_cell", cell, str(options.fuzz), str(options.seed)], check=True)
     return 0 if same else 1
 
 

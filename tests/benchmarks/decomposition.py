@@ -5,8 +5,6 @@ cached keep their hulls. Verdicts by meshes are exact, open meshes being closed 
 state, by turns.
 """
 
-from __future__ import annotations
-
 import argparse
 from functools import partial
 from pathlib import Path

@@ -4,8 +4,6 @@ In: how many regions. Out: for each method seconds a region, volumes, and how ma
 its regions collide. Run: python tests/benchmarks/free_regions.py --regions 1000 [--cells 1000] [--drake 10]
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

@@ -4,8 +4,6 @@ In: robots, how many states. Out: a line for each robot: rows looked at, share o
 and of a distance where it is. Run: python tests/benchmarks/gradients.py --states 10000 [--robots panda ur5 ...]
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

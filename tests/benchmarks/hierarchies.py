@@ -5,8 +5,6 @@ an extreme-vertex query visits, and blocks, rounds and games of the coupled walk
 1,000 queries each. Then seconds and bytes a vertex of preparation, with the hull and with the hull given.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

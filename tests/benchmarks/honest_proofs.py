@@ -7,8 +7,6 @@ shapes and meshes are read by the verifier's own reader. Printed are the number 
 time of it; of trajectories how many are free and how many of these have no proof, and why.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import tempfile

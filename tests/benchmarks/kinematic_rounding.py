@@ -4,8 +4,6 @@ For each shipped robot, over random configurations: the farthest point of a body
 distance of a body's vertex from where kinematics in 200 bits puts it, and the proven bound beside it.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

@@ -5,8 +5,6 @@ equal points and adds caps, and of trimesh's own load, which leaves the mesh as 
 is open; texts have all digits of doubles, and STL is indented. Nothing is cached.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import tempfile

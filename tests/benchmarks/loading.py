@@ -4,8 +4,6 @@ A chain of bars on revolute joints, all self pairs but those of neighbours, besi
 process of its own; told are seconds and the largest memory, step by step.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import resource

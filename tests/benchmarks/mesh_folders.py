@@ -7,8 +7,6 @@ their points, rounded to single precision, are the same sets, and triangles, bou
     python tests/benchmarks/mesh_folders.py FOLDER …
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 import sys

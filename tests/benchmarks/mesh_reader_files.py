@@ -3,8 +3,6 @@
 For mesh_readers.py. In: a folder to write into. Out: `Case`, a file's content and what is to be read from it.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import struct

@@ -10,8 +10,6 @@ A mutated file has no known meaning. What a plain reading of its lines gives is 
 broken; binary and structured formats are held by their counts alone (mutated_meshes.py).
 """
 
-from __future__ import annotations
-
 import argparse
 import logging
 import signal

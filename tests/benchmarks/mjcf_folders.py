@@ -10,8 +10,6 @@ touch` a pair that still touches wherever one body is moved by 0.1 mm along an a
 `open` is the rest. Exit code 1 unless poses agree to 1e-9, pairs are the same, and nothing is open.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import warnings

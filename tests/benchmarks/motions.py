@@ -9,8 +9,6 @@ of MotionBenchMaker (--problems), in turns (A B B A), the least process time of 
 shrinks.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import tempfile

@@ -6,8 +6,6 @@ reading of its lines gives: the same corners for texts, as many as its counts sa
     python tests/benchmarks/mutated_meshes.py 20000 --seed 1 --keep /tmp/failures
 """
 
-from __future__ import annotations
-
 import argparse
 import base64
 import json

@@ -10,8 +10,6 @@ Out: how many were loaded, refused, and how many ended in any other way: an erro
 signal, or no end within the limit. Those are kept and named, and the exit code is 1.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import random

@@ -7,8 +7,6 @@ Python's XML finds in it, finite poses, and a verdict for five random configurat
 refused; a line for each fault, its file kept with --keep. Exit code: 0 without faults, else 1.
 """
 
-from __future__ import annotations
-
 import argparse
 import collections
 import copy

@@ -7,8 +7,6 @@ against n. speed: a query against the linear program's feasibility question. tre
 preparation.
 """
 
-from __future__ import annotations
-
 import argparse
 import itertools
 import sys

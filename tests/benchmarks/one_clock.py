@@ -7,8 +7,6 @@ collisions of all pairs between the arms, with the table, and within each arm, o
 that collides. A sampled delay needs such a run for each delay that is tried.
 """
 
-from __future__ import annotations
-
 import argparse
 import statistics
 import time

@@ -6,8 +6,6 @@ take turns, plan by plan; the least time of two searches counts. A search that f
 time, and has no length.
 """
 
-from __future__ import annotations
-
 import argparse
 from itertools import product
 from pathlib import Path

@@ -6,8 +6,6 @@ turns; the least processor time of all rounds counts, and the mean of the ways i
 find the same path, which is checked.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 

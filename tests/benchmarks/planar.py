@@ -6,8 +6,6 @@ process by turns; and with --pairs a comparison with exact arithmetic that share
 sides' normals in doubles with a proven bound, and where that is not clear, in Python integers.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

@@ -9,8 +9,6 @@ state that the certifier names.
 time of each; and how it grows as the clearance shrinks.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

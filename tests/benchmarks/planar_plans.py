@@ -7,8 +7,6 @@ says at each whether the robot touches an obstacle or itself. Counted are states
 states that collide, and the plans that they are on: sampling proves nothing between samples.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

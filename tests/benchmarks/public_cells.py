@@ -10,8 +10,6 @@ cut into one URDF a Panda and one for the rest, and built anew by a cell's YAML 
 verdicts differ from those of the merged URDF.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import re

@@ -9,8 +9,6 @@ plans at constant memory; eight threads for ten minutes; 500 pools of forked wor
 held, 1 if one did not.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -12,8 +12,6 @@ every motion proved, in five shipped scenes and in MotionBenchMaker's sets. Each
   were cut.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from collections.abc import Iterator

@@ -5,8 +5,6 @@ and over a terrain. What counts: the time to build a motion's proof and to verif
 entries and directions it has. A proof holds every point, so that the file is about as large as the cloud.
 """
 
-from __future__ import annotations
-
 import argparse
 import tempfile
 import time

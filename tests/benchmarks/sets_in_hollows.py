@@ -5,8 +5,6 @@ In: how many random cases, and where they begin. Out: a table of cases and verdi
     PYTHONPATH=tests/support python tests/benchmarks/sets_in_hollows.py --cases 2000
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import io

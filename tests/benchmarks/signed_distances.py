@@ -15,8 +15,6 @@ to floats, which MuJoCo takes.
 cost: depths of round bodies beside verdicts and coal's depths, in processor time, each in one call for all pairs.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 import warnings

@@ -6,8 +6,6 @@ the mean time of those, earlier stages included. Last what finer arithmetic cost
 against that of the states that doubles settle, taken in turns.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time
@@ -28,15 +26,7 @@ from plannercheck.evaluation.stress import body_families as families
 from plannercheck.evaluation.stress import contact_poses as contacts
 from plannercheck.scenes.scene import shipped_scenes
 
-STAGES = (
-    "cached plane",
-    "box face",
-    "centre axis",
-    "solver",
-    "nearest points",
-    "double-double",
-    "exact",
-)
+STAGES = ("cached plane", "box face", "centre axis", "solver", "nearest points", "double-double", "exact")
 DOUBLES = 5  # so many stages are in doubles
 FAMILIES = ("round", "box", "cone", "needle", "mesh")
 POSES, VERTICES, SEED = 400, 150, 1

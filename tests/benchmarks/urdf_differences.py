@@ -8,8 +8,6 @@ configuration, and of each <collision> its place, its kind, its sizes, and the f
     python tests/benchmarks/urdf_differences.py FOLDER …
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import warnings

@@ -6,8 +6,6 @@ or has no valid configuration, with the reason; a table of how many loaded; the 
 of time, or raised anything but a `PlannercheckError`.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import multiprocessing

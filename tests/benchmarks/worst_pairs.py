@@ -6,8 +6,6 @@ loop. Poses are at gaps from 1e-3 of the size to nothing. Each pair is cold, and
 repetitions.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from collections.abc import Callable, Mapping, Sequence

@@ -3,8 +3,6 @@
 Poses are chosen so that only such a plane separates. Truth is exact arithmetic.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from test_filter_bounds import CUBE, OCTAHEDRON, checker_of, free_bodies, stretched

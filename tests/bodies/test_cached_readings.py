@@ -1,7 +1,5 @@
 """What is read once is not read anew: compiled MJCF models and large meshes, by the content of all that went in."""
 
-from __future__ import annotations
-
 import io
 import multiprocessing
 import os

@@ -1,7 +1,5 @@
 """Caps of open meshes: what they close, how little they add, and that triangles ⊆ capped ⊆ hull."""
 
-from __future__ import annotations
-
 import pickle
 from collections import Counter
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Certificates prove what they say, in exact arithmetic, and stop proving it when anything is changed."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction

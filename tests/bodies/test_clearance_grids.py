@@ -1,7 +1,5 @@
 """Clearance grids against the parts that they stand for, and the balls that together hold a hull."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

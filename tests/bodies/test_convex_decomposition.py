@@ -1,7 +1,5 @@
 """Convex pieces hold every triangle of the mesh, and robots made of them collide less than their hulls, not more."""
 
-from __future__ import annotations
-
 import importlib.util
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Bodies before surfaces of thousands of points, as close as rounding: what ends whole nodes leaves no ball out."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Clouds of depth images: REP 118's units and values without a return, and back-projection against exact fractions."""
 
-from __future__ import annotations
-
 import warnings
 from fractions import Fraction
 

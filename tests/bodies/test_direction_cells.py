@@ -1,7 +1,5 @@
 """Extreme vertices found by cells of directions, against all vertices in integers and against hierarchies."""
 
-from __future__ import annotations
-
 import itertools
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Distances of posed bodies against exact arithmetic in Python integers and FCL, near contact and far away."""
 
-from __future__ import annotations
-
 import itertools
 from fractions import Fraction
 

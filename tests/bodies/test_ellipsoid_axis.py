@@ -1,7 +1,5 @@
 """The axis that separates most pairs, turned to where two bodies would face each other if they were ellipsoids."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Ellipsoids: the outer polytope contains them, the inner one is in them, both within the excess, exactly."""
 
-from __future__ import annotations
-
 import pickle
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Whether triangles lie in the union of convex pieces, beside fractions and rational barycentric coordinates."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The exact oracle against a second exact method and against cases whose answer is plain."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 from itertools import product

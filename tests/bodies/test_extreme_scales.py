@@ -1,7 +1,5 @@
 """Verdicts where products of lengths underflow, or differences of floats overflow."""
 
-from __future__ import annotations
-
 import itertools
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """FCL gets the bodies it should, and boxes only skip pairs that are free."""
 
-from __future__ import annotations
-
 import sys
 
 import exact_verdicts

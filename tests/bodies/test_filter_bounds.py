@@ -5,8 +5,6 @@ Far from the origin, off rigid as far as poses are accepted, small, on the last 
 batches. Truth is exact arithmetic.
 """
 
-from __future__ import annotations
-
 import itertools
 
 import exact_verdicts

@@ -1,7 +1,5 @@
 """Arrays and objects of trimesh, coal and python-fcl are bodies: where their own libraries have them."""
 
-from __future__ import annotations
-
 import coal
 import fcl
 import numpy as np

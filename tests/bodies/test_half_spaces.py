@@ -1,7 +1,5 @@
 """Half-spaces against hulls, solids and sets of parts: verdicts, certificates and distances, in fractions."""
 
-from __future__ import annotations
-
 import pickle
 from dataclasses import replace
 from decimal import Decimal, localcontext

@@ -1,7 +1,5 @@
 """Solids that are nearly their hulls: how deep their dents are, and that verdicts do not depend on what that saves."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from poses import random_pose

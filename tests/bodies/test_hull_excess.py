@@ -1,7 +1,5 @@
 """Warnings where a hull, taken by default, is much larger than its mesh, or fills the room between its parts."""
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Samples of one body inside of the balls and the box in another one: they tell early, and change no verdict."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

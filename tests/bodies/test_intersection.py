@@ -1,7 +1,5 @@
 """The pair test against exact arithmetic in Python integers: every method, every switch, every kind of contact."""
 
-from __future__ import annotations
-
 import itertools
 
 import exact_verdicts

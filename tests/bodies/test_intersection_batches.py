@@ -1,7 +1,5 @@
 """Batches of poses of the same two bodies, against the same pairs alone, in other orders and without cached planes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

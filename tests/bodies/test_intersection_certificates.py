@@ -1,7 +1,5 @@
 """Certificates of the pair test in fractions: planes separate, points are shared, also by far less than a double."""
 
-from __future__ import annotations
-
 import itertools
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Stages of the pair test: which one decides what, and no verdict depends on any of them."""
 
-from __future__ import annotations
-
 import itertools
 
 import exact_verdicts

@@ -1,7 +1,5 @@
 """The default solver has 48 rounds; the walk decides what it leaves: held against the walk, and against the gap."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import plannercheck as pc

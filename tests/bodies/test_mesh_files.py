@@ -3,8 +3,6 @@
 The oracles are the numbers that the files are written from, exact decimals, assimp (through coal), and trimesh.
 """
 
-from __future__ import annotations
-
 import json
 import struct
 from collections.abc import Sequence

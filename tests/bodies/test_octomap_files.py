@@ -1,7 +1,5 @@
 """Maps of the OctoMap library: the cells that it lists itself, files that are cut short or damaged, and saved maps."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import struct

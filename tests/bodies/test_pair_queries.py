@@ -1,7 +1,5 @@
 """Queries on pairs through the core's own checks, held against those in Python: verdicts, distances, errors."""
 
-from __future__ import annotations
-
 import itertools
 import pickle
 

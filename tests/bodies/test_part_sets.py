@@ -1,7 +1,5 @@
 """Sets of parts: clouds, lattices and heights against the same parts one by one, in exact integers."""
 
-from __future__ import annotations
-
 import pickle
 from collections.abc import Iterator
 from typing import Any

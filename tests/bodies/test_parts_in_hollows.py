@@ -1,7 +1,5 @@
 """Sets of parts in the hollows of solids: verdicts as by whole numbers, each proved, by every public call."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Depths of overlapping bodies: known ones, against all facets' and edges' directions, and against translations."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pieces by recipes, TIAGo's: made of the meshes that are there, equal to plainly made pieces, better than hulls."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 from itertools import combinations

@@ -1,7 +1,5 @@
 """Files of points: those of PCL, Open3D, plyfile and numpy as these read them; cut short, damaged or lying."""
 
-from __future__ import annotations
-
 import resource
 import struct
 import warnings

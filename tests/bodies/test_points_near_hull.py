@@ -1,7 +1,5 @@
 """Points near a posed body in lanes (cpp/narrow_phase/points_near_hull), against exact arithmetic of the oracle."""
 
-from __future__ import annotations
-
 import exact_verdicts
 import numpy as np
 import pytest

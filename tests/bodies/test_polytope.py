@@ -1,7 +1,5 @@
 """Prepared bodies against brute force in integers: hulls, hierarchies, extreme vertices, wedges, refusals."""
 
-from __future__ import annotations
-
 import itertools
 import pickle
 

@@ -1,7 +1,5 @@
 """Files of prepared bodies and their cache: whole or refused, and a second start that reads them."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """How far pieces stick out of a mesh, beside what geometry and points inside the pieces say."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import solid_meshes

@@ -1,7 +1,5 @@
 """Clouds, octrees, voxel grids and height fields as shapes: what they are made of, and what is no such shape."""
 
-from __future__ import annotations
-
 import pickle
 from collections.abc import Callable
 from pathlib import Path

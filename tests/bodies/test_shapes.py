@@ -1,7 +1,5 @@
 """Polytopes of curved shapes contain them and are closed and convex, exactly; bad sizes are named."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections import Counter

@@ -1,7 +1,5 @@
 """Convex pieces that come with plannercheck: found by the meshes' content, without CoACD; they hold the meshes."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import warnings

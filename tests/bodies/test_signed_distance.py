@@ -1,7 +1,5 @@
 """Signed distances: inside of their bounds by exact arithmetic, and points and directions as promised."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Distances of solids, held against the least distance of all pairs of triangles."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from poses import at, pose_at

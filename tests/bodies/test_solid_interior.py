@@ -1,7 +1,5 @@
 """Balls and boxes inside of solids are inside: no triangle meets them, and the solid winds around them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from poses import random_pose

@@ -1,7 +1,5 @@
 """Pairs of solids against brute force: all pairs of triangles, and winding numbers as sums of solid angles."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

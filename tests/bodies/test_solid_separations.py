@@ -1,7 +1,5 @@
 """Proofs that solids are apart whose hulls are not."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Boxes of the trees of triangles hold what is below them, in fractions; and what saves time changes no verdict."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import product
 

@@ -1,7 +1,5 @@
 """Solids are their meshes with what these enclose: when they are closed or their hulls, what they share, and where."""
 
-from __future__ import annotations
-
 import copy
 import itertools
 import pickle

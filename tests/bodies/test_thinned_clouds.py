@@ -1,7 +1,5 @@
 """Clouds that are thinned: every ball that is left out is inside a larger one that is kept, in exact rationals."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Bodies whose coordinates are of very different sizes, some with a polar that overflows, against exact arithmetic."""
 
-from __future__ import annotations
-
 import exact_verdicts
 import numpy as np
 import pytest

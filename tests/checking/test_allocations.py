@@ -4,8 +4,6 @@ Exact arithmetic may allocate: of a whole pair, and of two vertices that are equ
 doubled precision (the boxes of Baxter's torso meet such ties, once in some hundred states). The states here need none.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

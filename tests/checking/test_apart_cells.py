@@ -275,8 +275,7 @@ def test_cells_come_from_the_cache_only_if_they_are_whole(tmp_path, monkeypatch)
 
 
 @pytest.mark.parametrize(
-    ("columns", "flags"),
-    [([0, 1], np.zeros((0, 4), dtype=np.uint8)), ([0, 1], np.zeros((4, 2000), dtype=np.uint8))],
+    ("columns", "flags"), [([0, 1], np.zeros((0, 4), dtype=np.uint8)), ([0, 1], np.zeros((4, 2000), dtype=np.uint8))]
 )
 def test_tables_that_are_none(columns, flags):
     with pytest.raises(ValueError, match="1 to 1024 cells"):
@@ -305,13 +304,7 @@ def test_each_cell_file_is_of_one_robot(tmp_path, monkeypatch):
     monkeypatch.setenv("PLANNERCHECK_CACHE", str(folder))
     monkeypatch.setattr(apart_cells, "_WORTH", 0.01)
     files = set()
-    for padding, settings in [
-        (0.0, {}),
-        (0.01, {}),
-        (0.0, {"x": 0.17}),
-        (0.0, {"limit": 2.5}),
-        (0.0, {"width": 0.05}),
-    ]:
+    for padding, settings in [(0.0, {}), (0.01, {}), (0.0, {"x": 0.17}), (0.0, {"limit": 2.5}), (0.0, {"width": 0.05})]:
         made = robot(**settings)
         on, off = (
             pc.Checker(made, pc.Scene(), padding=padding, tuning=pc.Tuning(apart_cells=each)) for each in (True, False)

@@ -1,7 +1,5 @@
 """Obstacles moved, added, removed and attached: the verdicts of a new checker, and nothing prepared twice."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 import warnings

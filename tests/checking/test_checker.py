@@ -1,7 +1,5 @@
 """Verdicts of configurations: the same by every way, and those of the pair test at the poses of the links."""
 
-from __future__ import annotations
-
 import itertools
 import pickle
 import sys

@@ -1,7 +1,5 @@
 """Clearances of configurations and padding, against distances pair by pair."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from poses import at

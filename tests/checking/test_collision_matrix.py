@@ -1,7 +1,5 @@
 """Allowed collision matrices: the counts are the checker's, proposals load, audits find what was left out wrongly."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import xml.etree.ElementTree as ElementTree

@@ -1,7 +1,5 @@
 """Tables of distances against single pairs, Pinocchio's tangent, and derivatives in 300 bits."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

@@ -4,8 +4,6 @@ The bounds are held against poses in 200 bits and, for more configurations, agai
 times smaller.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from multiprecision import link_poses, table_of

@@ -1,7 +1,5 @@
 """Configurations as users have them: rows of sets, tensors of other libraries, values by names of joints."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

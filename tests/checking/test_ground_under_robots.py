@@ -1,7 +1,5 @@
 """Robots over fields of heights: ceilings of cells and looks at the heights under a body change no verdict."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Robots over half-spaces: states against the heights of their bodies' vertices, and against every way to save work."""
 
-from __future__ import annotations
-
 import pickle
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """How far hulls are from meshes, and what their filling refuses."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

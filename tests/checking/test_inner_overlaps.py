@@ -1,7 +1,5 @@
 """Balls and boxes inside bodies: inside in exact arithmetic, and no verdict depends on them."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

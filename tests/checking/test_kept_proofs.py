@@ -1,7 +1,5 @@
 """What is computed once a robot, kept from one checker to the next, or compiled: the same as computed anew, exactly."""
 
-from __future__ import annotations
-
 import pickle
 import warnings
 

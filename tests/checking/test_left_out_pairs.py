@@ -1,7 +1,5 @@
 """Where pairs of bodies are left out: the list of all places, its order, and how many pairs each leaves out."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from pathlib import Path

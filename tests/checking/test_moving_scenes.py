@@ -1,7 +1,5 @@
 """States in scenes that move, beside a robot whose URDF has the moving body as a floating link."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The pair table: which bodies are tested against which."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Points against a robot: in collision, how far, its own ones; against the pair test and exact arithmetic."""
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np

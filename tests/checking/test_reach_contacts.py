@@ -1,7 +1,5 @@
 """Contact by construction: a state within the limits first, then bodies that touch there: they are reachable."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from poses import at

@@ -4,8 +4,6 @@ A state is whatever answers `state[k]`; OMPL's own do so in C++, but `__getitem_
 a garbage collection may run a finaliser anywhere. No call may see another one's numbers.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import threading

@@ -1,7 +1,5 @@
 """Frames of sensors: the next one replaces the shape alone, and checkers of it judge as new ones do, in any order."""
 
-from __future__ import annotations
-
 import pickle
 import time
 from concurrent.futures import ThreadPoolExecutor

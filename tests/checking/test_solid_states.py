@@ -1,7 +1,5 @@
 """Verdicts of configurations with solids: against coal's meshes, with paddings, at rest, in scenes, after pickling."""
 
-from __future__ import annotations
-
 import itertools
 import pickle
 import warnings
@@ -257,15 +255,7 @@ def test_pairs_that_trees_decide_are_counted_once(rail):
         checker = pc.Checker(rail(), tuning=pc.Tuning(trees_first=switch, bounds=False, boxes=False, overlaps=False))
         checker.check_states(ROWS)
         counted = checker.statistics()
-        stages = (
-            "cached_plane",
-            "box_face",
-            "centre_axis",
-            "solver",
-            "nearest_points",
-            "double_double",
-            "exact",
-        )
+        stages = ("cached_plane", "box_face", "centre_axis", "solver", "nearest_points", "double_double", "exact")
         settled = sum(counted[key] for key in (*stages, "trees", "bounds", "unreachable", "skipped"))
         assert settled == counted["pairs"]
         assert (counted["trees"] > 0) == switch

@@ -4,8 +4,6 @@ Obstacles are small, so no ball's slack hides a bound that is too narrow; their 
 lists of eights and the tree begin. What does not touch is known from exact arithmetic without any filter.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from random_trees import limit_states, random_tree

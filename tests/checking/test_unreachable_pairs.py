@@ -1,7 +1,5 @@
 """Pairs that are said never to meet within the limits: held against the full computation, also beyond the limits."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

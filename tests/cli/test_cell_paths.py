@@ -1,7 +1,5 @@
 """Trajectories of a cell's robots on the command line: judged on one clock, proved, and held against their proofs."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

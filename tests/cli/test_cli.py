@@ -1,7 +1,5 @@
 """The command line: exit codes, tables, files, and one line for bad input."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Every command on every broken file: one line that names the file, exit code 2, and nothing half-written."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import pytest

@@ -1,7 +1,5 @@
 """`plannercheck --print-completion SHELL`."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """Ctrl-C ends a command even where Python drops the exception, and says nothing of that."""
 
-from __future__ import annotations
-
 import os
 import signal
 import time

@@ -1,7 +1,5 @@
 """`plannercheck gate` answers line by line, `plannercheck replay` judges records again."""
 
-from __future__ import annotations
-
 import io
 import json
 

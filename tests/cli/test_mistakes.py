@@ -4,8 +4,6 @@ Fatal ones are a PlannercheckError in Python, and one line and exit code 2 on th
 but is hardly meant is judged, with a warning.
 """
 
-from __future__ import annotations
-
 import re
 from urllib.parse import quote
 
@@ -64,11 +62,7 @@ def said(capsys, *arguments, code=2):
 
 SETS = {
     "degrees": (np.degrees(SAMPLES), 1, "'panda', and as degrees they would not be: .* convert them by numpy.radians"),
-    "reverse order": (
-        SAMPLES[:, ::-1],
-        1,
-        "in reverse order they would not be: columns have to be panda_joint1, ",
-    ),
+    "reverse order": (SAMPLES[:, ::-1], 1, "in reverse order they would not be: columns have to be panda_joint1, "),
     "some other order": (np.roll(SAMPLES, 3, axis=1), 1, "beyond the limits .* columns have to be panda_joint1, panda"),
     "transposed": (SAMPLES.T, 2, r"must have shape \(n, 7\), not \(7, 60\); it looks transposed"),
     "with the fingers": (np.ones((5, 9)), 2, r"\(n, 7\), not \(5, 9\); the joints are panda_joint1, .* panda_joint7$"),

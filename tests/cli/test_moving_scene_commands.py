@@ -1,7 +1,5 @@
 """Commands in a scene that moves: trajectories are judged, proved and shown; what has no time is refused."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

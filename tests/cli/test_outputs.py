@@ -4,8 +4,6 @@ Found by an audit: as root, `--summary /dev/null` put a file in the place of /de
 the test's own.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import stat

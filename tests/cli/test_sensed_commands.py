@@ -1,7 +1,5 @@
 """Commands on scenes with clouds, octrees, voxel grids and height fields."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A misspelt command, option or value: the error says which it may have been meant to be."""
 
-from __future__ import annotations
-
 import pytest
 
 from plannercheck.cli.main import main

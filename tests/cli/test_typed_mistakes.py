@@ -4,8 +4,6 @@ Each ends with exit code 2, one line on the error stream (after argparse's usage
 nothing on the output.
 """
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

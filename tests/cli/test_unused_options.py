@@ -1,7 +1,5 @@
 """Options that would change nothing in a use of a command are refused; the error says when they count."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -62,12 +60,7 @@ UNHEEDED = {
             ["plan", "--robot", "panda", "--problems", "set", *words],
             f"{words[0]} counts only for one problem",
         )
-        for words in (
-            ["--padding", "0.1"],
-            ["--no-self-collision"],
-            ["--curve", "dubins"],
-            ["--turning-radius", "1"],
-        )
+        for words in (["--padding", "0.1"], ["--no-self-collision"], ["--curve", "dubins"], ["--turning-radius", "1"])
     },
     "SRDF without a robot": (["verify", "p.json", "--srdf", "a.srdf"], "--srdf counts only with --robot"),
     "group without a robot": (["verify", "p.json", "--group", "arm"], "--group counts only with --robot"),

@@ -1,7 +1,5 @@
 """The command line takes of a URDF what Python takes, and what acm writes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

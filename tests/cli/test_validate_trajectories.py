@@ -1,7 +1,5 @@
 """`validate --path` of trajectories: what the controller runs is judged, in words and in JSON."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

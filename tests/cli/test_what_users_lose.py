@@ -1,7 +1,5 @@
 """The command line and the user's own files: nothing is replaced, mixed or left behind; 1 means "not valid" alone."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import resource

@@ -1,7 +1,5 @@
 """Whole turns against exact arithmetic: 2 pi to fifty digits, as OMPL goes round."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import mpmath

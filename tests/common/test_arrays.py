@@ -1,7 +1,5 @@
 """Groups of equal values, beside numpy's; masked arrays, whose masks NumPy drops, are refused everywhere."""
 
-from __future__ import annotations
-
 import ast
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Output files appear whole or not at all, and nothing else appears."""
 
-from __future__ import annotations
-
 import errno
 import os
 import stat

@@ -1,7 +1,5 @@
 """The disk cache holds what this user has left there and nothing else, whoever else can write to it."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import pwd

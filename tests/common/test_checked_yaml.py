@@ -1,7 +1,5 @@
 """YAML files mean what PyYAML's own rules say, whatever other programs teach PyYAML."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

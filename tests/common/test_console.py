@@ -1,7 +1,5 @@
 """What is written on the console, by whom, while several threads work: nobody loses stdout, stderr or a log level."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

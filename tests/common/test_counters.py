@@ -1,7 +1,5 @@
 """Counters of several parts, summed."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 from plannercheck.common.counters import sum_counters, sum_fields

@@ -1,7 +1,5 @@
 """Names that hold markup, control characters and formulas: they reach every output as text."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -7,13 +7,7 @@ import pytest
 
 from plannercheck.common.checked_yaml import mapping, numbers
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.transforms import (
-    identity,
-    is_identity,
-    pose_of,
-    pose_of_quaternion,
-    rotation_of_quaternion,
-)
+from plannercheck.common.transforms import identity, is_identity, pose_of, pose_of_quaternion, rotation_of_quaternion
 
 
 def test_plain_numbers_are_new_lists_of_floats():

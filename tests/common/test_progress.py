@@ -1,7 +1,5 @@
 """Reports of long work reach who listens, and nobody else; a terminal shows them only where the work is long."""
 
-from __future__ import annotations
-
 import io
 import signal
 import threading

@@ -1,7 +1,5 @@
 """Warnings name the line of the user's code, not one of the package."""
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np

@@ -5,8 +5,6 @@ operations are those of the C++ lines, in the same order; errors are exact fract
 is varied.
 """
 
-from __future__ import annotations
-
 import math
 import random
 import sys

@@ -7,8 +7,6 @@ source; whether gappa accepts a script.
 `python tests/error_bounds/gappa_proofs.py` prints the least value of each constant that its script still proves.
 """
 
-from __future__ import annotations
-
 import ast
 import importlib
 import re

@@ -3,8 +3,6 @@
 The scripts are in tests/error_bounds; its README says which lemmas stand by hand and lists all constants.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

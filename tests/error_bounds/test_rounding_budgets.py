@@ -4,8 +4,6 @@ The single steps are those of the scripts of the same names in tests/error_bound
 are rounded up. What is not of first order is followed along whole chains of joints.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from fractions import Fraction

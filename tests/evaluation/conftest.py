@@ -1,7 +1,5 @@
 """Fixtures of the tests of `plannercheck bench`."""
 
-from __future__ import annotations
-
 import pytest
 
 from plannercheck.evaluation.bench import timing

@@ -1,7 +1,5 @@
 """`plannercheck bench`: tiny runs write their files, and stand-in bodies err only on their own side."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import time
@@ -199,11 +197,7 @@ def test_states_command(tmp_path, capsys):
     assert {row["scene"] for row in rows} == {"table", "empty"}
     assert {row["kind"] for row in rows} - {"coal loop"} == {"exact", "boxes", "coal"}
     assert {row["which"] for row in rows} == {"random"}
-    assert {path.name for path in (tmp_path / "new").iterdir()} == {
-        "states.json",
-        "states.png",
-        "states.svg",
-    }
+    assert {path.name for path in (tmp_path / "new").iterdir()} == {"states.json", "states.png", "states.svg"}
     printed = capsys.readouterr().out
     assert "coal's tree / batch" in printed
     assert "bounding boxes" in printed

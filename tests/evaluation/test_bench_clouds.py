@@ -1,7 +1,5 @@
 """`plannercheck bench clouds` and `maps`: tiny runs write files; other libraries get the same cells and ground."""
 
-from __future__ import annotations
-
 import json
 
 import coal

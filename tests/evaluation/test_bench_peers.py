@@ -1,7 +1,5 @@
 """Other libraries in `plannercheck bench`: coal in a loop of its own, VAMP, MuJoCo; left out where they are missing."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`plannercheck bench motions`, `setup` and `plans`: tiny runs write their files, and wrong options are refused."""
 
-from __future__ import annotations
-
 import json
 import sys
 import time

@@ -1,7 +1,5 @@
 """`plannercheck bench` on solids: coal's meshes have our verdicts where no body is inside another."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

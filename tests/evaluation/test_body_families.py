@@ -1,7 +1,5 @@
 """The families and contact poses are what the other tests take them for."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from contact_differences import differ_from_contact

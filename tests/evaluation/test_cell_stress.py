@@ -1,7 +1,5 @@
 """A sample of the stress of cells, and what it finds when answers, the clock or what moves are wrong."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Contacts by construction: at corners the balls around both bodies only just meet, and what touches shares a point."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from poses import pose_within

@@ -1,7 +1,5 @@
 """Cases that once failed, kept by name: every one is decided as exact arithmetic decides it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The long runs of docs/explanation/reliability.md, with few trials each: that they run, count and notice."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,8 +1,6 @@
 """The compiled oracle's verdicts on meshes, held against brute force written otherwise: pairs of triangles by Gilbert,
 Johnson and Keerthi in Python's integers, winding numbers by signed tetrahedra in whole numbers."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import random

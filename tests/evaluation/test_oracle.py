@@ -1,8 +1,6 @@
 """The compiled oracle of the stress runs, held against Python's integers and Fractions: its sums and products, its
 verdicts, and that it refuses every certificate that is wrong."""
 
-from __future__ import annotations
-
 import itertools
 import random
 from fractions import Fraction

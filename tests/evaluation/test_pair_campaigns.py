@@ -1,7 +1,5 @@
 """What the stress of pairs counts, keeps and asks again, of hulls, of solids and of sets of parts alike."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

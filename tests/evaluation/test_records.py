@@ -1,7 +1,5 @@
 """Results of measurements as JSON: what they hold, and that nobody's folders get into them."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 

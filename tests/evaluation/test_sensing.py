@@ -1,7 +1,5 @@
 """Sensed scenes: rays meet what they look at, noise is what it says, maps hold the cells that were put into them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import trimesh

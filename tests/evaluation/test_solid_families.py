@@ -1,7 +1,5 @@
 """The solids of the stress: closed or open as they are said to be, right side out, on the lattice; and their poses."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

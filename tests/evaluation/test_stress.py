@@ -1,7 +1,5 @@
 """A sample of the stress suite, what it is made of, and what it keeps. `plannercheck stress` runs more of it."""
 
-from __future__ import annotations
-
 import itertools
 import time
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """A sample of the stress of curves, and what it finds when answers are wrong."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

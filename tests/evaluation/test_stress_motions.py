@@ -1,7 +1,5 @@
 """A sample of the stress of motions, what it is made of, what it finds when answers are wrong, and what it keeps."""
 
-from __future__ import annotations
-
 import itertools
 from collections import Counter
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """A sample of the stress of sets of parts, what it counts and keeps. `plannercheck stress --parts` runs more of it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from fractions import Fraction

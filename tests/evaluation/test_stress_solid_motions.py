@@ -1,7 +1,5 @@
 """The stress of motions of solids: a sample, what its oracle finds when answers are wrong, and what hulls refuse."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A sample of the stress of solids, what it counts and keeps. `plannercheck stress --solids` runs more of it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

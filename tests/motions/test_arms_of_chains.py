@@ -1,7 +1,5 @@
 """Bounds of motions are made of the arms of chains: one that is no number is refused where the core takes it."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Trajectories by construction: curves that touch at one instant, corners of tubes that do, and what room is told."""
 
-from __future__ import annotations
-
 from math import comb
 
 import numpy as np

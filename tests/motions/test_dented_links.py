@@ -1,7 +1,5 @@
 """States and motions of solids that are nearly their hulls: the switch changes nothing, and dents are free."""
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Boxes of configurations that are proved free, against states in them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

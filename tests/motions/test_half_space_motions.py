@@ -1,7 +1,5 @@
 """Motions over half-spaces: proved free only where no state in between collides, against dense states and tables."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from poses import at

@@ -1,7 +1,5 @@
 """A single motion keeps Python's lock, unless it takes long."""
 
-from __future__ import annotations
-
 import threading
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Motions that are proved free: the bounds against brute force, verdicts against dense sampling."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

@@ -1,7 +1,5 @@
 """Motions that are proved free: verdicts against clearances in closed form, and what is told of a motion."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

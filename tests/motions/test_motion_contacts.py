@@ -5,8 +5,6 @@ Here: links and held joints, planar and floating joints from the child's side. F
 of their own.
 """
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import replace
 from itertools import pairwise

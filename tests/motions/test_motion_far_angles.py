@@ -1,7 +1,5 @@
 """Contact by construction on motions whose angles count their turns or are far from 0: followers, OMPL, the plane."""
 
-from __future__ import annotations
-
 import contextlib
 
 import mpmath
@@ -216,10 +214,7 @@ PAD = [[3 - 1e-6, -1e-6], [3 + 1e-6, -1e-6], [3 + 1e-6, 1e-6], [3 - 1e-6, 1e-6]]
 @pytest.mark.parametrize("power", [3, 5, 7, 9, 11, 13])
 def test_far_angles_of_planar_joints_are_judged_as_they_are_posed_or_refused(power):
     """Angles along a chain are summed and rounded: far from 0 the pose is not that of the angle less whole turns."""
-    links = [
-        pc.planar.Link("root", PAD, joint="free"),
-        pc.planar.Link("arm", PAD, "root", (0, 0, 0.7123), "revolute"),
-    ]
+    links = [pc.planar.Link("root", PAD, joint="free"), pc.planar.Link("arm", PAD, "root", (0, 0, 0.7123), "revolute")]
     robot = pc.planar.Robot(links)
     rng = np.random.default_rng(power)
     for _ in range(10):

@@ -1,7 +1,5 @@
 """Motions at the last double between free and refused: whatever else was asked, the verdict is the same."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

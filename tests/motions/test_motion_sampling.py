@@ -1,7 +1,5 @@
 """Sampled motions against brute force: no vertex of a link moves further in a step than it may."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Contact by construction of links that are stretched: quaternions off length 1, several in a chain."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import mpmath

@@ -1,7 +1,5 @@
 """No field of `Tuning` changes a verdict: each one off, and all, on states and motions of robots among obstacles."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -80,8 +78,7 @@ def with_switches(robot, scene, own, switches=SWITCHES):
 
 # Up to 1,024 obstacles are tested in lanes, more by the tree.
 @pytest.mark.parametrize(
-    ("name", "obstacles"),
-    [*((name, 5) for name in ROBOTS), ("panda", 1100), ("go2 floating", 1100)],
+    ("name", "obstacles"), [*((name, 5) for name in ROBOTS), ("panda", 1100), ("go2 floating", 1100)]
 )
 def test_switches_change_no_verdict(name, obstacles):
     generator = np.random.default_rng(len(name) + obstacles)

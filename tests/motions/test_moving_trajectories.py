@@ -1,7 +1,5 @@
 """Trajectories in scenes that move: dense samples of exact verdicts, contacts at a chosen instant, proofs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pairs of links decided by their joints' values, against dense samples and geometry that is known."""
 
-from __future__ import annotations
-
 import json
 
 import pytest
@@ -48,6 +46,35 @@ def test_a_millirad_that_collides_is_found_and_a_gap_of_20_um_is_proved(tmp_path
     assert apart.example is None
 
 
+def disc(tmp_path, reach: float, slide: bool = False, height: float = 0.2):
+    """A box at a distance from an axis in a post of 20 cm or so; or it slides along the post, by up to 3 m."""
+    path = tmp_path / "disc.urdf"
+    kind = "prismatic" if slide else "revolute"
+    path.write_text(
+        '<robot name="disc"><link name="post"><collision><geometry><box size="0.2 0.2 '
+        f'{height}"/></geometry></collision></link>'
+        f'<joint name="move" type="{kind}"><parent link="post"/><child link="arm"/><axis xyz="0 0 1"/>{LIMIT}</joint>'
+        '<link name="arm"/><joint name="turn" type="revolute"><parent link="arm"/><child link="tip"/>'
+        '<axis xyz="0 1 0"/>'
+        f'{LIMIT}</joint><link name="tip"><collision><origin xyz="{reach} 0 0"/><geometry><box size="0.1 0.02 0.02"/>'
+        "</geometry></collision></link></robot>"
+    )
+    return PairDecider(pc.Robot.from_urdf(path))
+
+
+def test_what_overlaps_at_every_angle_always_collides(tmp_path):
+    """The tip begins 1 mm inside of the post's faces, or 1 cm beyond its corners."""
+    inside = disc(tmp_path, 0.1 + 0.05 - 0.001).decide("post", "tip", 5)
+    assert inside.answer == "always"
+    assert inside.open_share == 0
+    assert inside.cells > 1
+    beyond = disc(tmp_path, 0.1 * 3**0.5 + 0.06).decide("post", "tip", 5)
+    assert beyond.answer == "never"
+    for free in (1e-4, -1e-4):  # the last 0.1 mm of the slide, or none of it
+        slid = disc(tmp_path, 0.0, slide=True, height=2 * (3 - 0.01 - free)).decide("post", "tip", 0.5)
+        assert slid.answer == ("collides" if free > 0 else "always")
+
+
 def test_touching_is_a_collision_that_no_cell_proves_away(tmp_path):
     found = PairDecider(arm(tmp_path, 0.0)).decide("post", "pointer", 0.3)
     assert found.answer in ("collides", "open")
@@ -71,9 +98,11 @@ def test_all_pairs_of_the_panda_agree_with_samples():
             answers[a, b] = found.answer
             if found.answer == "never":
                 assert not len(colliding_rows(robot, q, a, b))
+            elif found.answer == "always":
+                assert len(colliding_rows(robot, q, a, b)) == len(q)
             elif found.answer == "collides":
                 assert len(colliding_rows(robot, found.example[None], a, b)) == 1
-    assert set(answers.values()) == {"never", "collides"}
+    assert set(answers.values()) == {"never", "always", "collides"}
     assert answers["panda_link7", "panda_link5"] == "collides"
 
 
@@ -96,7 +125,7 @@ def test_the_command_audits_by_proofs(tmp_path, capsys):
     assert code == 1
     assert "panda_link5 and panda_link7" in text
     rows = json.loads(out.read_text())["rows"]
-    assert {row["answer"] for row in rows} == {"never", "collides"}
+    assert {row["answer"] for row in rows} == {"never", "always", "collides"}
 
 
 def test_the_command_proposes_what_it_proved(tmp_path, capsys):

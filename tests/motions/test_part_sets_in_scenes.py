@@ -1,7 +1,5 @@
 """Robots before clouds, grids and terrain: against the same parts as obstacles of their own, and against sampling."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

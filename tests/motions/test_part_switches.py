@@ -1,7 +1,5 @@
 """Trees of sets of parts and all that spares parts a test change no verdict: against each part tested by itself."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -3,8 +3,6 @@
 `python tests/benchmarks/cpp_library.py` builds the library and compares its verdicts with Python's, in minutes.
 """
 
-from __future__ import annotations
-
 import random
 import shutil
 import subprocess
@@ -99,15 +97,15 @@ def test_what_a_cell_does_not_hold_is_refused(tmp_path):
 
 
 def test_a_new_obstacle_would_meet_what_another_one_meets(checker):
-    meets, padding = checker.of_new_obstacle()
+    meets, padding = checker._of_new_obstacle()
     shelf = checker.pairs[(checker.pairs == len(checker.robot.bodies)).any(axis=1)]
     assert sorted(shelf.min(axis=1).tolist()) == np.flatnonzero(meets).tolist()
     assert padding == 0.0
     padded = pc.Checker(checker.robot, padding={"panda_hand": 0.01})
-    assert padded.of_new_obstacle()[1] == 0.0
-    assert pc.Checker(checker.robot, padding=0.02).of_new_obstacle()[1] == 0.01
+    assert padded._of_new_obstacle()[1] == 0.0
+    assert pc.Checker(checker.robot, padding=0.02)._of_new_obstacle()[1] == 0.01
     stand_ins = checker.with_bodies(checker.bodies)
-    assert not stand_ins.of_new_obstacle()[0].any()
+    assert not stand_ins._of_new_obstacle()[0].any()
 
 
 def test_planar_robots_are_not_exported(tmp_path, capsys):
@@ -131,6 +129,16 @@ def list_sections(tmp_path_factory):
         return done.stdout.splitlines()
 
     return run
+
+
+def test_the_examples_use_the_face_as_it_is():
+    compiler = shutil.which("c++")
+    if compiler is None:
+        pytest.skip("there is no C++ compiler")
+    flags = ["-std=c++20", "-Wall", "-Wextra", "-Wconversion", "-Werror", f"-I{CPP / 'library/include'}"]
+    for name in ("check", "threads"):
+        source = ROOT / "docs/examples/cpp" / f"{name}.cpp"
+        subprocess.run([compiler, *flags, "-fsyntax-only", source], check=True)
 
 
 def test_the_library_reads_the_container(cell, list_sections, tmp_path):

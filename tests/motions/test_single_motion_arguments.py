@@ -1,7 +1,5 @@
 """One motion at a time, with arguments that are none: `check_motion` hands most calls to a compiled function."""
 
-from __future__ import annotations
-
 from decimal import Decimal
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Motions of free bodies as OMPL interpolates: held against OMPL's own states, against screws, and against bounds."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 

@@ -1,7 +1,5 @@
 """Motions of solids: through rings that hulls fill, held against states in between and against distances."""
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np

@@ -5,8 +5,6 @@ the exit code 1 if one is not found in MOTIONS, or if the checkout itself fails.
 `mutants/mutated_checkout.py`); with `--only 2` one fault alone, with `--all` among motions of all families.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import sys

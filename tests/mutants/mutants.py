@@ -10,8 +10,6 @@ In: lists of entries. Out: `Mutant`s, and in words what is wrong with them. An e
     equivalent: why no test can notice  # instead of tests, only where that is proved
 """
 
-from __future__ import annotations
-
 import ast
 import hashlib
 from collections.abc import Iterable

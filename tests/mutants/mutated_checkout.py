@@ -4,8 +4,6 @@ In: a folder for temporary files, a SIMD level. Out: `CheckoutCopy`, which build
 folder is kept for the next run: what did not change keeps its time, and so its build.
 """
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import os

@@ -14,8 +14,6 @@ to. Bodies are not cached, since a mutant would leave wrong ones behind. A test 
 has noticed its mutant, one that crashes too.
 """
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 import json

@@ -3,8 +3,6 @@
 In: sources, or parts of their names. Out: for each source how many of its mutants a test kills, most first.
 """
 
-from __future__ import annotations
-
 import sys
 from collections import Counter, defaultdict
 

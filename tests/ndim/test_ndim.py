@@ -1,7 +1,5 @@
 """Any dimension: verdicts against a linear program and integers, certificates, trees against scans, bad input."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Any dimension: linear algebra in integers, and what is proved in doubles only where rounding leaves it."""
 
-from __future__ import annotations
-
 import itertools
 from fractions import Fraction
 

@@ -3,8 +3,6 @@
 Gaps are 0 or about the last double, near the origin and far from it, for bodies of points, of halfspaces, and of both.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from ndim_pairs import near_poses, random_body

@@ -1,7 +1,5 @@
 """Any dimension at the edge of doubles: maps that only exact arithmetic can invert, and certificates that say more."""
 
-from __future__ import annotations
-
 import dataclasses
 from fractions import Fraction
 

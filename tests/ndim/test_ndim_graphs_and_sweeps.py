@@ -1,7 +1,5 @@
 """Any dimension: which regions of a set overlap, and what moving bodies sweep in space-time."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The paper's lemmas and theorem on polarity, as properties, in dimensions 2 to 5."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

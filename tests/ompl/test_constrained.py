@@ -1,7 +1,5 @@
 """Plans on which an equation holds: each configuration satisfies it, each motion is proved free."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

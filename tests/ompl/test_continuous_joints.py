@@ -1,7 +1,5 @@
 """Robots with continuous joints and no group: `plan` and the command line plan for the same angles."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

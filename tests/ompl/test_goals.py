@@ -1,7 +1,5 @@
 """Several goals, goals that a function yields, and what is just beyond a limit."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import subprocess

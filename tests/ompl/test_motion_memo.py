@@ -1,7 +1,5 @@
 """While a path is shortened, answers on motions are remembered: the same as without, and each is found once."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

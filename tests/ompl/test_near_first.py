@@ -1,7 +1,5 @@
 """Searches that sample near start and goal first: what the planner is given, and that nothing is lost by it."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

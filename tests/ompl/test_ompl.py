@@ -1,7 +1,5 @@
 """OMPL plans with the checker as judge: limits, validators, seeds, and reasons for failure."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from itertools import pairwise
@@ -256,10 +254,7 @@ def test_motions_are_judged_and_counted(checker, resolution):
         answer = validator.checkMotion(space.state(information, q0), space.state(information, q1))
         assert type(answer) is bool
         assert answer == free
-    assert (validator.getValidMotionCount(), validator.getInvalidMotionCount()) == (
-        expected.sum(),
-        (~expected).sum(),
-    )
+    assert (validator.getValidMotionCount(), validator.getInvalidMotionCount()) == (expected.sum(), (~expected).sum())
     assert validator.getCheckedMotionCount() == len(expected)
     assert validator.getValidMotionFraction() == pytest.approx(expected.mean())
     validator.resetMotionCounter()

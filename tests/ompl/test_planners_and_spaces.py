@@ -1,7 +1,5 @@
 """Every planner of OMPL on every kind of space: it plans what is free, or one line says where it can plan."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from ompl import base, geometric

@@ -1,7 +1,5 @@
 """Plans keep their numbers in files."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

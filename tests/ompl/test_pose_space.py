@@ -1,7 +1,5 @@
 """OMPL's SE(3) and SE(2) for robots with free bodies: states, bounds, what OMPL does near half a turn, and plans."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from ompl import base
@@ -96,10 +94,7 @@ def test_alike_turns_are_judged_as_ompl_goes_them(tmp_path):
     space = PoseSpace(robot_of(tmp_path), BOX)
     small = 3e-5
     a, b, c = states_of(
-        space,
-        HERE,
-        [1, 0, 0, np.sin(small / 2), 0, 0, np.cos(small / 2)],
-        [1, 0, 0, np.sin(2e-4), 0, 0, np.cos(2e-4)],
+        space, HERE, [1, 0, 0, np.sin(small / 2), 0, 0, np.cos(small / 2)], [1, 0, 0, np.sin(2e-4), 0, 0, np.cos(2e-4)]
     )
     assert space.curve_states(a, b, np.array([0.99]))[0, 3:].tolist() == [0, 0, 0, 1]
     starts, ends, *others = space.pieces(a, b)

@@ -1,7 +1,5 @@
 """Spaces that are kept from plan to plan: plans stay independent, checkers are freed, exceptions and Ctrl-C get out."""
 
-from __future__ import annotations
-
 import gc
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """The concave puzzles of configs/puzzles: hulls see no way, solids have one, which is planned and proved."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

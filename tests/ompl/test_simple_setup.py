@@ -1,7 +1,5 @@
 """What `setup` gives beyond OMPL's SimpleSetup: simplified paths are checked, and programs end without leaks."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """OMPL's states are read by one call of their space: the same numbers as part by part, in all kinds of spaces."""
 
-from __future__ import annotations
-
 import gc
 
 import numpy as np

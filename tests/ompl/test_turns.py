@@ -1,7 +1,5 @@
 """Two planners that take turns: who is on when, and that a seed gives one path."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from ompl import base

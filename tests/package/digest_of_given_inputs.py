@@ -6,8 +6,6 @@
 level_digest.py draws its inputs where it runs, and NumPy's linear algebra rounds differently on other processors.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Mapping

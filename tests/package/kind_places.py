@@ -5,8 +5,6 @@ whether a body, its shape or its certificate is a hull, a solid, a set of parts 
 row chosen from a table by the kind is one place as well. Assertions ask nothing, and `as` reads what is known.
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ Out: one line of JSON with a hash each of serialised bodies, verdicts and stages
 verdicts on robot states (in batches, and one by one, which other code judges), motions, planar motions.
 """
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import json

@@ -6,8 +6,6 @@ Out: JSON with a hash a robot: arms in scenes, whole robots with continuous and 
 and ball joints on both paths.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import tempfile

@@ -1,7 +1,5 @@
 """Broken files that once ended in a traceback, a full memory or another run's verdicts: one error each."""
 
-from __future__ import annotations
-
 import json
 import struct
 import warnings

@@ -1,7 +1,5 @@
 """Methods whose compiled twin is asked first: they are the functions that they stand for, in all but their time."""
 
-from __future__ import annotations
-
 import copy
 import gc
 import inspect

@@ -1,7 +1,5 @@
 """The compiled core: every instruction set that this processor runs gives the same bits."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

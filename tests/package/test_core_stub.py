@@ -3,8 +3,6 @@
 After a change of the bindings: `python tests/package/test_core_stub.py`.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import subprocess
 import sys

@@ -5,8 +5,6 @@ must not exit with bad input. Blocks of yaml or xml whose first line is a commen
 file. `<!-- only parsed: why -->` before a block has its commands parsed alone, `<!-- not run: why -->` leaves it out.
 """
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import json

@@ -4,8 +4,6 @@ Directions of rounding, and denormals taken for zero, are set from here by way o
 in another; all that the core gives must have the same bits. Sines and cosines are held against mpmath.
 """
 
-from __future__ import annotations
-
 import ctypes
 import platform
 import re

@@ -1,7 +1,5 @@
 """Files made to do harm: an error in a second or two, no crash, no hang, nothing read that is somebody else's."""
 
-from __future__ import annotations
-
 import io
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Every bit is the same on every instruction set, in any order and in batches of any size."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import os

@@ -1,7 +1,5 @@
 """Ctrl-C ends every long call within half a second, from Python and in commands; outputs are whole or not there."""
 
-from __future__ import annotations
-
 import contextlib
 import gc
 import os

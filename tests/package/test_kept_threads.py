@@ -1,7 +1,5 @@
 """Threads that calls leave to later calls: in a process of their own, where no other test has started any."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

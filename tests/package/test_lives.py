@@ -4,8 +4,6 @@ In: a page's table of files and functions, in the order in which the data pass. 
 called by one before it, by way of functions of that one's own file at most. Calls are looked for in the text.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

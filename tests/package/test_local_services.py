@@ -4,8 +4,6 @@ The listening sockets are read from /proc, for all processes of a running cluste
 pages of others, try to connect.
 """
 
-from __future__ import annotations
-
 import asyncio
 import os
 import sys

@@ -1,7 +1,5 @@
 """Files that are not there, or are folders: each reader names the file once, and says why."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

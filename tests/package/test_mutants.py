@@ -1,7 +1,5 @@
 """The lists of small faults that `mutation.py` puts in: every entry fits the checkout. Running them is done by hand."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -3,8 +3,6 @@
 import-linter holds the Python packages to the contract in pyproject.toml, the lists below hold the folders of cpp/.
 """
 
-from __future__ import annotations
-
 import graphlib
 import os
 import re

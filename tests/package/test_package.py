@@ -1,7 +1,5 @@
 """The package's face: the public names are there, and importing it loads nothing that is not needed."""
 
-from __future__ import annotations
-
 import importlib
 import importlib.metadata
 import inspect

@@ -1,7 +1,5 @@
 """What notebooks and consoles show of robots, verdicts and reports: one line, or a table."""
 
-from __future__ import annotations
-
 from html.parser import HTMLParser
 
 import numpy as np
@@ -81,11 +79,7 @@ def test_whatever_a_console_prints_is_one_short_line(checker, colliding, plan):
     shown = [
         *(drawn, sensed, plan, proof),
         *(*drawn.meshes, *sensed.parts, *drawn.witnesses, *checker.bodies),
-        *(
-            *checker.scene.objects,
-            *checker.scene.objects[0].parts,
-            pc.Hull(points),
-        ),
+        *(*checker.scene.objects, *checker.scene.objects[0].parts, pc.Hull(points)),
     ]
     for each in shown:
         assert len(repr(each)) < 160, type(each)

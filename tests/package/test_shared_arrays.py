@@ -4,8 +4,6 @@ In: public objects, made from arrays that the test keeps. Out: nothing that a us
 ours, changes what an object says later.
 """
 
-from __future__ import annotations
-
 import pickle
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any

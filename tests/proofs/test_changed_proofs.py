@@ -3,8 +3,6 @@
 PLANNERCHECK_PROOFS=1000 changes as many; 1,000 take some 5 minutes.
 """
 
-from __future__ import annotations
-
 import os
 import warnings
 from dataclasses import replace
@@ -12,11 +10,7 @@ from dataclasses import replace
 import numpy as np
 import proof_oracle
 import pytest
-from proof_cases import (
-    free_motions,
-    random_tree,
-    scattered,
-)
+from proof_cases import free_motions, random_tree, scattered
 
 import plannercheck as pc
 from plannercheck.proofs.well_formed import hashes_of

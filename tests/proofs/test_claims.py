@@ -1,7 +1,5 @@
 """What `plannercheck verify` says of a proof: the motion, how it goes, and names that forge nothing."""
 
-from __future__ import annotations
-
 import json
 import zipfile
 

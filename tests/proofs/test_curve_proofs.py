@@ -1,7 +1,5 @@
 """Proofs of motions along polynomials, with tubes: honest ones by hand are confirmed, and false ones are refused."""
 
-from __future__ import annotations
-
 import itertools
 import json
 from dataclasses import replace
@@ -182,7 +180,7 @@ def brute_planes(proof, parts):
                 (min(((m[frame][a] @ d).min() - (m[frame][b] @ d).max()) / np.linalg.norm(d) for m in seen), frame, j)
                 for frame in (-1, len(proof.model.links) - 1)
                 for j, d in enumerate(directions)
-            ),
+            )
         )
         found.append(plane(directions[best[2]], best[1], start, end))
     return found

@@ -1,7 +1,5 @@
 """Placements of a URDF in exact numbers: what is read, and how far a proof's doubles may be from it."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import re

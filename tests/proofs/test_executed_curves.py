@@ -1,7 +1,5 @@
 """Proofs of trajectories, and whether they prove a message as a controller runs it, to the last bit of its doubles."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from fractions import Fraction

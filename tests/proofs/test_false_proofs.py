@@ -1,21 +1,11 @@
 """False claims by construction: overlaps as small as a bound that lacks a term would let pass."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 import proof_oracle
 import pytest
-from proof_cases import (
-    CUBE,
-    STILL,
-    at,
-    claim,
-    plane,
-    point,
-    turn,
-)
+from proof_cases import CUBE, STILL, at, claim, plane, point, turn
 
 from plannercheck.proofs import Entry, Joint, Link
 from plannercheck.proofs.chains import Chains

@@ -1,7 +1,5 @@
 """Proofs loaded in a process of their own: verified without the checker, compared with files on request."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """The verifier's own reader: faults of loading do not confirm themselves."""
 
-from __future__ import annotations
-
 import struct
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Proofs by a builder that shares nothing with plannercheck: honest ones are confirmed, and forged ones are not."""
 
-from __future__ import annotations
-
 import contextlib
 import copy
 import json

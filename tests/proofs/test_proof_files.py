@@ -1,7 +1,5 @@
 """Proofs of motions in files: the same bits back, errors for what is no proof, and both commands."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import shutil

@@ -1,25 +1,12 @@
 """The verifier's poses and bounds: against Pinocchio, differences and many digits."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pinocchio as pin
 import proof_oracle
 import pytest
 from flint import arb, arb_mat
-from proof_cases import (
-    CUBE,
-    STILL,
-    at,
-    claim,
-    middle,
-    plane,
-    point,
-    random_tree,
-    scattered,
-    turn,
-)
+from proof_cases import CUBE, STILL, at, claim, middle, plane, point, random_tree, scattered, turn
 
 import plannercheck as pc
 from plannercheck.motions.proof_builder import Builder

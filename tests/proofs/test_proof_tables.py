@@ -1,22 +1,11 @@
 """Proofs whose tables, intervals and numbers are not what a proof has to have."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from proof_cases import (
-    CUBE,
-    STILL,
-    at,
-    claim,
-    plane,
-    point,
-    sealed,
-    turn,
-)
+from proof_cases import CUBE, STILL, at, claim, plane, point, sealed, turn
 
 from plannercheck.proofs import Link
 

@@ -1,7 +1,5 @@
 """Proofs of motions in space: what the checker proves is confirmed, what a wrong certifier would prove is refused."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -9,12 +7,7 @@ import proof_oracle
 import pytest
 from flint import arb
 from poses import at
-from proof_cases import (
-    free_motions,
-    random_tree,
-    scattered,
-    whole_robot,
-)
+from proof_cases import free_motions, random_tree, scattered, whole_robot
 
 import plannercheck as pc
 from plannercheck.motions.certifier_answers import MotionResult

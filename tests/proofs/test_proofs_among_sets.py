@@ -1,7 +1,5 @@
 """Proofs of motions among sets of parts, as checkers and commands make them: near parts, carried, in cavities."""
 
-from __future__ import annotations
-
 import itertools
 import warnings
 from dataclasses import replace

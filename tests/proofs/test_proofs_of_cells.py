@@ -1,7 +1,5 @@
 """Proofs of cells: the verifier reads robots and their places by itself, so that no other cell passes for the one."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from sample_robots import URDF

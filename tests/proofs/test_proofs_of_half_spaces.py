@@ -1,7 +1,5 @@
 """Proofs of motions before half-spaces: an extreme vertex stays over the plane; no other plane counts."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Proofs of motions before clouds, grids and height fields: few directions for each interval, whatever is seen."""
 
-from __future__ import annotations
-
 import itertools
 from functools import cache
 from pathlib import Path

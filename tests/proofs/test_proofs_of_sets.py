@@ -1,7 +1,5 @@
 """Proofs of motions before sets of parts: each part counts, and what is changed beyond its slack is refused."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 from fractions import Fraction

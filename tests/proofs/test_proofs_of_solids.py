@@ -1,7 +1,5 @@
 """Proofs of motions of solids: parts of surfaces that cover all pairs of triangles; neither body is in the other."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import warnings

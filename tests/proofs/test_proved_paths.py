@@ -1,7 +1,5 @@
 """Whether a file of proofs proves a whole path: in order, end to end, by any cut of straight motions."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """How far a tube displaces bodies: never less than at sampled corners, never more than the certifier's own bound."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import curve_oracle

@@ -3,8 +3,6 @@
 `RULES` maps the rule's name to (elements before the worldbody, the worldbody, elements after it). All of them load.
 """
 
-from __future__ import annotations
-
 _TETRA = 'vertex="0 0 0 .5 0 0 0 .1 0 0 0 .1 .2 .2 .3"'
 _ARM = (
     '<body name="a"><geom name="ga" size=".1"/>'

@@ -1,7 +1,5 @@
 """Cells in files: robots of every kind of file, saved and loaded; faults of files; pairs that files leave out."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

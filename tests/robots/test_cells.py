@@ -1,7 +1,5 @@
 """Several robots as one: columns, names and pairs of a cell, and its verdicts against robots merged by hand."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

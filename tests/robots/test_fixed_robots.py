@@ -1,7 +1,5 @@
 """Robots that no joint moves (fixed grippers, sensors, furniture) have one configuration, of no numbers."""
 
-from __future__ import annotations
-
 import h5py
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """What a URDF's <geometry> says: shapes as the file gives them, and errors for what urdfdom drops or defaults."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What the meshes of links are taken as: hulls, pieces or solids, for all links or by name, however it is said."""
 
-from __future__ import annotations
-
 import json
 import pickle
 import warnings

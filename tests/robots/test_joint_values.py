@@ -1,7 +1,5 @@
 """Robots of a URDF without a group: a number a joint will do, and joints that follow others do so."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The kinds of joints, held against Pinocchio, the verifier's own table, and the page on what a new one needs."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Posing errs by no more than its proven bound, and the bound is not silly: held to kinematics in 200 bits."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

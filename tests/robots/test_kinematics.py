@@ -1,7 +1,5 @@
 """The compiled kernel poses as Pinocchio does, on every robot at hand, and always with the same bits."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import subprocess
@@ -83,20 +81,10 @@ def hand_made_model():
     slanted = np.array([1.0, -2.0, 3.0]) / np.sqrt(14.0)
     kinds = [
         pin.JointModelFreeFlyer(),
-        *(
-            pin.JointModelRX(),
-            pin.JointModelRY(),
-            pin.JointModelRZ(),
-            pin.JointModelRevoluteUnaligned(slanted),
-        ),
+        *(pin.JointModelRX(), pin.JointModelRY(), pin.JointModelRZ(), pin.JointModelRevoluteUnaligned(slanted)),
         *(pin.JointModelRevoluteUnaligned(-axis) for axis in np.eye(3)),
         *(pin.JointModelRUBX(), pin.JointModelRUBY(), pin.JointModelRUBZ()),
-        *(
-            pin.JointModelPX(),
-            pin.JointModelPY(),
-            pin.JointModelPZ(),
-            pin.JointModelPrismaticUnaligned(slanted),
-        ),
+        *(pin.JointModelPX(), pin.JointModelPY(), pin.JointModelPZ(), pin.JointModelPrismaticUnaligned(slanted)),
         pin.JointModelPlanar(),
         pin.JointModelSpherical(),
     ]
@@ -131,10 +119,7 @@ def test_all_joints_of_a_urdf():
     names, frames = list(model.names)[1:], link_tree(model).frames
     assert model.joints[1].shortname() == "JointModelRevoluteUnboundedUnaligned"
     values = {**all_values(model, {}, {}), "slanted": np.ones(1), "against_y": np.full(1, 2.0)}
-    for configurations in (
-        whole_robot(model),
-        *(planning_group(model, names[k:], values, {}) for k in range(5)),
-    ):
+    for configurations in (whole_robot(model), *(planning_group(model, names[k:], values, {}) for k in range(5))):
         kinematics = compiled_kinematics(model, configurations, frames)
         assert disagreement(kinematics, model, configurations, frames) < AGREEMENT / 100
 

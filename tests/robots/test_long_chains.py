@@ -4,8 +4,6 @@ What is screened out in arrays is held against the proofs themselves, with the s
 against Pinocchio's; poses of large models, joint by joint, against Pinocchio's own.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

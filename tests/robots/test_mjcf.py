@@ -1,7 +1,5 @@
 """MJCF files as users have them: names, limits, obstacles, motions, proofs, commands, and what is refused."""
 
-from __future__ import annotations
-
 import importlib.util
 import itertools
 import sys

@@ -1,7 +1,5 @@
 """MJCF files beside MuJoCo itself, one a rule of its reference: poses, shapes, pairs, obstacles."""
 
-from __future__ import annotations
-
 import warnings
 
 import mjcf_rules

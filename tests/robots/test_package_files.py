@@ -1,7 +1,5 @@
 """package:// addresses are found by the name of the package, as ROS finds them."""
 
-from __future__ import annotations
-
 import os
 import re
 

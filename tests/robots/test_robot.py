@@ -1,7 +1,5 @@
 """Robots load as Pinocchio sees them, groups hold what they should, and bad input is named."""
 
-from __future__ import annotations
-
 import pickle
 import struct
 import time
@@ -165,12 +163,7 @@ def test_meshes_come_with_their_scale(tmp_path):
 
 def test_without_an_srdf_adjacent_links_are_left_out(arm):
     robot = Robot.from_urdf(arm[0])
-    assert names_of(robot) == {
-        ("base_0", "lower_0"),
-        ("base_0", "tip_0"),
-        ("upper_0", "tip_0"),
-        ("upper_1", "tip_0"),
-    }
+    assert names_of(robot) == {("base_0", "lower_0"), ("base_0", "tip_0"), ("upper_0", "tip_0"), ("upper_1", "tip_0")}
 
 
 def test_an_srdf_alone_says_which_pairs_are_left_out(arm):

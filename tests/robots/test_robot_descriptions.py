@@ -1,7 +1,5 @@
 """Robots by name from the package robot_descriptions, if it is installed; here one of that name with three robots."""
 
-from __future__ import annotations
-
 import sys
 
 import pytest

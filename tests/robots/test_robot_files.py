@@ -1,7 +1,5 @@
 """Robots from files and bad input: errors name the file, the fault and what would be right."""
 
-from __future__ import annotations
-
 import shutil
 import warnings
 import xml.etree.ElementTree as ElementTree

@@ -1,7 +1,5 @@
 """Which pairs an SRDF leaves out: as MoveIt 2's AllowedCollisionMatrix of an srdf::Model has it."""
 
-from __future__ import annotations
-
 import itertools
 import warnings
 

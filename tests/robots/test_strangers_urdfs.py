@@ -1,7 +1,5 @@
 """URDFs as strangers write them: what other readers take loads here, and what is odd in them is said."""
 
-from __future__ import annotations
-
 import importlib.util
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """What a URDF says about links and joints is read as it is written, or refused with file and element."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import warnings

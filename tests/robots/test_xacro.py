@@ -1,7 +1,5 @@
 """Robots that are xacro files: expanded in a process of their own, packages found as everywhere."""
 
-from __future__ import annotations
-
 import os
 import sys
 

@@ -1,7 +1,5 @@
 """MoveIt scenes and requests and MotionBenchMaker sets load as they are; what can't be honoured is said."""
 
-from __future__ import annotations
-
 import tarfile
 import warnings
 
@@ -194,19 +192,13 @@ def test_entries_of_the_matrix_go_before_defaults(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        (
-            {"world__collision_objects__0__planes": [{"coef": [0, 0, 1, 0]}]},
-            "'group': planes are not supported",
-        ),
+        ({"world__collision_objects__0__planes": [{"coef": [0, 0, 1, 0]}]}, "'group': planes are not supported"),
         ({"world__collision_objects__0__operation": 1}, "'group': operation must be 0"),
         ({"world__collision_objects__0__primitive_poses": [{}]}, "4 primitives, but 1 primitive_poses"),
         ({"world__collision_objects__0__colour": 1}, "'group': unknown key 'colour'"),
         ({"world__collision_objects__1__id": "group"}, "object 'group' exists already"),
         ({"world__collision_objects__1__meshes": []}, "'wedge': 0 meshes, but 1 mesh_poses"),
-        (
-            {"world__collision_objects__0__primitives__0__type": 7},
-            "unknown primitive type '7': valid are 1 .box",
-        ),
+        ({"world__collision_objects__0__primitives__0__type": 7}, "unknown primitive type '7': valid are 1 .box"),
         ({"world__collision_objects__0__primitives__0__dimensions": [1]}, "dimensions of a box' needs 3"),
         ({"world__collision_objects__1__meshes__0__triangles": [[0, 1, 7]]}, "there are 5 vertices"),
         (
@@ -221,12 +213,7 @@ def test_entries_of_the_matrix_go_before_defaults(tmp_path):
         ),
         ({"allowed_collision_matrix__default_entry_values": [True]}, "2 default_entry_names, but 1"),
         (
-            {
-                "robot_state__multi_dof_joint_state": {
-                    "joint_names": ["v"],
-                    "transforms": [{"translation": [1, 0, 0]}],
-                }
-            },
+            {"robot_state__multi_dof_joint_state": {"joint_names": ["v"], "transforms": [{"translation": [1, 0, 0]}]}},
             "virtual joint 'v' moves the robot",
         ),
     ],
@@ -260,10 +247,7 @@ def test_requests_give_start_and_goals(tmp_path):
     request = read_request(tmp_path / "request.yaml")
     assert request.group == "panda_arm"
     assert request.start == {"panda_joint1": 0.0, "panda_joint2": -0.785, "panda_finger_joint1": 0.065}
-    assert request.goals == (
-        {"panda_joint2": 0.1, "panda_joint1": 0.5},
-        {"panda_joint1": -0.5, "panda_joint2": -0.1},
-    )
+    assert request.goals == ({"panda_joint2": 0.1, "panda_joint1": 0.5}, {"panda_joint1": -0.5, "panda_joint2": -0.1})
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,6 @@ The conventions are those of MoveIt's own sources (moveit2, moveit_core): `Trans
 Expected poses are composed with Pinocchio alone.
 """
 
-from __future__ import annotations
-
 import copy
 import pickle
 import warnings

@@ -18,8 +18,6 @@ and kinematic_constraint.cpp, `PositionConstraint::decide`:
 `OrientationConstraint::configure`: `if (fabs(q.norm() - 1.0) > 1e-3)` ... "Assuming identity instead."
 """
 
-from __future__ import annotations
-
 import copy
 
 import numpy as np
@@ -194,20 +192,11 @@ REGION = (*P, "constraint_region")
     [
         (changed("orientation_constraints", value=[]), "of orientation_constraints there are 0"),
         (changed("position_constraints", value=[]), "of position_constraints there are 0"),
-        (
-            changed("joint_constraints", value=[{"joint_name": "a", "position": 1}]),
-            "either joint_constraints or",
-        ),
+        (changed("joint_constraints", value=[{"joint_name": "a", "position": 1}]), "either joint_constraints or"),
         (changed("visibility_constraints", value=[{}]), "visibility_constraints are not supported"),
-        (
-            changed(*R, "link_name", value="panda_link8"),
-            "the orientation of link 'panda_link8'",
-        ),
+        (changed(*R, "link_name", value="panda_link8"), "the orientation of link 'panda_link8'"),
         (changed(*R, "header", value={"frame_id": "map"}), "both must be of one link in one frame"),
-        (
-            changed(*R, "orientation", value=[0, 0, 0, 1.01]),
-            "of length 1, not 1.01: MoveIt takes the identity",
-        ),
+        (changed(*R, "orientation", value=[0, 0, 0, 1.01]), "of length 1, not 1.01: MoveIt takes the identity"),
         (changed(*R, "orientation", value=[0, 0, 0, 0]), "quaternion of length 1, not 0"),
         (changed(*R, "colour", value=1), "orientation_constraints: unknown key 'colour'"),
         (changed(*P, "link_name", value=None), "position_constraints: key 'link_name' is missing"),

@@ -3,8 +3,6 @@
 The conventions are those of MoveIt's own sources, see test_moveit_frames.py.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

@@ -4,8 +4,6 @@ Messages are written here as OctoMap writes them, node by node (OcTreeBaseImpl.h
 OccupancyOcTreeBase.hxx `writeBinaryNode`), not by the library.
 """
 
-from __future__ import annotations
-
 import struct
 from pathlib import Path
 from typing import Any

@@ -22,8 +22,6 @@ geometric_shapes, src/shape_operations.cpp, `constructShapeFromText`:
     else if (type == Mesh::STRING_NAME) { unsigned int v, t; in >> v >> t; ... vertices ... triangles ... }
 """
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np
@@ -198,10 +196,7 @@ def one(shape, pose=AT, colour="0 0 0 0"):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (
-            one("prism\n1 2 3"),
-            "object 'can': line 6: unknown shape 'prism': valid are sphere, box, cylinder, cone",
-        ),
+        (one("prism\n1 2 3"), "object 'can': line 6: unknown shape 'prism': valid are sphere, box, cylinder, cone"),
         (one("plane\n0 0 1 0"), "object 'can': line 6: unknown shape 'plane'"),
         (one("box\n1 2 x"), "object 'can': line 7: the size of a box must be a finite number, not 'x'"),
         (one("box\n1 2 nan"), "line 7: the size of a box must be a finite number, not 'nan'"),

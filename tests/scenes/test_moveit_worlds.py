@@ -1,7 +1,5 @@
 """Worlds and collision objects of MoveIt alone, as messages in YAML, are scenes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import yaml

@@ -1,7 +1,5 @@
 """Objects that move: `Moving`, its errors, and scene files with it."""
 
-from __future__ import annotations
-
 import pickle
 from pathlib import Path
 

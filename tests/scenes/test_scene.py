@@ -1,7 +1,5 @@
 """Scenes hold what was added, files give the same doubles back, and bad files name file, object and key."""
 
-from __future__ import annotations
-
 import errno
 from pathlib import Path
 
@@ -100,13 +98,7 @@ def test_added_shapes_become_bodies_in_the_world():
     scene.add_capsule("capsule", 0.1, 0.2)
     scene.add_cone("cone", 0.1, 0.2)
     scene.add_hull("hull", TETRAHEDRON)
-    expected = [
-        Box((1, 2, 3)),
-        Sphere(0.1),
-        Cylinder(0.1, 0.2),
-        Capsule(0.1, 0.2),
-        Cone(0.1, 0.2),
-    ]
+    expected = [Box((1, 2, 3)), Sphere(0.1), Cylinder(0.1, 0.2), Capsule(0.1, 0.2), Cone(0.1, 0.2)]
     assert [b.shape for b in scene.bodies[:5]] == expected
     assert scene.bodies[5].shape.vertices.tolist() == TETRAHEDRON
     assert all(b.link is None for b in scene.bodies)
@@ -238,20 +230,11 @@ def test_quaternions_and_rotations_agree_with_pinocchio():
         ("objects: [{name: a, sphere: {radius: 1}, parts: []}]", "given are parts and sphere"),
         ("objects: [{sphere: {radius: 1}}]", "object 0: key 'name' is missing"),
         ("objects: [{name: a, sphere: {radius: 1}}, {name: a, sphere: {radius: 1}}]", "'a' exists already"),
-        (
-            "objects: [{name: a, sphere: {radius: 1}, quaternion: [0, 0, 0, 0]}]",
-            "'a': quaternion .* no direction",
-        ),
+        ("objects: [{name: a, sphere: {radius: 1}, quaternion: [0, 0, 0, 0]}]", "'a': quaternion .* no direction"),
         ("objects: [{name: a, sphere: {radius: 1}, quaternion: [0, 0, 1]}]", "'quaternion' needs 4 numbers"),
-        (
-            "objects: [{name: a, sphere: {radius: 1}, rpy: [0, 0, 1], quaternion: [0, 0, 0, 1]}]",
-            "leave one out",
-        ),
+        ("objects: [{name: a, sphere: {radius: 1}, rpy: [0, 0, 1], quaternion: [0, 0, 0, 1]}]", "leave one out"),
         ("objects: [{name: a, sphere: {radius: 1}, position: [0, .inf, 1]}]", "'position' must be a finite"),
-        (
-            "objects: [{name: a, parts: [{sphere: {radius: 1}}, {box: 3}]}]",
-            "'a': part 1: box: it must be a mapping",
-        ),
+        ("objects: [{name: a, parts: [{sphere: {radius: 1}}, {box: 3}]}]", "'a': part 1: box: it must be a mapping"),
         ("objects: [{name: a, mesh: {file: no.stl}}]", r"'a': mesh: mesh file '.*no\.stl' does not exist"),
         ("objects: [{name: a, hull: {vertices: [[0, 0, 0]]}}]", "'a': hull: .* at least 4 points"),
         ("objects: [{name: a, hull: {vertices: [[0, 0]]}}]", "'vertices row 0' needs 3"),

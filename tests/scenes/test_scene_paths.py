@@ -1,7 +1,5 @@
 """Scenes look for packages as URDFs do: in package_dirs, then in all folders above the scene's file."""
 
-from __future__ import annotations
-
 import pytest
 import yaml
 

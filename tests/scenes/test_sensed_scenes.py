@@ -1,7 +1,5 @@
 """Clouds, octrees, voxel grids and height fields in scene files: read, refused, and written back."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

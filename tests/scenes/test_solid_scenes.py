@@ -1,7 +1,5 @@
 """Solids in scenes: in files of our own, in MoveIt's where that is asked for, and back."""
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np

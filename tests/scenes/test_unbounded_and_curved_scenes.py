@@ -1,7 +1,5 @@
 """Half-spaces and ellipsoids in scenes: in files of our own and back, in tables and pictures."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`scene.update` replaces a cloud's points and nothing else; checkers of the changed scene are those of a new one."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from poses import at

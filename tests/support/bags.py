@@ -1,7 +1,5 @@
 """Bags as ROS 2 records them, with messages of trajectories."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Where the fields of a serialised body are, as polytope_serialisation.cpp writes them; for tests that damage them."""
 
-from __future__ import annotations
-
 import struct
 
 HEAD = [("dimension", 4), ("swell", 8), ("triangles", [12]), ("source", [4]), ("centre", 24), ("reach", 8)]

@@ -4,8 +4,6 @@ In: a folder. Out: in it the small arm that commands get else, and `BROKEN`, fil
 command asks for, unless `FITTING` says for what it is right.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import zipfile

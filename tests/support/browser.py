@@ -1,7 +1,5 @@
 """A headless browser for the page of `view`, if there is one."""
 
-from __future__ import annotations
-
 import shutil
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)

@@ -1,7 +1,5 @@
 """A ball on a carriage that slides along x and another axis, as a URDF."""
 
-from __future__ import annotations
-
 AXES = {"y": "0 1 0", "z": "0 0 1"}
 
 

@@ -3,8 +3,6 @@
 In: a checker and the ends q0, q1 (nq,) that a user gives. Out: the ends (1, nq) each, or states (steps + 1, nq).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 

@@ -3,8 +3,6 @@
 In: a robot and pairs of its bodies. Out: which of them collide, configuration by configuration.
 """
 
-from __future__ import annotations
-
 import coal
 import numpy as np
 import pinocchio as pin

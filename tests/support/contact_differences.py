@@ -1,7 +1,5 @@
 """Whether two bodies at given poses surely differ from a contact: too far apart for it, or too deep in each other."""
 
-from __future__ import annotations
-
 import exact_verdicts
 import numpy as np
 from solids import centroid

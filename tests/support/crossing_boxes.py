@@ -1,7 +1,5 @@
 """Cells of gantries, each a box that slides along x and y: whether they meet is a comparison of numbers."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

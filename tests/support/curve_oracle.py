@@ -4,8 +4,6 @@ In: a proof in space. Out: world points of its bodies at a parameter, the number
 least gap along an entry's direction over parameters and corners of the tube.
 """
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Points in exact arithmetic, for tests that ask brute force."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

@@ -4,8 +4,6 @@ The oracle shares nothing with the core; tests/evaluation/test_oracle.py holds i
 decide here where it finds no proof.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from plannercheck import _oracle

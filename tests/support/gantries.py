@@ -1,7 +1,5 @@
 """A robot whose configurations are places: a small box that slides along x and y."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

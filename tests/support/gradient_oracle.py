@@ -6,8 +6,6 @@ model's placements in python-flint, and the distance is that of the features (ve
 points, whose place inside the features is checked.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

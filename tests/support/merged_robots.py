@@ -1,7 +1,5 @@
 """Robots merged by hand into one URDF and one SRDF, as users did before there were cells; shares nothing with cells."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 In: a random tree, a motion, a parameter. Out: the tree with bodies on two links, or an obstacle, that meet then.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from random_branches import Joint
 

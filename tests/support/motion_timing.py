@@ -1,7 +1,5 @@
 """What the benchmarks of motions in space and in the plane share: least times, and their table of misses."""
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence

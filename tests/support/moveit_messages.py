@@ -3,8 +3,6 @@
 In: names of frames, poses as position and quaternion x, y, z, w. Out: nodes of messages, scenes, poses (4, 4).
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Random robots, scenes that move, and trajectories, with a contact at a chosen instant; and the merged robot."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NamedTuple
 

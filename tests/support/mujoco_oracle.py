@@ -4,8 +4,6 @@ Nothing here knows the rules by which pairs are left out: all geoms become spher
 MuJoCo makes a contact of every pair that it tests.
 """
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 

@@ -1,7 +1,5 @@
 """Forward kinematics in 200 bits, from the same joint table that the compiled kernel gets: what rounding is held to."""
 
-from __future__ import annotations
-
 import functools
 
 import mpmath

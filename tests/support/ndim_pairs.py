@@ -4,8 +4,6 @@ Near contact: the second body is moved along a direction u so that the bodies' s
 and u is made a direction in which they truly touch: a facet normal of the first body, or a vertex against a vertex.
 """
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass
 

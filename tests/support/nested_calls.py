@@ -4,8 +4,6 @@ In: a `Nested`, a folder for its files. Out: what is wrong, in words; nothing if
 robot. It moves beside the set, its joint is held, or both are on one link.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any

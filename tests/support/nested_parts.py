@@ -6,8 +6,6 @@ hollows, and whether they share a point. Idea: the solid is the union of closed 
 cell: distances of balls and boxes, and separating axes of prisms, in Python's and numpy's whole numbers.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 In: two bodies and their poses. Out: verdicts in which all methods, switches and orders agree with exact arithmetic.
 """
 
-from __future__ import annotations
-
 import itertools
 
 import exact_verdicts

@@ -1,7 +1,5 @@
 """Collision geometry as Pinocchio itself reads it, through coal and assimp: what our own reading is held against."""
 
-from __future__ import annotations
-
 import pinocchio as pin
 
 from plannercheck.common.package_files import folders_above

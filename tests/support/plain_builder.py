@@ -5,8 +5,6 @@ clouds. A plane is taken where samples keep clear of it by twice what they leave
 is honestly proved is refused only by a fault of the verifier.
 """
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import struct

@@ -4,8 +4,6 @@ In: a checker. Out: the pairs that never meet and those at rest, the table of pa
 of its motions, to be held against what the checker took from its robot's memory, an earlier checker, or the core.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 import plannercheck as pc

@@ -6,8 +6,6 @@ area, across one or across the line from a vertex of one to a vertex of the othe
 points, in Python integers: nothing is shared with the core, neither method nor arithmetic.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise, product
 
 import numpy as np

@@ -3,8 +3,6 @@
 In: a random generator. Out: vertices (n, 2) of both, and their poses (3, 3).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 import plannercheck as pc

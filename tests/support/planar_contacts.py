@@ -4,8 +4,6 @@ In: a random generator. Out: robots of random trees, a motion, and an obstacle o
 robot touches at a state on the motion. Poses are computed here, by complex numbers, apart from what is tested.
 """
 
-from __future__ import annotations
-
 import cmath
 import math
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Poses (4, 4) at places and with turns, given or random."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

@@ -1,7 +1,5 @@
 """What tests of proofs are about: random trees with every kind of joint, free motions, and proofs written by hand."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -3,8 +3,6 @@
 A claim counts as false where a sampled state contradicts it by more than rounding; nothing is proved by it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 

@@ -1,8 +1,6 @@
 """Random robots of two branches with every kind of joint anywhere, and where their links are at any parameter of a
 motion: by Pinocchio and closed forms, without plannercheck."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Random tables of joints in a row, of the kinds that cpp/robots/kinematics.hpp numbers, and configurations of them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from plannercheck.robots.kinematics import JointTable

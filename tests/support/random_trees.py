@@ -4,8 +4,6 @@ In: a random generator. Out: `RandomTree`, which writes its URDF with any bodies
 first and then put a body where it touches there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

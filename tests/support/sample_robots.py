@@ -1,7 +1,5 @@
 """Robots of the tests: files of installed ones, and a small one with every kind of joint and an SRDF, partly wrong."""
 
-from __future__ import annotations
-
 from plannercheck.common.package_data import example_robot_data
 
 SHARE = example_robot_data()

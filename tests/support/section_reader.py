@@ -3,8 +3,6 @@
 In: bytes. Out: names and arrays. It shares nothing with the writer.
 """
 
-from __future__ import annotations
-
 import binascii
 
 import numpy as np

@@ -4,8 +4,6 @@ In: names of files. Out: cells and points as the library has them. `python tests
 the maps of `saved_octrees`, for OctoMap to list.
 """
 
-from __future__ import annotations
-
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path

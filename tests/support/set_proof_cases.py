@@ -1,7 +1,5 @@
 """Sets of parts of every kind before a Panda, a motion that keeps clear of them, and proofs that are changed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

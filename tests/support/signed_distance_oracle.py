@@ -4,8 +4,6 @@ In: vertices (n, 3) in metres of two convex bodies of any dimension, inflation r
 sums of two doubles. It takes hulls from SciPy, and shares no code with the core.
 """
 
-from __future__ import annotations
-
 import ctypes
 import subprocess
 import tempfile

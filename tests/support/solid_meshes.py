@@ -1,7 +1,5 @@
 """Meshes of solids, and brute force: all pairs of triangles, winding numbers as sums of solid angles."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

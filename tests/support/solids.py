@@ -1,7 +1,5 @@
 """Bodies of the families as the makers of poses and the core want them, and poses that are no contacts."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

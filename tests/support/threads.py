@@ -8,8 +8,6 @@ It prints what it found; the sanitizer's exit code says whether it saw a race. P
 only races within the core show.
 """
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 

@@ -4,8 +4,6 @@ In: a checker, trajectories, a random generator. Out: proofs, piece by piece, an
 parts of the largest that is proved, 0.999 of it among them, for all numbers or for some.
 """
 
-from __future__ import annotations
-
 import tempfile
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -42,11 +40,7 @@ class Certified(NamedTuple):
     outcomes: Counter[str]
 
 
-def certified(
-    checker: pc.Checker,
-    asked: Iterable[tuple[pc.Trajectory, Floats]],
-    tolerance: float = 1e-4,
-) -> Certified:
+def certified(checker: pc.Checker, asked: Iterable[tuple[pc.Trajectory, Floats]], tolerance: float = 1e-4) -> Certified:
     """Proofs of trajectories that are free with the tubes (nq,) they come with."""
     proofs, outcomes = list[Proof](), Counter[str]()
     for trajectory, tube in asked:

@@ -1,7 +1,5 @@
 """First conflicts of robots on one clock, held against numbers and against dense sampling with exact verdicts."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Least delays held against numbers, against every delay of a grid by dense sampling, and against permuted input."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from crossing_boxes import HALF, LEFT, RIGHT, at, gantries, meet, way

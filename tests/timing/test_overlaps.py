@@ -1,7 +1,5 @@
 """How far bodies are moved, and overlaps of all configurations of a box: against configurations drawn from it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from random_trees import random_tree

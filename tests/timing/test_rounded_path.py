@@ -1,7 +1,5 @@
 """Blends against finite differences, and legs against the waypoints they are made of."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Robots in a given order: each waits for those before, and those after it stand in the meantime."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from crossing_boxes import at, gantries, meet, way

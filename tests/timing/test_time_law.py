@@ -1,7 +1,5 @@
 """Time laws against the closed forms of straight motions, and their samples against splines of SciPy."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline

@@ -1,7 +1,5 @@
 """Plans as trajectories: proved, within limits, from rest to rest; the curve is SciPy's through the points."""
 
-from __future__ import annotations
-
 import sys
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`plannercheck plan --timed`: what is written is what was proved, or nothing is written."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Points of a section: the controller's curve through them stays on the section, and keeps the limits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.interpolate import BPoly

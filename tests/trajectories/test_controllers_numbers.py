@@ -1,7 +1,5 @@
 """Numbers of joint_trajectory_controller's own tests (ros2_controllers, test_trajectory.cpp), evaluated by us."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Limits of speeds and accelerations as MoveIt reads them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

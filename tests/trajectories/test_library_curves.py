@@ -4,8 +4,6 @@ The inputs of drake and ndcurves are those of their public tests (drake: common/
 python/test/test.py), with the values that stand there where there are any.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.interpolate import BPoly, BSpline, CubicSpline, PchipInterpolator, PPoly, make_interp_spline

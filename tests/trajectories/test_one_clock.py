@@ -1,7 +1,5 @@
 """Trajectories of several robots on one clock, held against rational and 50-digit arithmetic."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Bounds of rounding, held against rational arithmetic: of control points, and of the controller's own evaluation."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Curves cut and put side by side run through the same configurations, up to the errors that they state."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

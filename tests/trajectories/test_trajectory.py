@@ -1,7 +1,5 @@
 """Curves that controllers run, held against rational arithmetic, SciPy, and the numbers of the controllers' rules."""
 
-from __future__ import annotations
-
 import json
 from fractions import Fraction
 from pathlib import Path

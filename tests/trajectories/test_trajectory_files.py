@@ -1,7 +1,5 @@
 """Trajectories in tables and bags: the points of the message that was written, and errors that name what is wrong."""
 
-from __future__ import annotations
-
 import json
 import sqlite3
 from pathlib import Path

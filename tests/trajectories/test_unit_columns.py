@@ -1,7 +1,5 @@
 """Trajectories of robots whose configurations hold unit vectors: positions by polynomials, turns by slerp."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

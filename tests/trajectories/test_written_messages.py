@@ -1,7 +1,5 @@
 """Trajectories that are written: the same doubles come back, also by ROS's rules of a message."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

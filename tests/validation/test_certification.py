@@ -1,7 +1,5 @@
 """Every verdict on a set is proved, and one that is wrong is not."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Sets are read as they were written, chunk by chunk, and bad files are named with their row."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -162,10 +160,6 @@ def test_a_header_needs_one_number_a_joint(tmp_path):
 def test_missing_files_and_other_formats(tmp_path):
     (tmp_path / "q.txt").write_text("1,2,3\n")
     (tmp_path / "folder.npy").mkdir()
-    for name, message in (
-        ("q.txt", "must be one of"),
-        ("no.npy", "does not exist"),
-        ("folder.npy", "is a folder"),
-    ):
+    for name, message in (("q.txt", "must be one of"), ("no.npy", "does not exist"), ("folder.npy", "is a folder")):
         with pytest.raises(PlannercheckError, match=message):
             read(tmp_path / name)

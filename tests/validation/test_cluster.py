@@ -1,7 +1,5 @@
 """A cluster of two processes, one of which is killed: complete, and the same bytes as from one process."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import signal

@@ -1,7 +1,5 @@
 """The comparison with FCL finds a checker's errors, and blames FCL for its own."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 
@@ -23,10 +21,7 @@ class SlidingBodies:
     """A checker of three bodies on a line, with verdicts that a test can falsify."""
 
     def __init__(
-        self,
-        lies: dict[tuple[int, int], bool] | None = None,
-        invert_states: bool = False,
-        scale: float = 1.0,
+        self, lies: dict[tuple[int, int], bool] | None = None, invert_states: bool = False, scale: float = 1.0
     ) -> None:
         self.bodies = [SimpleNamespace(name=name) for name in ("left", "right", "far")]
         hull = SimpleNamespace(

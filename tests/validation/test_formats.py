@@ -1,7 +1,5 @@
 """Every format gives the same rows: by position or by name, in rad or degrees, in bounded memory."""
 
-from __future__ import annotations
-
 import io
 import subprocess
 import sys

@@ -3,8 +3,6 @@
 The oracles: states of a checker with padding, `Trajectory` and its proofs, and constant decelerations by hand.
 """
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

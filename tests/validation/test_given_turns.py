@@ -4,8 +4,6 @@ The oracle is `interpolate_between_points` of ros2_controllers for positions alo
 whole turns taken off. The states that it gives are judged one by one.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import warnings

@@ -1,7 +1,5 @@
 """Certificates of verdicts before clouds, grids and height fields: about the shapes as given."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Paths in every format give the same configurations; what is wrong with a file is said."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Paths are resampled as motions are checked, held against FCL, and searched between the samples."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

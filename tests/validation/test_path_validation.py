@@ -1,7 +1,5 @@
 """Whole paths are judged motion by motion; the command says where the first stops, and by what."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Reports count what the checker says, and sum up over sets."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Runs over sets: the verdicts of `check_states` in every format, and the same bytes even if broken off."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -1,7 +1,5 @@
 """Verdicts of sets with solids are proved about the meshes that were given; proofs about others are not taken."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

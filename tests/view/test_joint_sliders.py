@@ -1,7 +1,5 @@
 """Sliders move joints in the server's picture, and the verdict is that of the checker."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

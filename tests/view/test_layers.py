@@ -1,7 +1,5 @@
 """The layers of a picture: the floor, what links look like; and the page's legend, scale, axes, keys and colours."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 

@@ -1,7 +1,5 @@
 """Clouds and maps in pictures: every point and every outer square is drawn once, where it is; a browser shows them."""
 
-from __future__ import annotations
-
 import base64
 import dataclasses
 import json

@@ -1,7 +1,5 @@
 """Pictures draw solids as their triangles, and what two of them share."""
 
-from __future__ import annotations
-
 import numpy as np
 import trimesh
 from poses import at

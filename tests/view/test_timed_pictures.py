@@ -1,7 +1,5 @@
 """Trajectories in pictures: played in real time, with the checker's clearances below."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Pictures: poses are Pinocchio's, what collides is red, and both back ends draw exactly the model."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

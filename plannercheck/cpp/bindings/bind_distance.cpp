@@ -73,8 +73,8 @@ auto hull_depth_of(const Polytope& a, PoseRows pose_a, const Polytope& b, PoseRo
 
 void bind_distance(nb::module_& m) {
   m.def("distance_bounds", &distance_bounds, plain_floats);
-  m.def("distance_batch", &distance_batch, plain_floats, nb::arg(), nb::arg(), nb::arg(), nb::arg(),
-        nb::arg("depths") = false);
+  m.def("distance_batch", &distance_batch, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg("depths") = false,
+        plain_floats);
   m.def("hull_depth", &hull_depth_of, plain_floats);
 }
 

@@ -136,6 +136,10 @@ Pose placement_at(std::span<const double> rows, std::size_t i) {
   return pose;
 }
 
+bool is_half_space(const GeometryObject& object) {
+  return object.body != nullptr && object.body->kind() == Kind::kHalfSpace;
+}
+
 // Pairs of cells that are apart in cells of two columns: by their places among the pairs that are reachable.
 PairsInCells read_cell_table(CellFile& file, std::size_t width, std::size_t reachable) {
   const auto columns = file.integers("cell columns");
@@ -174,6 +178,7 @@ void read_bodies(CellFile& file, PreparedCell& cell) {
     require_sound(is_index_or_none(links[i], cell.links.size()), "a body's link");
     cell.bodies.push_back(
         {of_bodies[i] < 0 ? nullptr : shapes[at(of_bodies[i])], links[i], placement_at(placements, i)});
+    require_sound(!is_half_space(cell.bodies[i]) || links[i] < 0, "a half-space on a link");
   }
   const auto meets = file.bytes("meets obstacles");
   require_sound(meets.size() <= count, "the bodies that meet obstacles");
@@ -193,6 +198,8 @@ void read_pairs(CellFile& file, PreparedCell& cell) {
       require_sound(is_index(body, cell.bodies.size()) && cell.bodies[at(body)].body != nullptr, "a pair's body");
     }
     require_sound(bodies[i] != bodies[i + 1], "a pair's body");
+    require_sound(!is_half_space(cell.bodies[at(bodies[i])]) || !is_half_space(cell.bodies[at(bodies[i + 1])]),
+                  "a pair of half-spaces");
     cell.pairs.push_back({bodies[i], bodies[i + 1]});
   }
   cell.unreachable.assign(unreachable.begin(), unreachable.end());

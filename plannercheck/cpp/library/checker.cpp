@@ -1,5 +1,4 @@
-// The face of the library: inputs are checked as plannercheck/robots/configurations.py does, then an engine judges.
-// Nothing that is thrown behind it gets past `guarded`.
+// The face of the library: files are read, and verdicts asked of an engine.
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -8,53 +7,12 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <new>
-#include <plannercheck/checker.hpp>
 #include <sstream>
-#include <stdexcept>
 
-#include "library/engine.hpp"
-#include "library/nearest_turns.hpp"
+#include "library/checker_impl.hpp"
 
 namespace plannercheck {
 namespace {
-
-// What is wrong with a call, in whole sentences.
-class CallError : public std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-// The result of a call, or an error of what it throws.
-template <class T, class Call>
-Result<T> guarded(Call call) noexcept {
-  try {
-    return call();
-  } catch (const std::bad_alloc&) {
-    return Error{"out of memory"};
-  } catch (const std::exception& error) {
-    return Error{error.what()};
-  } catch (...) {
-    return Error{"unknown failure"};
-  }
-}
-
-std::string listed(std::span<const double> row) {
-  std::ostringstream out;
-  out.precision(17);
-  out << '[';
-  for (std::size_t k = 0; k < row.size(); ++k) out << (k > 0 ? ", " : "") << row[k];
-  out << ']';
-  return out.str();
-}
-
-// Bytes at an address that doubles may have.
-struct Bytes {
-  std::vector<double> storage;
-  std::size_t size;
-
-  explicit Bytes(std::size_t count) : storage((count + sizeof(double) - 1) / sizeof(double)), size(count) {}
-  std::byte* data() { return reinterpret_cast<std::byte*>(storage.data()); }
-};
 
 Bytes bytes_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
@@ -72,89 +30,6 @@ void end_without_value(const Error& error) noexcept {
   std::fprintf(stderr, "plannercheck: %s\n", error.message.c_str());
   std::abort();
 }
-
-struct Checker::Impl {
-  const Level& level;
-  std::unique_ptr<const Engine> made;
-  const PreparedCell* cell;
-
-  Impl(Bytes bytes, const std::string& name)
-      : level(chosen_level()), made(level.make({bytes.data(), bytes.size}, name)), cell(&made->cell()) {}
-
-  Impl(const Impl& before, const Edit& edit)
-      : level(before.level), made(before.made->edited(edit)), cell(&made->cell()) {}
-
-  const Engine& engine() const { return *made; }
-  std::size_t width() const { return cell->width(); }
-
-  void check_width(std::span<const double> q, std::size_t n) const {
-    if (q.size() == n * width()) return;
-    throw CallError("configurations must have shape (" + std::to_string(n) + ", " + std::to_string(width()) +
-                    "), not " + std::to_string(q.size()) + " numbers");
-  }
-
-  // The pairs that judge a configuration; an error if it can't be judged.
-  Table table_of(const double* q, std::size_t row) const {
-    bool within = true, usable = true;
-    for (std::size_t k = 0; k < width(); ++k) {
-      within &= cell->lower[k] <= q[k] && q[k] <= cell->upper[k];
-      usable &= std::fabs(q[k]) <= cell->largest_value;  // false for NaN
-    }
-    if (!usable) refuse_numbers(q, row);
-    for (const auto& [first, past] : cell->unit_parts) check_unit(q, first, past, row);
-    return within || !cell->has_limits ? Table::kWithinLimits : Table::kAll;
-  }
-
-  // The same of a motion to an end, as given and as `turned`.
-  Table table_of_motion(const double* start, const double* given, const double* end, std::size_t row) const {
-    const bool within = table_of(start, row) == Table::kWithinLimits && table_of(given, row) == Table::kWithinLimits &&
-                        table_of(end, row) == Table::kWithinLimits;
-    for (std::size_t k = 0; k < width(); ++k) {
-      const double least = std::min({start[k], given[k], end[k]}), largest = std::max({start[k], given[k], end[k]});
-      if (least < cell->usual_low[k] || largest > cell->usual_high[k]) refuse_range(row, k);
-    }
-    return within ? Table::kWithinLimits : Table::kAll;
-  }
-
-  [[noreturn]] void refuse_range(std::size_t row, std::size_t column) const {
-    throw CallError("motion " + std::to_string(row) + ": column " + std::to_string(column) + " leaves " +
-                    listed(std::array{cell->usual_low[column], cell->usual_high[column]}) +
-                    ", in which the cell's bound of rounding holds: take whole turns off, or check it in Python");
-  }
-
-  // The ends of motions, whose angles take the shorter turn: the given ones, or those that are written to `ends`.
-  const double* turned(std::span<const double> q0, std::span<const double> q1, std::vector<double>& ends) const {
-    if (cell->turning_columns.empty()) return q1.data();
-    ends.assign(q1.begin(), q1.end());
-    for (std::size_t row = 0; row < q1.size(); row += width()) {
-      for (const std::size_t column : cell->turning_columns)
-        ends[row + column] = nearest_turn(q0[row + column], q1[row + column]);
-    }
-    return ends.data();
-  }
-
-  NamedPair named(std::size_t row) const {
-    const auto& [a, b] = cell->pairs[row];
-    return {cell->body_names[at(a)], cell->body_names[at(b)]};
-  }
-
-  [[noreturn]] void refuse_numbers(const double* q, std::size_t row) const {
-    char largest[32];
-    std::snprintf(largest, sizeof largest, "%g", cell->largest_value);
-    throw CallError("configurations must be finite (and at most " + std::string(largest) + "); row " +
-                    std::to_string(row) + " is " + listed({q, width()}));
-  }
-
-  void check_unit(const double* q, std::size_t first, std::size_t past, std::size_t row) const {
-    double square = 0;
-    for (std::size_t k = first; k < past; ++k) square += q[k] * q[k];
-    if (std::fabs(square - 1) <= cell->unit_tolerance) return;
-    throw CallError("columns " + std::to_string(first) + " to " + std::to_string(past - 1) + " are " +
-                    (past - first == 4 ? "a quaternion" : "cosine and sine") + ", of length 1; in row " +
-                    std::to_string(row) + " it is " + listed({q + first, past - first}) +
-                    ": normalise it in double precision");
-  }
-};
 
 struct Workspace::State {
   std::shared_ptr<const void> of;  // the checker whose scratch it is
@@ -193,24 +68,6 @@ void check_precise(MotionAnswer answer, std::size_t row, double tolerance) {
   words << "motion " << row << ": lengths and angles are so large that rounding is no small part of the tolerance of "
         << tolerance << " m; choose a larger tolerance, or smaller numbers";
   throw CallError(words.str());
-}
-
-Edit edit_of(Edit::Kind kind, const std::string& name, Checker::Pose pose) {
-  constexpr std::array<double, 4> kLastRow{0, 0, 0, 1};
-  if (!std::equal(kLastRow.begin(), kLastRow.end(), pose.begin() + 12))
-    throw CallError("obstacle '" + name + "': the last row of a pose must be 0, 0, 0, 1");
-  Edit edit{kind, name, {}, {}};
-  std::copy_n(pose.begin(), edit.pose.m.size(), edit.pose.m.begin());
-  return edit;
-}
-
-std::vector<Vec3> points_of(const std::string& name, std::span<const double> numbers) {
-  if (numbers.size() % 3 != 0)
-    throw CallError("obstacle '" + name + "': points must be three numbers each, not " +
-                    std::to_string(numbers.size()) + " in all");
-  std::vector<Vec3> points;
-  for (std::size_t i = 0; i < numbers.size(); i += 3) points.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
-  return points;
 }
 
 const ChainedTable& chained(const PreparedCell& cell, Table table) {
@@ -262,57 +119,6 @@ Workspace::State& Checker::state_of(Workspace& workspace) const {
     state.of = impl_;
   }
   return state;
-}
-
-Result<Checker> Checker::with_box(const std::string& name, std::span<const double, 3> size, Pose pose) const noexcept {
-  return guarded<Checker>([&] {
-    for (const double edge : size) {
-      if (!(edge > 0)) throw CallError("box '" + name + "': edge lengths must be positive, m, not " + listed(size));
-    }
-    Edit edit = edit_of(Edit::Kind::kHull, name, pose);
-    for (const double x : {-0.5, 0.5}) {
-      for (const double y : {-0.5, 0.5}) {
-        for (const double z : {-0.5, 0.5}) edit.points.push_back({x * size[0], y * size[1], z * size[2]});
-      }
-    }
-    return Checker(std::make_shared<const Impl>(*impl_, edit));
-  });
-}
-
-Result<Checker> Checker::with_sphere(const std::string& name, double radius,
-                                     std::span<const double, 3> centre) const noexcept {
-  return guarded<Checker>([&] {
-    Edit edit{Edit::Kind::kHull, name, {}, {{0, 0, 0}}, radius};
-    edit.pose.m[3] = centre[0], edit.pose.m[7] = centre[1], edit.pose.m[11] = centre[2];
-    return Checker(std::make_shared<const Impl>(*impl_, edit));
-  });
-}
-
-Result<Checker> Checker::with_hull(const std::string& name, std::span<const double> points, Pose pose) const noexcept {
-  return guarded<Checker>([&] {
-    Edit edit = edit_of(Edit::Kind::kHull, name, pose);
-    edit.points = points_of(name, points);
-    return Checker(std::make_shared<const Impl>(*impl_, edit));
-  });
-}
-
-Result<Checker> Checker::with_cloud(const std::string& name, std::span<const double> points, double radius,
-                                    Pose pose) const noexcept {
-  return guarded<Checker>([&] {
-    Edit edit = edit_of(Edit::Kind::kCloud, name, pose);
-    edit.points = points_of(name, points), edit.radius = radius;
-    return Checker(std::make_shared<const Impl>(*impl_, edit));
-  });
-}
-
-Result<Checker> Checker::with_pose(const std::string& name, Pose pose) const noexcept {
-  return guarded<Checker>(
-      [&] { return Checker(std::make_shared<const Impl>(*impl_, edit_of(Edit::Kind::kMove, name, pose))); });
-}
-
-Result<Checker> Checker::without(const std::string& name) const noexcept {
-  return guarded<Checker>(
-      [&] { return Checker(std::make_shared<const Impl>(*impl_, Edit{Edit::Kind::kRemove, name, {}, {}})); });
 }
 
 Result<bool> Checker::is_valid(std::span<const double> q, Workspace& workspace) const noexcept {

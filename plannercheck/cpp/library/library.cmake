@@ -21,7 +21,7 @@ add_library(common OBJECT ${common_sources} library/cell_file.cpp library/cell_b
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(settings INTERFACE -fno-gnu-unique)  # such symbols can't be made local
 endif()
-add_library(face OBJECT library/dispatch.cpp library/checker.cpp)
+add_library(face OBJECT library/dispatch.cpp library/checker.cpp library/checker_scenes.cpp)
 target_include_directories(face PRIVATE "${folder}/include")
 foreach(target common face)
   compile_for_all_levels(${target})

@@ -116,7 +116,9 @@ void read_sampled_poses(CellFile& file, PreparedCell& cell) {
   constexpr std::size_t kPoseNumbers = 16;
   const auto poses = file.doubles("sampled poses", kPoseNumbers);
   const std::size_t of_state = kPoseNumbers * cell.links.size();
-  require_sound(are_finite(poses) && (of_state == 0 ? poses.empty() : poses.size() % of_state == 0), "sampled poses");
+  require_sound(std::all_of(poses.begin(), poses.end(), is_coordinate) &&
+                    (of_state == 0 ? poses.empty() : poses.size() % of_state == 0),
+                "sampled poses");
   cell.sampled =
       std::make_shared<SampledPoses>(SampledPoses{numbers(poses), of_state == 0 ? 0 : poses.size() / of_state});
 }

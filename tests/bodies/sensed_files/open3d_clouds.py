@@ -3,8 +3,6 @@
 README.md has the commands; neither package is needed to run the tests.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -96,14 +96,41 @@ void change(Bytes& file, Random& random) {
   }
 }
 
+// First and past columns of the unit vectors of configurations, from the section of a sound file.
+std::vector<std::int32_t> unit_columns(const Bytes& file) {
+  std::vector<std::int32_t> out;
+  for (std::size_t k = 0; k < get<std::uint32_t>(file, kCountAt); ++k) {
+    const std::size_t entry = kHeader + k * kEntry;
+    if (std::strncmp(file.data() + entry, "unit columns", kShapeAt) != 0) continue;
+    const auto rows = get<std::uint64_t>(file, entry + kShapeAt + 8),
+               offset = get<std::uint64_t>(file, entry + kShapeAt + 16);
+    for (std::size_t i = 0; i < 2 * rows; ++i) out.push_back(get<std::int32_t>(file, offset + 4 * i));
+  }
+  return out;
+}
+
+void make_unit(std::span<double> numbers) {
+  double square = 0;
+  for (const double number : numbers) square += number * number;
+  for (double& number : numbers) number /= std::sqrt(square);
+}
+
+std::size_t judged = 0;  // files whose states had verdicts
+
 // Judges a few states and motions of a cell that was accepted.
-void judge(const plannercheck::Checker& checker, Random& random) {
+void judge(const plannercheck::Checker& checker, const std::vector<std::int32_t>& units, Random& random) {
   constexpr std::size_t kStates = 20, kMotions = 3;
   std::vector<double> q;
   for (std::size_t i = 0; i < kStates * checker.nq(); ++i) q.push_back(std::uniform_real_distribution<>(-2, 2)(random));
+  for (std::size_t i = 0; i < kStates; ++i) {
+    for (std::size_t k = 0; k + 1 < units.size(); k += 2) {
+      const auto first = static_cast<std::size_t>(units[k]), past = static_cast<std::size_t>(units[k + 1]);
+      if (past <= checker.nq()) make_unit(std::span(q).subspan(i * checker.nq() + first, past - first));
+    }
+  }
   std::vector<std::uint8_t> answers(kStates), free(kMotions);
   plannercheck::Workspace workspace;
-  static_cast<void>(checker.check_states(q, answers, workspace));
+  judged += checker.check_states(q, answers, workspace).ok();
   const std::span<const double> all(q), row = all.first(checker.nq()), few = all.first(kMotions * checker.nq());
   static_cast<void>(checker.is_valid(row, workspace));
   static_cast<void>(checker.explain(row, workspace));
@@ -118,6 +145,7 @@ int main(int count, char** arguments) {
   std::ifstream stream(arguments[1], std::ios::binary);
   const Bytes whole{std::istreambuf_iterator<char>(stream), {}};
   Random random(std::strtoull(arguments[3], nullptr, 10));
+  const std::vector<std::int32_t> units = unit_columns(whole);
   std::size_t refused = 0, signed_files = 0, signed_refused = 0;
   double slowest = 0;
   std::set<std::string> sentences;
@@ -132,14 +160,16 @@ int main(int count, char** arguments) {
     if (is_signed) sign(file);
     const auto begin = std::chrono::steady_clock::now();
     const auto read = plannercheck::Checker::parse(std::as_bytes(std::span(file)));
-    if (read.ok()) judge(read.value(), random);
+    if (read.ok()) judge(read.value(), units, random);
     const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (took > slowest) slowest = took;
     signed_files += is_signed, refused += !read.ok(), signed_refused += is_signed && !read.ok();
     if (!read.ok()) sentences.insert(std::string(read.error()));
     if (!is_signed && read.ok() && file != whole) return std::fprintf(stderr, "file %zu was accepted\n", i), 1;
   }
-  std::printf("%zu files: %zu refused; of %zu with the right checksum %zu, in %zu sentences; slowest %.2f s\n", files,
-              refused, signed_files, signed_refused, sentences.size(), slowest);
+  std::printf(
+      "%zu files: %zu refused; of %zu with the right checksum %zu, in %zu sentences; %zu gave verdicts; slowest %.2f "
+      "s\n",
+      files, refused, signed_files, signed_refused, sentences.size(), judged, slowest);
   return 0;
 }

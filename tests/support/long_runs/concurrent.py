@@ -4,8 +4,6 @@ In: for how long. Out: counts. Results are computed once before, by one thread. 
 console, OMPL's log level, the working folder and what is in the files are as they should be.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import threading

@@ -1,7 +1,5 @@
 """What parts of the long runs tell: counts by name, or that a promise is broken."""
 
-from __future__ import annotations
-
 from typing import TypeAlias
 
 # Numbers and words by what they count, for the table.

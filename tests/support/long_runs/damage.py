@@ -3,8 +3,6 @@
 In: how many of each. Out: counts of what was refused, rebuilt or the same. All run in forks within 2 GB and 10 s each.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

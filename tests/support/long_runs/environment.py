@@ -1,7 +1,5 @@
 """Where processes of the long runs find plannercheck: where this one found it, whatever folder they work in."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

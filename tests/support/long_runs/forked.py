@@ -7,8 +7,6 @@ too long (SIGALRM, which no native code can hold up). It writes the number of th
 with its parent, so the parent knows which one it died of, and goes on with the next in a new fork.
 """
 
-from __future__ import annotations
-
 import faulthandler
 import gc
 import json

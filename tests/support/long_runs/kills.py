@@ -4,8 +4,6 @@ In: how many kills. Out: counts. All output formats take turns with all input fo
 of each row. A kill counts once the run has begun its journal; those that came before are told apart.
 """
 
-from __future__ import annotations
-
 import itertools
 import os
 import signal

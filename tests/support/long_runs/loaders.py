@@ -4,8 +4,6 @@ In: a folder, a loader's name, a number. Out: what the loader made of that mutat
 determines (with the seed): `accepted`, or the PlannercheckError that refuses it; anything else is a fault.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

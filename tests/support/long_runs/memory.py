@@ -4,8 +4,6 @@ In: how many. Out: counts, and by how much memory grew. The first tenth may fill
 from the middle to the end, the process may grow by no more than `ROOM`.
 """
 
-from __future__ import annotations
-
 import itertools
 import resource
 import time

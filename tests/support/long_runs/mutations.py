@@ -4,8 +4,6 @@ In: content, random numbers. Out: other content, mostly broken in one to three p
 covers what readers trip over: no number, too long for a double, denormal, infinite, of another type.
 """
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -4,8 +4,6 @@ In: how many pools. Out: counts. Between pools, the parent goes on with its thre
 its own. A pool that has not answered after `_LIMIT` hangs.
 """
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 from pathlib import Path

@@ -4,8 +4,6 @@ In: a folder. Out: the files in it, in a folder each for every loader. Robots ar
 milliseconds; texts use every key of their formats.
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 import tarfile

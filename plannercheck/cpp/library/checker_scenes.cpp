@@ -1,0 +1,81 @@
+// The face's other scenes: an edit is made of what is given, and a checker of its own.
+#include <algorithm>
+#include <array>
+
+#include "library/checker_impl.hpp"
+
+namespace plannercheck {
+namespace {
+
+Edit edit_of(Edit::Kind kind, const std::string& name, Checker::Pose pose) {
+  constexpr std::array<double, 4> kLastRow{0, 0, 0, 1};
+  if (!std::equal(kLastRow.begin(), kLastRow.end(), pose.begin() + 12))
+    throw CallError("obstacle '" + name + "': the last row of a pose must be 0, 0, 0, 1");
+  Edit edit{kind, name, {}, {}};
+  std::copy_n(pose.begin(), edit.pose.m.size(), edit.pose.m.begin());
+  return edit;
+}
+
+std::vector<Vec3> points_of(const std::string& name, std::span<const double> numbers) {
+  if (numbers.size() % 3 != 0)
+    throw CallError("obstacle '" + name + "': points must be three numbers each, not " +
+                    std::to_string(numbers.size()) + " in all");
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < numbers.size(); i += 3) points.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
+  return points;
+}
+
+}  // namespace
+
+Result<Checker> Checker::with_box(const std::string& name, std::span<const double, 3> size, Pose pose) const noexcept {
+  return guarded<Checker>([&] {
+    for (const double edge : size) {
+      if (!(edge > 0)) throw CallError("box '" + name + "': edge lengths must be positive, m, not " + listed(size));
+    }
+    Edit edit = edit_of(Edit::Kind::kHull, name, pose);
+    for (const double x : {-0.5, 0.5}) {
+      for (const double y : {-0.5, 0.5}) {
+        for (const double z : {-0.5, 0.5}) edit.points.push_back({x * size[0], y * size[1], z * size[2]});
+      }
+    }
+    return Checker(std::make_shared<const Impl>(*impl_, edit));
+  });
+}
+
+Result<Checker> Checker::with_sphere(const std::string& name, double radius,
+                                     std::span<const double, 3> centre) const noexcept {
+  return guarded<Checker>([&] {
+    Edit edit{Edit::Kind::kHull, name, {}, {{0, 0, 0}}, radius};
+    edit.pose.m[3] = centre[0], edit.pose.m[7] = centre[1], edit.pose.m[11] = centre[2];
+    return Checker(std::make_shared<const Impl>(*impl_, edit));
+  });
+}
+
+Result<Checker> Checker::with_hull(const std::string& name, std::span<const double> points, Pose pose) const noexcept {
+  return guarded<Checker>([&] {
+    Edit edit = edit_of(Edit::Kind::kHull, name, pose);
+    edit.points = points_of(name, points);
+    return Checker(std::make_shared<const Impl>(*impl_, edit));
+  });
+}
+
+Result<Checker> Checker::with_cloud(const std::string& name, std::span<const double> points, double radius,
+                                    Pose pose) const noexcept {
+  return guarded<Checker>([&] {
+    Edit edit = edit_of(Edit::Kind::kCloud, name, pose);
+    edit.points = points_of(name, points), edit.radius = radius;
+    return Checker(std::make_shared<const Impl>(*impl_, edit));
+  });
+}
+
+Result<Checker> Checker::with_pose(const std::string& name, Pose pose) const noexcept {
+  return guarded<Checker>(
+      [&] { return Checker(std::make_shared<const Impl>(*impl_, edit_of(Edit::Kind::kMove, name, pose))); });
+}
+
+Result<Checker> Checker::without(const std::string& name) const noexcept {
+  return guarded<Checker>(
+      [&] { return Checker(std::make_shared<const Impl>(*impl_, Edit{Edit::Kind::kRemove, name, {}, {}})); });
+}
+
+}  // namespace plannercheck
