@@ -188,6 +188,10 @@ def test_pairs_that_cannot_meet_take_room_as_well(tmp_path):
     assert checker.unreachable.all()
     curve = pc.Trajectory.bezier([0, 1], [[[-1.0], [0.3], [1.0]]])
     assert 0.19 < checker.explain_trajectory(curve).clearance <= 0.2001
+    points, certifier = np.array([[[-1.0], [0.3], [1.0]]]), checker.certifier_of("slerp")
+    for room, free in ((0.19, True), (0.21, False)):  # with and without Python in between
+        curves = Curves(points, np.array([[0.0, room]]))
+        assert certifier.check(curves, 1e-4, 1).all() == certifier.check_curves(curves, 1e-4, 1).all() == free
 
 
 def test_unit_vectors_turn_from_end_to_end(tmp_path):
