@@ -254,7 +254,7 @@ def test_an_srdf_of_a_cell_leaves_links_out_by_default(files):
         ["acm", "--states", "20", "--audit"],
         ["plan", "--start", "START", "--goal", "GOAL", "--output", "plan.json"],
         ["view", "--q", "START", "--html", "page.html"],
-        ["bench", "states", "--states", "20", "--methods", "inner", "--rounds", "1", "--scene", "empty"],
+        ["bench", "states", "--states", "20", "--methods", "boxes", "--rounds", "1", "--scene", "empty"],
     ],
 )
 def test_every_command_takes_a_cell(files, monkeypatch, command):
