@@ -333,6 +333,20 @@ def test_other_controllers(checker, home, controller):
     assert not gate.judge(home + 0.03 * np.arange(1, 9)[:, None], 50, start=home)
 
 
+def test_whole_turns_of_continuous_joints_are_no_jump():
+    robot = pc.Robot.load("kinova")
+    checker = pc.Checker(robot, pc.Scene())
+    q = robot.random_configurations(50, 0)
+    q = q[checker.check_states(q)][0]
+    gate = pc.Gate(checker, velocity=2.0, brake=5.0)
+    chunk = q + 0.004 * np.arange(1, 9)[:, None]
+    turned = chunk + 2 * np.pi * np.eye(6)[0]
+    verdict = gate.judge(turned, 50, start=q)
+    assert verdict.ok
+    np.testing.assert_allclose(verdict.trajectory.position(0.0), q + 2 * np.pi * np.eye(6)[0], atol=1e-12)
+    assert kinds_of(gate.judge(turned + np.eye(6)[0], 50, start=q)) == {"jump"}
+
+
 MISTAKES = {
     "empty": ({"chunk": np.empty((0, 7)), "rate": 50}, "chunk must have the shape"),
     "one row": ({"chunk": np.zeros(7), "rate": 50}, "chunk must have the shape"),
