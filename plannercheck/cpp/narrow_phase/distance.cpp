@@ -41,10 +41,13 @@ PairDistance hulls_overlap(const PosedPolytope& body_a, const PosedPolytope& bod
 PairDistance between_hulls(const PosedPolytope& body_a, const PosedPolytope& body_b, const HullDistance& found,
                            bool overlap) {
   const double inflation_radius = total_inflation_radius(body_a, body_b);
-  const double rounding = inflation_radius > 0 ? kRadiusRounding * (inflation_radius + found.upper) : 0;
+  // Of each bound by itself: past a limit there is no upper one.
+  const auto rounding = [&](double bound) {
+    return inflation_radius > 0 ? kRadiusRounding * (inflation_radius + bound) : 0;
+  };
   PairDistance out{overlap,
-                   found.lower - inflation_radius - rounding,
-                   found.upper - inflation_radius + rounding,
+                   found.lower - inflation_radius - rounding(found.lower),
+                   found.upper - inflation_radius + rounding(found.upper),
                    found.on_body_a,
                    found.on_body_b,
                    found.direction};
