@@ -42,6 +42,8 @@ _BLOCK = 1024
 _TRIALS = 3
 # States on which variants are tried where there are meshes, which take coal far longer than hulls.
 _TRIED_WITH_MESHES = 200
+# A triangle whose area is this part of its size squared is none: its sign is rounding.
+_FLAT = 2.0**-40
 
 
 class Variant(NamedTuple):
@@ -210,7 +212,8 @@ class CoalLoop:
         if polytope.solid is not None:
             points, faces = polytope.solid.points(), polytope.solid.triangles()
             a, b, c = (points[corner] for corner in faces.T)
-            has_area = np.cross(b - a, c - a).any(axis=1)  # coal takes a sphere as in contact with any other one
+            across, sizes = np.cross(b - a, c - a), np.abs([b - a, c - a]).max(axis=(0, 2))
+            has_area = np.abs(across).max(axis=1) > _FLAT * sizes**2  # coal has a sphere in contact with any other one
             kind, faces = _MESH_BOXES[self.mesh_boxes], faces[has_area]
         if kind == _HULL and polytope.dimension < 3:
             raise PlannercheckError(f"coal has no shape for {name}, which has no volume")
