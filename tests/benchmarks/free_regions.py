@@ -54,8 +54,14 @@ def by_drake(checker, q, samples: int):
     for row in q:
         full = robot.expand(row[None])[0]
         start = time.process_time()
-        region = IrisZo(made, Hyperellipsoid.MakeHypersphere(1e-2, full), domain, IrisZoOptions())
+        try:
+            region = IrisZo(made, Hyperellipsoid.MakeHypersphere(1e-2, full), domain, IrisZoOptions())
+        except RuntimeError:  # the state is too near to a collision for its options
+            region = None
         spent += time.process_time() - start
+        if region is None:
+            volumes.append(0.0)
+            continue
         volumes.append(region.CalcVolumeViaSampling(RandomGenerator(0), 0.1, 1_000_000).volume)
         points = hit_and_run(region, full, rng, samples)
         collide += int((~checker.check_states(points[:, : robot.nq])).sum())
@@ -86,16 +92,20 @@ def main() -> None:
     given = parser.parse_args()
     checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
     q = free_states(checker, given.regions, 0)
-    methods = [(f"free_box, {given.cells} cells", len(q), ours(checker, q, given.cells, given.samples))]
+    show(f"free_box, {given.cells} cells", len(q), ours(checker, q, given.cells, given.samples))
     if given.drake:
         few = q[: given.drake]
-        one = ours(checker, few, given.cells, 1000)
-        methods += [("free_box, the same", len(few), one), ("IrisZo", len(few), by_drake(checker, few, 2000))]
-    for name, regions, (seconds, volumes, collide) in methods:
-        print(
-            f"{name}: {regions} regions, {seconds:.3f} s each, volume median {np.median(volumes):.2e}, largest "
-            f"{max(volumes):.2e}; {collide} sampled states collide"
-        )
+        show("free_box, the same", len(few), ours(checker, few, given.cells, 1000))
+        show("IrisZo", len(few), by_drake(checker, few, 2000))
+
+
+def show(name: str, regions: int, found) -> None:
+    seconds, volumes, collide = found
+    print(
+        f"{name}: {regions} regions, {seconds:.3f} s each, volume median {np.median(volumes):.2e}, largest "
+        f"{max(volumes):.2e}, none for {sum(v == 0 for v in volumes)}; {collide} sampled states collide",
+        flush=True,
+    )
 
 
 if __name__ == "__main__":
