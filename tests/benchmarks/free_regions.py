@@ -5,13 +5,9 @@ its regions collide. Run: python tests/benchmarks/free_regions.py --regions 1000
 """
 
 import argparse
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
 
 import plannercheck as pc
 from plannercheck.evaluation.bench.distances import free_states

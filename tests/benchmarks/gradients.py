@@ -10,26 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[2]))
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+
+from gradient_oracle import Differences, NoSingleFeatureError, scene_around
 
 import plannercheck as pc
-from tests.support.gradient_oracle import Differences, NoSingleFeatureError
 
 ROBOTS = ("panda", "ur3", "ur5", "ur10", "xarm7", "kinova", "baxter", "tiago", "pr2", "talos", "g1", "go2")
-
-
-def scene_around(robot, seed: int) -> pc.Scene:
-    """Boxes, balls and a pole in the robot's reach."""
-    rng = np.random.default_rng(seed)
-    scene = pc.Scene("around")
-    for k in range(8):
-        pose = np.eye(4)
-        pose[:3, :3] = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-        pose[:3, 0] *= np.linalg.det(pose[:3, :3])
-        pose[:3, 3] = rng.uniform(-1, 1, 3) * 0.9
-        shape = (pc.Box(rng.uniform(0.05, 0.3, 3)), pc.Sphere(0.1), pc.Capsule(0.05, 0.3))[k % 3]
-        scene.add(f"body{k}", shape, pose)
-    return scene
 
 
 def measured(name: str, states: int, seed: int, rows_a_state: int = 1):

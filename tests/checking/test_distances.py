@@ -5,11 +5,10 @@ import pickle
 import numpy as np
 import pinocchio as pin
 import pytest
+from gradient_oracle import Differences, scene_around
 
 import plannercheck as pc
 from plannercheck.bodies.shapes import Box, Capsule, Sphere
-from tests.benchmarks.gradients import scene_around
-from tests.support.gradient_oracle import Differences
 
 LIMIT = 0.1
 

@@ -138,7 +138,7 @@ def test_a_twin_that_replaces_itself_lives_as_long_as_its_call() -> None:
 def test_what_asks_a_method_what_it_is_hears_of_the_function() -> None:
     method = Doubling.doubled
     assert (method.__name__, method.__doc__, method.__module__) == ("doubled", "Twice a number.", __name__)
-    assert str(inspect.signature(Doubling().doubled)) == "(number: 'float', times: 'int' = 1) -> 'object'"
+    assert str(inspect.signature(Doubling().doubled)) == "(number: float, times: int = 1) -> object"
     assert inspect.isfunction(method)
     assert inspect.ismethod(Doubling().doubled)
     assert "Twice a number." in pydoc.render_doc(Doubling)

@@ -13,6 +13,8 @@ import flint
 import numpy as np
 import pinocchio as pin
 
+import plannercheck as pc
+
 STEP = flint.arb("1e-25")
 flint.ctx.prec = 300
 
@@ -192,3 +194,17 @@ class Differences:
             ends = [apart([x + (step if j == k else 0) for j, x in enumerate(exact)]) for step in (STEP, -STEP)]
             gradient.append(float(((ends[0] - ends[1]) / (2 * STEP)).mid()))
         return np.array(gradient), found
+
+
+def scene_around(robot, seed: int) -> pc.Scene:
+    """Boxes, balls and a pole in the robot's reach."""
+    rng = np.random.default_rng(seed)
+    scene = pc.Scene("around")
+    for k in range(8):
+        pose = np.eye(4)
+        pose[:3, :3] = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        pose[:3, 0] *= np.linalg.det(pose[:3, :3])
+        pose[:3, 3] = rng.uniform(-1, 1, 3) * 0.9
+        shape = (pc.Box(rng.uniform(0.05, 0.3, 3)), pc.Sphere(0.1), pc.Capsule(0.05, 0.3))[k % 3]
+        scene.add(f"body{k}", shape, pose)
+    return scene
