@@ -15,8 +15,8 @@ import pinocchio as pin
 
 import plannercheck as pc
 
-STEP = flint.arb("1e-25")
-flint.ctx.prec = 300
+STEP = "1e-25"
+BITS = 300  # set where they are needed: the precision is the process's
 
 Matrix = Any  # flint.arb_mat
 
@@ -163,7 +163,8 @@ class Differences:
     """Derivatives of the distances of a checker's pairs."""
 
     def __init__(self, checker: Any) -> None:
-        self._checker, self._chains = checker, Chains(checker.robot)
+        with flint.ctx.workprec(BITS):
+            self._checker, self._chains = checker, Chains(checker.robot)
 
     def gradient(self, q: Any, pair: int, normal: Any, distance: float) -> tuple[Any, float]:
         """(nq,) at a configuration (nq,), and the distance.
@@ -172,6 +173,10 @@ class Differences:
             NoSingleFeatureError: If the features' lines or planes have another distance: the nearest points are
                 elsewhere.
         """
+        with flint.ctx.workprec(BITS):
+            return self._gradient(q, pair, normal, distance)
+
+    def _gradient(self, q: Any, pair: int, normal: Any, distance: float) -> tuple[Any, float]:
         bodies = [self._checker.bodies[k] for k in self._checker.pairs[pair]]
         hulls = [self._checker._preparation.polytope(k) for k in self._checker.pairs[pair].tolist()]
         poses = self._checker.body_poses(q[None])[0][self._checker.pairs[pair]]
@@ -189,10 +194,10 @@ class Differences:
         found = float(apart(exact).mid())
         if abs(found - distance) > 1e-11:
             raise NoSingleFeatureError(f"the features are {found} m apart, not {distance} m")
-        gradient = []
+        gradient, step = [], flint.arb(STEP)
         for k in range(len(exact)):
-            ends = [apart([x + (step if j == k else 0) for j, x in enumerate(exact)]) for step in (STEP, -STEP)]
-            gradient.append(float(((ends[0] - ends[1]) / (2 * STEP)).mid()))
+            ends = [apart([x + (h if j == k else 0) for j, x in enumerate(exact)]) for h in (step, -step)]
+            gradient.append(float(((ends[0] - ends[1]) / (2 * step)).mid()))
         return np.array(gradient), found
 
 
