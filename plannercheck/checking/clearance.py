@@ -14,7 +14,6 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.polytope import Polytope
 from plannercheck.checking.compiled_tables import CompiledTables
 from plannercheck.checking.distances import Bodies, Distances, Posed
 from plannercheck.checking.named_configurations import given_configurations
@@ -55,7 +54,6 @@ class MeasuringChecker(ABC):
     robot: Robot
     pairs: Ints
     paddings: Floats
-    excess: float
     _preparation: Preparation
     _tables: CompiledTables
     _kernel: core.Kinematics | None
@@ -225,13 +223,10 @@ class MeasuringChecker(ABC):
                 found = measure.gradients_at(kernel, places, q, int(pair[k]), normal[k], points)
                 return np.asarray(found)[:, :width]
 
-            p, r = self._body(a), self._body(b)
+            p, r = self._preparation.polytope(a), self._preparation.polytope(b)
             return (p, poses[a], r, poses[b]), gradients_at
 
         return of_row
-
-    def _body(self, k: int) -> Polytope:
-        return self._preparation.polytope(k)
 
 
 @set_module("plannercheck")

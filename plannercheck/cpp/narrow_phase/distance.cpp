@@ -1,6 +1,5 @@
 #include "narrow_phase/distance.hpp"
 
-#include <algorithm>
 #include <optional>
 
 #include "narrow_phase/penetration_depth.hpp"
@@ -78,21 +77,6 @@ DistanceGoal goal_for(const PosedPolytope& body_a, const PosedPolytope& body_b, 
   return {kDistanceError, inflation_radius, kLeastOfSize * size, limit + inflation_radius};
 }
 
-// From the point of the larger body's box that is nearest to the smaller one's centre; if that is in the box, from
-// centre to centre: of long and wide bodies the centres say little.
-Vec3 first_direction(const PosedPolytope& body_a, const PosedPolytope& body_b) {
-  const Vec3 a = posed_centre(body_a), b = posed_centre(body_b);
-  const bool a_is_larger = body_a.body->radius > body_b.body->radius;
-  const PosedPolytope& large = a_is_larger ? body_a : body_b;
-  const Vec3 centre = large.pose.rotate_back((a_is_larger ? b : a) - large.pose.translation());
-  const Vec3 low = large.body->low, high = large.body->high;
-  const Vec3 inside{std::clamp(centre.x, low.x, high.x), std::clamp(centre.y, low.y, high.y),
-                    std::clamp(centre.z, low.z, high.z)};
-  const Vec3 out = large.pose.rotate(centre - inside);
-  if (!(norm_max(out) > 0)) return a - b;
-  return a_is_larger ? -out : out;
-}
-
 }  // namespace
 
 double ball_gap(const PosedPolytope& body_a, const PosedPolytope& body_b) {
@@ -116,7 +100,8 @@ PairDistance convex_distance(const PosedPolytope& body_a, const PosedPolytope& b
   const DistanceGoal goal = goal_for(body_a, body_b, limit);
   DistanceGoal of_doubles = goal;  // the last rounds are cheap, and the nearest points are those of the features, then
   of_doubles.relative = kDoublesError;
-  HullDistance found = hull_distance(body_a, body_b, first_direction(body_a, body_b), of_doubles, counters);
+  const Vec3 hint = posed_centre(body_a) - posed_centre(body_b);
+  HullDistance found = hull_distance(body_a, body_b, hint, of_doubles, counters);
   std::optional<HullDepth> depth;
   bool overlap = false;
   if (!(found.lower > goal.inflation_radius * (1 + 0x1p-48))) {

@@ -98,8 +98,7 @@ void keep_corners(const CornerFace& face, Simplex& simplex) {
 bool reduce_to_nearest_face(Simplex& simplex, double& square) {
   const unsigned newest = 1U << (simplex.count - 1);
   CornerFace face, best;
-  // From all corners on: where the projection on them is inside, it is the nearest point of all.
-  for (unsigned others = newest; others-- > 0;) {
+  for (unsigned others = 0; others < newest; ++others) {
     take_corners(simplex, others | newest, face);
     if (face.count == 1) {
       face.weight = {1, 0, 0, 0};
@@ -109,7 +108,6 @@ bool reduce_to_nearest_face(Simplex& simplex, double& square) {
     const Vec3 v = face.nearest();
     const double found = face.count == 4 ? 0 : dot(v, v);
     if (found < square) best = face, square = found;
-    if (face.count == simplex.count) break;
   }
   if (best.count > 0) keep_corners(best, simplex);
   return best.count > 0;
