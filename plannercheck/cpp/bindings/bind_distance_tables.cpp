@@ -65,40 +65,9 @@ class BoundDistances : public Pooled<DistanceCore> {
                                                       InputArray<std::int32_t, -1> links,
                                                       InputArray<double, -1, 4, 4> placements) {
     std::vector<GeometryObject> out;
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-      std::shared_ptr<Polytope> body = bodies[i];
-      if (paddings(i) > 0) {
-        body = std::make_shared<Polytope>(*body);
-        body->inflation_radius = larger(body->inflation_radius - paddings(i), 0);
-      }
-      out.push_back({std::move(body), links(i), pose_from(placements.data() + 16 * i)});
-    }
-    return out;
-  }
-
-  static DistanceTable in_order(const std::vector<DistanceTable>& parts, std::size_t tangent) {
-    struct Place {
-      const DistanceRow* row;
-      const double* gradient;
-    };
-    std::vector<Place> places;
-    for (const DistanceTable& part : parts) {
-      for (std::size_t k = 0; k < part.rows.size(); ++k) {
-        places.push_back({&part.rows[k], part.gradients.data() + k * tangent});
-      }
-    }
-    std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-      if (a.row->state != b.row->state) return a.row->state < b.row->state;
-      if (a.row->distance != b.row->distance) return a.row->distance < b.row->distance;
-      return a.row->pair < b.row->pair;
-    });
-    DistanceTable out;
-    out.rows.reserve(places.size()), out.gradients.reserve(places.size() * tangent);
-    for (const Place& place : places) {
-      out.rows.push_back(*place.row);
-      out.gradients.insert(out.gradients.end(), place.gradient, place.gradient + tangent);
-    }
-    return out;
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      out.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
+    return without_padding(std::move(out), {paddings.data(), paddings.shape(0)});
   }
 };
 
