@@ -16,13 +16,13 @@ trap 'rm -rf "$work"' EXIT
 TIMEFORMAT='%lR, %lU of processor time'
 
 "$python" -m venv "$work/tools"
-"$work/tools/bin/pip" install -q build
+"$work/tools/bin/pip" install -qq build
 "$work/tools/bin/python" -m build -q --sdist --outdir "$work/sdist" "$here" > /dev/null
 sdist=$(ls "$work"/sdist/*.tar.gz)
 echo "$(basename "$sdist"): $(du -k "$sdist" | cut -f1) kB in $(tar -tzf "$sdist" | wc -l) files"
 
 tar -xzf "$sdist" -C "$work" --strip-components=1 --wildcards '*/pyproject.toml'
-"$work/tools/bin/pip" install -q tomli
+"$work/tools/bin/pip" install -qq tomli
 "$work/tools/bin/python" - "$work" > "$work/requirements.txt" << 'END'
 import pathlib, sys
 import tomli
@@ -30,7 +30,7 @@ import tomli
 project = tomli.loads(pathlib.Path(sys.argv[1], "pyproject.toml").read_text("utf-8"))
 print(*project["build-system"]["requires"], "cmake", "ninja", *project["project"]["dependencies"], sep="\n")
 END
-"$work/tools/bin/pip" download -q --only-binary :all: --dest "$work/files" --requirement "$work/requirements.txt"
+"$work/tools/bin/pip" download -qq --only-binary :all: --dest "$work/files" --requirement "$work/requirements.txt"
 echo "downloaded: $(ls "$work/files" | wc -l) files, $(du -sm "$work/files" | cut -f1) MB"
 
 "$python" -m venv "$work/fresh"
