@@ -184,6 +184,7 @@ __all__ = [
     "HeightField",
     "Hull",
     "LeastDelay",
+    "Moving",
     "Octree",
     "Part",
     "PartSeparation",
