@@ -6,6 +6,7 @@
     python tests/benchmarks/cpp_library.py --levels v3 --static --compiler clang++ --face 3600 \\
         --sanitize fuzzer-no-link,address,undefined               # libFuzzer
     python tests/benchmarks/cpp_library.py --levels v2 --quick    # not optimised, one cell: as the suite has it
+    python tests/benchmarks/cpp_library.py --cross aarch64 --states 20000 --motions 2000  # GCC's cross compiler, QEMU
 
 Out: the library's size, and an error if its levels are not apart; the examples' output (docs/examples/cpp); for each
 robot and each level that this machine runs, the time of loading, of a state and of a motion, and whether the verdicts
@@ -48,6 +49,19 @@ PROGRAMS = ROOT / "tests" / "support" / "cpp"
 MOVEIT = ROOT / "ros" / "plannercheck_moveit"
 
 
+def target(options: argparse.Namespace) -> list[str]:
+    """What CMake is told of the compiler, and of the processor if that is another one."""
+    compiler = options.compiler or (f"{options.cross}-linux-gnu-g++" if options.cross else "")
+    other = ["-DCMAKE_SYSTEM_NAME=Linux", f"-DCMAKE_SYSTEM_PROCESSOR={options.cross}"] if options.cross else []
+    ours_alone = ["-DCMAKE_DISABLE_FIND_PACKAGE_ompl=ON"] if options.cross else []  # a library of this machine
+    return [*([f"-DCMAKE_CXX_COMPILER={compiler}"] if compiler else []), *other, *ours_alone]
+
+
+def emulator(options: argparse.Namespace) -> list[str]:
+    """What runs a program of the target."""
+    return [f"qemu-{options.cross}-static", "-L", f"/usr/{options.cross}-linux-gnu"] if options.cross else []
+
+
 def built(options: argparse.Namespace, folder: Path) -> Path:
     """Where the library is installed; it is built if need be."""
     build, prefix = folder / "build", folder / "installed"
@@ -56,8 +70,8 @@ def built(options: argparse.Namespace, folder: Path) -> Path:
         f"-DPLANNERCHECK_LEVELS={options.levels}",
         f"-DBUILD_SHARED_LIBS={'OFF' if options.static else 'ON'}",
         f"-DPLANNERCHECK_SANITIZE={options.sanitize}",
-        *([f"-DCMAKE_CXX_COMPILER={options.compiler}"] if options.compiler else []),
         *debugging(options),
+        *target(options),
     ]
     before = os.times()
     run("cmake", "-S", str(ROOT / "plannercheck/cpp"), "-B", str(build), "-G", "Ninja", *choices)
@@ -67,7 +81,8 @@ def built(options: argparse.Namespace, folder: Path) -> Path:
     spent = os.times()
     took = spent.children_user + spent.children_system - before.children_user - before.children_system
     (library,) = [path for path in prefix.glob("lib*/**/libplannercheck.*") if not path.is_symlink()]
-    stripped = subprocess.run(["strip", "-o", folder / "stripped", library], check=False).returncode == 0
+    strip = f"{options.cross}-linux-gnu-strip" if options.cross else "strip"
+    stripped = subprocess.run([strip, "-o", folder / "stripped", library], check=False).returncode == 0
     sizes = f"{library.stat().st_size / 1e6:.1f} MB" + (
         f", stripped {(folder / 'stripped').stat().st_size / 1e6:.1f} MB" if stripped else ""
     )
@@ -108,11 +123,10 @@ def consumer(prefix: Path, folder: Path, options: argparse.Namespace) -> Path:
             lines.write("add_executable(fuzz_face fuzz_face.cpp)\n")
             lines.write("target_link_libraries(fuzz_face PRIVATE plannercheck::plannercheck -fsanitize=fuzzer)\n")
     flags = "-Wall -Wextra -Wconversion -Werror" + (f" -fsanitize={options.sanitize}" if options.sanitize else "")
-    compiler = [f"-DCMAKE_CXX_COMPILER={options.compiler}"] if options.compiler else []
-    compiler += ["-DCMAKE_DISABLE_FIND_PACKAGE_ompl=ON"] if options.quick else []
     run(
         *("cmake", "-S", str(source), "-B", str(build), "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}"),
-        *(f"-DCMAKE_CXX_FLAGS={flags}", *(debugging(options) or ["-DCMAKE_BUILD_TYPE=Release"]), *compiler),
+        *(f"-DCMAKE_CXX_FLAGS={flags}", *(debugging(options) or ["-DCMAKE_BUILD_TYPE=Release"]), *target(options)),
+        *(["-DCMAKE_DISABLE_FIND_PACKAGE_ompl=ON"] if options.quick else []),
     )
     run("cmake", "--build", str(build))
     return build
@@ -225,9 +239,9 @@ def compare(checker: pc.Checker, cell: Path, programs: Path, folder: Path, optio
     per_state, per_motion = (middle - begin) / len(states) * 1e6, (end - middle) / len(motions) * 1e6
     print(f"  Python: a state {per_state:.3f} us, a motion {per_motion:.3f} us of processor time")
     same = True
-    for level in ("v4", "v3", "v2"):
+    for level in ["plain"] if options.cross else ["v4", "v3", "v2"]:
         files = [str(folder / name) for name in ("q", "a", "b", "out")]
-        command = [str(programs / "judge"), str(cell), *files]
+        command = [*emulator(options), str(programs / "judge"), str(cell), *files]
         environment = {**os.environ, "PLANNERCHECK_LEVEL": level}
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         if "this machine and build have" in done.stderr:
@@ -254,6 +268,7 @@ def main() -> int:
     parser.add_argument("--static", action="store_true")
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--compiler")
+    parser.add_argument("--cross", metavar="PROCESSOR", default="", help="for which GCC and QEMU's user mode are here")
     parser.add_argument("--sanitize", default="")
     parser.add_argument("--fuzz", type=int, default=0, help="how many damaged files")
     parser.add_argument("--face", type=int, default=0, help="s of libFuzzer's calls")
@@ -278,10 +293,11 @@ def main() -> int:
             checker.save(cell)
             print(f"{robot} in {scene}: {cell.stat().st_size / 1e6:.1f} MB")
             if robot == "panda":
-                subprocess.run([programs / "test_execution_proof", cell], check=True)
+                subprocess.run([*emulator(options), programs / "test_execution_proof", cell], check=True)
             for name in ("check", "threads", "share", "plan"):  # the last where OMPL is installed
                 if (programs / name).exists():
-                    done = subprocess.run([programs / name, cell], capture_output=True, text=True, check=name != "plan")
+                    command = [*emulator(options), programs / name, cell]
+                    done = subprocess.run(command, capture_output=True, text=True, check=name != "plan")
                     print(f"  {name}: " + "; ".join(done.stdout.strip().splitlines()[-4:]))
             same &= compare(checker, cell, programs, folder, options)
         if options.face or options.fuzz:
@@ -293,7 +309,9 @@ def main() -> int:
             subprocess.run(command, env={**os.environ, "PLANNERCHECK_CELL": str(cell)}, check=True)
         if options.fuzz:
             print(f"damaged cells of {cell.stat().st_size / 1e3:.0f} kB:", flush=True)
-            subprocess.run([programs / "fuzz_cell", cell, str(options.fuzz), str(options.seed)], check=True)
+            subprocess.run(
+                [*emulator(options), programs / "fuzz_cell", cell, str(options.fuzz), str(options.seed)], check=True
+            )
     return 0 if same else 1
 
 
