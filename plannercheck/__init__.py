@@ -176,6 +176,7 @@ __all__ = [
     "HeightField",
     "Hull",
     "LeastDelay",
+    "Moving",
     "Octree",
     "Part",
     "PartSeparation",

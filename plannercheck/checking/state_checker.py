@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.intersection import certify_posed
-from plannercheck.bodies.part_certificates import is_of_parts, parts_met
+from plannercheck.bodies.kinds import have_parts
+from plannercheck.bodies.part_certificates import parts_met
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import DEFAULT_EXCESS, GeometryObject
@@ -449,7 +450,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
     def _names_of_met(self, a: int, b: int, poses: Floats) -> tuple[str, str]:
         names, shapes = [self.bodies[k].name for k in (a, b)], [self.bodies[k].shape for k in (a, b)]
         p, r = self._preparation.polytope(a), self._preparation.polytope(b)
-        met = parts_met(p, r, poses[a], poses[b]) if is_of_parts(p, r) else None
+        met = parts_met(p, r, poses[a], poses[b]) if have_parts(p, r) else None
         for k, place in enumerate(met or ()):
             if place >= 0:
                 shape = shapes[k]
