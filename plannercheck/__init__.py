@@ -175,6 +175,7 @@ __all__ = [
     "HeightField",
     "Hull",
     "LeastDelay",
+    "Moving",
     "Octree",
     "Part",
     "PartSeparation",

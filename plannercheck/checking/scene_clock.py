@@ -13,7 +13,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.moving import Moving, Ride, checked_time
+from plannercheck.bodies.moving import Moving, Ride, carrier_of, checked_time
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import checked_pose
 from plannercheck.checking.compiled_tables import never_known
@@ -81,7 +81,7 @@ class SceneClock:
         for item in moving:
             if item.name in {*robot.link_names, *robot.model.names}:
                 raise PlannercheckError(f"object {item.name!r} moves, but a link or joint of the robot has its name")
-            groups.setdefault(_moving(item).carrier, []).append(item)
+            groups.setdefault(carrier_of(_moving(item)), []).append(item)
         made = [_carried(items) for items in groups.values()]
         self.robot = CarriedRobot(robot, [carrier for carrier, _ in made])
         self._courses = tuple(course for _, course in made)
