@@ -35,8 +35,8 @@ class BoundDistances : public Pooled<DistanceCore> {
                  InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements,
                  InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count, double limit, const Tuning& tuning,
                  std::shared_ptr<SampledPoses> sampled)
-      : Pooled(geometry_objects(bodies, paddings, links, placements), pairs_from(pairs), link_count, limit, tuning,
-               std::move(sampled)) {}
+      : Pooled(without_padding(geometry_objects(bodies, links, placements), {paddings.data(), paddings.shape(0)}),
+               pairs_from(pairs), link_count, limit, tuning, std::move(sampled)) {}
 
   // measure(states, table, workspace) for shares of all states; rows in the order of states, then nearest first.
   template <class Measure>
@@ -57,17 +57,6 @@ class BoundDistances : public Pooled<DistanceCore> {
       });
     });
     return in_order(parts, tangent);
-  }
-
- private:
-  static std::vector<GeometryObject> geometry_objects(const std::vector<std::shared_ptr<Polytope>>& bodies,
-                                                      InputArray<double, -1> paddings,
-                                                      InputArray<std::int32_t, -1> links,
-                                                      InputArray<double, -1, 4, 4> placements) {
-    std::vector<GeometryObject> out;
-    for (std::size_t i = 0; i < bodies.size(); ++i)
-      out.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
-    return without_padding(std::move(out), {paddings.data(), paddings.shape(0)});
   }
 };
 
