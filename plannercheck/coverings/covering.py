@@ -143,17 +143,17 @@ class Covering:
         return Audit(tuple(rows), geometry, neighbours)
 
     def inflated(self, robot: Robot | None = None, geometry: str | None = "solid") -> Covering:
-        """All primitives grown by the least common length, within 1e-6 m, at which they are proved to cover all links.
+        """All primitives grown by the least common length at which they are proved to cover all links, within 1e-6 m.
 
         Args:
             robot: As for `audit`.
             geometry: As for `audit`.
 
         Returns:
-            The covering; its `growth` says the length, rounded up to a number of 32 bits.
+            The covering; its `growth` says the length. Its radii are rounded up to numbers of 32 bits.
 
         Raises:
-            PlannercheckError: If a link with bodies has no primitives, or no growth could be proved.
+            PlannercheckError: If a link with bodies has no primitives.
         """
         bodies = _bodies_by_link(self._robot(robot), geometry)
         bare = [link for link, each in bodies.items() if each and not len(self.links.get(link, Primitives.of()))]
