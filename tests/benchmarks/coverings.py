@@ -167,6 +167,9 @@ def run_fit(options: argparse.Namespace) -> None:
         grown = theirs.inflated()
         rows.append(_fit_row("VAMP's inflated", grown, time.process_time() - began))
         began = time.process_time()
+        grown = theirs.inflated(by_link=True)
+        rows.append(_fit_row("VAMP's inflated by link", grown, time.process_time() - began))
+        began = time.process_time()
         fitted = pc.Covering.fit(robot, spheres=options.spheres)
         rows.append(_fit_row("fitted", fitted, time.process_time() - began))
         print(table(("spheres", "number", "covers", "growth mm", "mean excess mm", "worst mm", "s"), rows))
@@ -223,6 +226,7 @@ def run_plans(options: argparse.Namespace) -> None:
     models = {
         "VAMP's spheres": theirs,
         "VAMP's spheres inflated": theirs.inflated(),
+        "VAMP's spheres inflated by link": theirs.inflated(by_link=True),
         f"{SPHERES} fitted spheres": pc.Covering.fit(robot, spheres=SPHERES),
     }
     srdf = robot.parts_of_files().description.srdf
