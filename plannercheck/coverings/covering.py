@@ -189,9 +189,8 @@ class Covering:
             PlannercheckError: If the format lacks what the covering has, or the file can't be written.
         """
         description = self.robot.parts_of_files().description
-        is_urdf = description is not None and not description.robots and description.file.kind == "robot"
-        urdf = description.urdf if description is not None and is_urdf else None
-        write_model(Path(path), self.links, urdf, self._source)
+        file = None if description is None or description.robots else description.file
+        write_model(Path(path), self.links, file, self._source)
 
     def _robot(self, robot: Robot | None) -> Robot:
         if robot is None:

@@ -53,6 +53,20 @@ def test_bounds_hold_dense_samples_of_hulls(seed):
         assert gap is None or float(gap[0] if isinstance(gap, tuple) else gap) < 1e-12
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_bounds_hold_dense_samples_of_triangles(seed):
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(9, 3))
+    body = regions(pc.Solid(points, np.arange(9).reshape(3, 3), "triangles"))
+    cover = random_cover(rng, 5, capsules=seed % 2)
+    weights = rng.dirichlet(np.full(3, 0.5), (3, 5000))
+    samples = np.einsum("tsk,tki->tsi", weights, points.reshape(3, 3, 3)).reshape(-1, 3)
+    found = outside(body, cover, 1e-3)
+    assert max(distances(cover, np.concatenate([points, samples])).max(), 0) <= found.upper + 1e-12
+    assert found.upper - found.lower <= 1e-3 + 1e-12
+    assert outside(body, cover.grown(found.upper), 1e-4).is_covered
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_the_upper_bound_as_growth_covers_and_less_does_not(seed):
     rng = np.random.default_rng(seed)
