@@ -130,10 +130,10 @@ _MODULES = ("ndim", "ompl", "planar", "view")
 
 def _comparison(home: str) -> Comparison:
     def compare(
-        model: Any, robot: Any, scene: str | None, meshes: Any, geometry: Any, mesh_units: Any
+        model: Any, robot: Any, scene: str | None, meshes: Any, geometry: Any, mesh_units: Any, motions: Any
     ) -> tuple[str, ...]:
         module = importlib.import_module(f"plannercheck.{home}")
-        return tuple(module.confirm_model(model, robot, scene, meshes, geometry, mesh_units))
+        return tuple(module.confirm_model(model, robot, scene, meshes, geometry, mesh_units, motions))
 
     return compare
 

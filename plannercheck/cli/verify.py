@@ -124,7 +124,12 @@ def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
         None
         if options.robot is None
         else model_confirmed(
-            proofs[0], _robot(options), options.scene, options.scene_meshes, mesh_units=options.mesh_units
+            proofs[0],
+            _robot(options),
+            options.scene,
+            options.scene_meshes,
+            mesh_units=options.mesh_units,
+            others=[proof for proof, each in zip(proofs[1:], found[1:], strict=True) if each],
         )
     )
     proved_path = _path(proofs, found, options)

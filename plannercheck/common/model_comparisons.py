@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 # Takes a proof's model, a robot, a scene (None for the empty one), the kinds of the scene's and of the robot's meshes,
-# and how mesh files are read (None for what the files say); raises at the first difference. Returns sentences: what was
-# compared with which file.
-Comparison: TypeAlias = Callable[[Any, Any, str | None, Any, Any, Any], tuple[str, ...]]
+# how mesh files are read (None for what the files say), and the motions; raises at the first difference. Returns
+# sentences: what was compared with which file.
+Comparison: TypeAlias = Callable[[Any, Any, str | None, Any, Any, Any, Any], tuple[str, ...]]
 
 # Takes a path, the names of its joints, the length of a configuration, and the robot or None; see `read_proved_path` in
 # `validation.formats.paths`.
