@@ -144,9 +144,9 @@ def _read_path(path: Any, joint_names: Sequence[str], width: int, robot: Any) ->
     )
 
 
-def _read_message(path: Any, joint_names: Sequence[str]) -> Any:
+def _read_message(path: Any, joint_names: Sequence[str], message: int | None = None) -> Any:
     joints = importlib.import_module("plannercheck.trajectories.joint_columns").NamedJoints("the proof", joint_names)
-    return importlib.import_module("plannercheck.trajectories.files").read_points_of(path, joints)
+    return importlib.import_module("plannercheck.trajectories.files").read_points_of(path, joints, message)
 
 
 # `Proof.verify` with a robot compares the proof's model with files, which takes folders above `proofs`.

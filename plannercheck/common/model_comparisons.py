@@ -18,8 +18,9 @@ Comparison: TypeAlias = Callable[[Any, Any, str | None, Any, Any, Any, Any], tup
 # `validation.formats.paths`.
 PathReader: TypeAlias = Callable[[Any, Sequence[str], int, Any], Any]
 
-# Takes a file of a JointTrajectory and the names of its joints; returns its points, see `trajectories.messages`.
-MessageReader: TypeAlias = Callable[[Any, Sequence[str]], Any]
+# Takes a file of JointTrajectories, the names of its joints, and which of several it is (None: the file holds one);
+# returns its points, see `trajectories.messages`.
+MessageReader: TypeAlias = Callable[[Any, Sequence[str], int | None], Any]
 
 _comparisons: dict[str, Comparison] = {}
 _path_readers: list[PathReader] = []
