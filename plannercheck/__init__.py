@@ -54,6 +54,9 @@ if TYPE_CHECKING:
     from plannercheck.checking.distances import Distances as Distances
     from plannercheck.checking.verdicts import ValidityReport as ValidityReport
     from plannercheck.checking.verdicts import Verdict as Verdict
+    from plannercheck.coverings.audits import Audit as Audit
+    from plannercheck.coverings.audits import AuditedLink as AuditedLink
+    from plannercheck.coverings.covering import Covering as Covering
     from plannercheck.motions.checker import Checker as Checker
     from plannercheck.motions.free_boxes import FreeBox as FreeBox
     from plannercheck.robots.robot import Robot as Robot
@@ -73,10 +76,13 @@ if TYPE_CHECKING:
 
 # Loaded on first use, so that `import plannercheck` costs nothing that is not needed.
 _HOMES = {
+    "Audit": "coverings.audits",
+    "AuditedLink": "coverings.audits",
     "Box": "bodies.shapes",
     "Capsule": "bodies.shapes",
     "Checker": "motions.checker",
     "Conflict": "timing.conflicts",
+    "Covering": "coverings.covering",
     "Depth": "bodies.penetration_depth",
     "Cone": "bodies.shapes",
     "Cylinder": "bodies.shapes",
@@ -156,11 +162,14 @@ set_path_reader(_read_path)
 set_message_reader(_read_message)
 
 __all__ = [
+    "Audit",
+    "AuditedLink",
     "Box",
     "Capsule",
     "Checker",
     "Cone",
     "Conflict",
+    "Covering",
     "Cylinder",
     "Decomposition",
     "Depth",
@@ -175,6 +184,7 @@ __all__ = [
     "HeightField",
     "Hull",
     "LeastDelay",
+    "Moving",
     "Octree",
     "Part",
     "PartSeparation",

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.given_bodies import GivenBody, given_polytope
-from plannercheck.bodies.half_space_certificates import is_of_half_space
+from plannercheck.bodies.kinds import are_bounded
 from plannercheck.bodies.pair_queries import queries
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
@@ -136,6 +136,6 @@ def pair_bounds_checked(
     """The same for whatever users give: converted, and checked in Python, whose errors say what is wrong."""
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
-    is_of_half_space(P, R)  # which refuses two of them
+    are_bounded(P, R)  # which refuses two half-spaces
     overlap, upper, lower, on_p, on_r, along = core.distance_batch(P.core, pose_p[None], R.core, pose_r[None], depths)
     return bool(overlap[0]), (float(upper[0]), on_p[0], on_r[0], float(lower[0]), along[0])

@@ -13,24 +13,14 @@ import numpy as np
 from plannercheck.bodies.certificates import Certificate, SharedPoint, separation, shared_point_at
 from plannercheck.bodies.exact_planes import Bodies, CertifiedBody, PosedBody, in_integers
 from plannercheck.bodies.integers import IntegerHull
-from plannercheck.bodies.kinds import pair_kind
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.posed_half_spaces import PosedHalfSpace, Vector, dot
 from plannercheck.common.array_types import Floats
 
 
-def is_of_half_space(p: Polytope, r: Polytope) -> bool:
-    """Whether at least one of two bodies is a half-space.
-
-    Raises:
-        PlannercheckError: If both are.
-    """
-    return pair_kind(p, r) == "half_space"
-
-
 def certified_body(body: Polytope, pose: Floats) -> CertifiedBody:
     """A posed body as certificates have it."""
-    if body.kind != "half_space":
+    if body.traits.is_bounded:
         return PosedBody(body.vertices, pose, body.inflation_radius)
     normal, offset = body.core.shape
     return PosedHalfSpace(np.array(normal), offset, pose, body.inflation_radius)
@@ -39,15 +29,11 @@ def certified_body(body: Polytope, pose: Floats) -> CertifiedBody:
 def certify_half_space(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> Certificate:
     """The proof that a half-space and another body, which is no set of parts, share a point, or that they do not."""
     bodies = certified_body(p, pose_p), certified_body(r, pose_r)
-    first, second = bodies
-    if isinstance(second, PosedHalfSpace):
-        assert isinstance(first, PosedBody)
-        (x, y, z), other, half_space = second.plane()[0], first, second
-    else:
-        assert isinstance(first, PosedHalfSpace)
-        (a, b, c), other, half_space = first.plane()[0], second, first
-        x, y, z = -a, -b, -c
-    apart = separation((x, y, z), bodies)
+    sense, (other, half_space) = (1, bodies) if p.traits.is_bounded else (-1, bodies[::-1])
+    assert isinstance(other, PosedBody)
+    assert isinstance(half_space, PosedHalfSpace)
+    x, y, z = half_space.plane()[0]
+    apart = separation((sense * x, sense * y, sense * z), bodies)
     return _contact(half_space, other, bodies) if apart is None else apart
 
 

@@ -113,9 +113,11 @@ def check_stands_still(name: str, link: str | None, shapes: Sequence[Any], moves
         shapes: The shapes.
         moves: Whether they move by themselves.
     """
-    if moves and any(isinstance(shape, HalfSpace) for shape in shapes):
+    if not any(isinstance(shape, HalfSpace) for shape in shapes):
+        return
+    if moves:
         raise PlannercheckError(f"{name!r} has a half-space, which can't move, since it is unbounded: give a box")
-    if link is not None and any(isinstance(shape, HalfSpace) for shape in shapes):
+    if link is not None:
         raise PlannercheckError(
             f"{name!r} has a half-space, which no link can carry (here: {link!r}), since it is unbounded: give a box"
         )

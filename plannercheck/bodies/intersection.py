@@ -17,9 +17,9 @@ from plannercheck.bodies.certificates import Certificate, SharedPoint, UnprovedV
 from plannercheck.bodies.exact_planes import Bodies, Point, direction_of
 from plannercheck.bodies.given_bodies import GivenBody, are_poses, given_polytope, given_polytope_at_poses
 from plannercheck.bodies.half_space_certificates import certified_body, certify_half_space
-from plannercheck.bodies.kinds import Kind, pair_kind
+from plannercheck.bodies.kinds import Kind, are_bounded, have_parts, pair_kind
 from plannercheck.bodies.pair_queries import queries
-from plannercheck.bodies.part_certificates import PartSeparation, certify_parts, is_of_parts
+from plannercheck.bodies.part_certificates import PartSeparation, certify_parts
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import POSED_TOLERANCE, checked_pose
 from plannercheck.bodies.solid_certificates import Enclosure, contact_certificate
@@ -99,7 +99,7 @@ def _intersects_at_poses(
 
 
 def _shared(p: Polytope, r: Polytope, poses_p: Floats, poses_r: Floats, method: Method) -> Bools:
-    pair_kind(p, r)  # which refuses two half-spaces
+    are_bounded(p, r)  # which refuses two half-spaces
     shared, _, _ = core.intersect_batch(p.core, poses_p, r.core, poses_r, pair_options(method))
     return np.asarray(shared).view(bool)
 
@@ -165,7 +165,7 @@ def _certify_parts(P: Polytope, R: Polytope, pose_p: Floats, pose_r: Floats, _: 
 
 
 def _certify_over_plane(P: Polytope, R: Polytope, pose_p: Floats, pose_r: Floats, method: Method) -> SolidCertificate:
-    if is_of_parts(P, R):
+    if have_parts(P, R):
         return _certify_parts(P, R, pose_p, pose_r, method)
     return certify_half_space(P, R, pose_p, pose_r)
 

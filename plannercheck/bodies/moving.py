@@ -107,26 +107,26 @@ class Moving:
         made.ride = Ride(trajectory, robot, link, checked_time(start_time, "start_time"))
         return made
 
-    @property
-    def is_screw(self) -> bool:
-        """Whether a step both slides and turns, along a screw; else both paths are the same."""
-        slides = (self.rows[1:, :3] != self.rows[:-1, :3]).any(axis=1)
-        turns = (self.rows[1:, 3:] != self.rows[:-1, 3:]).any(axis=1)
-        return self.path == "screw" and bool((slides & turns).any())
-
-    @property
-    def carrier(self) -> Hashable:
-        """A key: objects of the same key are moved by the same joints."""
-        if self.ride is None:
-            return self.times.tobytes(), self.poses.tobytes(), self.path, self.outside
-        robot, base = self.ride.robot if isinstance(self.ride.robot, tuple) else (self.ride.robot, None)
-        placed = None if base is None else np.asarray(base).tobytes()
-        return id(self.ride.trajectory), id(robot), placed, self.ride.start_time, self.outside
-
     def __repr__(self) -> str:
         if self.ride is not None:
             return f"Moving(along link {self.ride.link!r} from {self.ride.start_time:g} s)"
         return f"Moving({len(self.times)} poses, {self.times[0]:g} to {self.times[-1]:g} s)"
+
+
+def is_screw(moving: Moving) -> bool:
+    """Whether a step both slides and turns, along a screw; else both paths are the same."""
+    slides = (moving.rows[1:, :3] != moving.rows[:-1, :3]).any(axis=1)
+    turns = (moving.rows[1:, 3:] != moving.rows[:-1, 3:]).any(axis=1)
+    return moving.path == "screw" and bool((slides & turns).any())
+
+
+def carrier_of(moving: Moving) -> Hashable:
+    """A key: objects of the same key are moved by the same joints."""
+    if moving.ride is None:
+        return moving.times.tobytes(), moving.poses.tobytes(), moving.path, moving.outside
+    robot, base = moving.ride.robot if isinstance(moving.ride.robot, tuple) else (moving.ride.robot, None)
+    placed = None if base is None else np.asarray(base).tobytes()
+    return id(moving.ride.trajectory), id(robot), placed, moving.ride.start_time, moving.outside
 
 
 # Where an object is: its pose (4, 4), m, the identity by default, or how it moves.

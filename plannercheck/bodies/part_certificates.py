@@ -194,11 +194,6 @@ def _is_inside(outer: BodyInParts, inner: BodyInParts, pairs: list[tuple[Range, 
     return winds_about(outer.surface, (PosedBody(corner[None], inner.pose) for corner in corners))
 
 
-def is_of_parts(p: Polytope, r: Polytope) -> bool:
-    """Whether at least one of two bodies is a set of parts."""
-    return "part_set" in (p.kind, r.kind)
-
-
 def parts_met(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> tuple[int, int] | None:
     """The places of two parts that share a point, −1 for a body that is no set; None if nothing is shared."""
     kind, on_p, on_r, _ = core.solids_contact(p.core, pose_p, r.core, pose_r)
@@ -303,7 +298,7 @@ _POSED: dict[Kind, Callable[[Polytope, Floats], BodyInParts]] = {
 
 def _hull_of(body: BodyInParts, parts: Range, own: Polytope) -> Polytope:
     """A body around some parts; the body itself if it is no set."""
-    if own.kind != "part_set":
+    if not own.traits.has_parts:
         return own
     posed = body.body(parts)
     assert isinstance(posed, PosedBody)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +19,7 @@ from plannercheck.bodies import polytope_files as body_files
 from plannercheck.bodies.circumscribed import BOX_SIGNS, prism_faces
 from plannercheck.bodies.core_polytopes import LARGEST_COORDINATE, core_polytope, fans, parsed_polytope
 from plannercheck.bodies.half_spaces import HalfSpace
-from plannercheck.bodies.kinds import Kind, kind_of_shape
+from plannercheck.bodies.kinds import Kind, KindTraits, kind_of_shape, traits_of
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.polytope_files import GivenFaces
 from plannercheck.bodies.solids import Solid
@@ -30,8 +30,6 @@ from plannercheck.common.errors import PlannercheckError, with_article
 from plannercheck.common.public_names import set_module
 
 _NO_ARRAYS: dict[str, NDArray[Any]] = {}
-
-_NO_HULLS: dict[Kind, str] = {"solid": "a solid's", "part_set": "a set of parts", "half_space": "a half-space"}
 
 
 @set_module("plannercheck")
@@ -135,6 +133,11 @@ class Polytope:
         kind: Kind = self._core.kind
         return kind
 
+    @property
+    def traits(self) -> KindTraits:
+        """What follows from its kind."""
+        return traits_of(self._core.kind)
+
     def _shape_if(self, kind: Kind) -> Any | None:
         return self._core.shape if self._core.kind == kind else None
 
@@ -162,13 +165,7 @@ class Polytope:
             inflation_radius: Of a set of parts or a half-space, m.
             hull: Makes the hull of any other shape, with its inflation radius; not needed for those two.
         """
-        kind = kind_of_shape(shape)
-        if kind == "part_set":
-            return cls.of_parts(shape, inflation_radius)
-        if kind == "half_space":
-            return cls.of_half_space(shape, inflation_radius)
-        assert hull is not None
-        return hull() if kind == "hull" else hull().of_solid(shape)
+        return _ROWS[kind_of_shape(shape)].of_shape(shape, inflation_radius, hull)
 
     @classmethod
     def of_half_space(cls, half_space: HalfSpace, inflation_radius: float = 0.0) -> Polytope:
@@ -243,8 +240,9 @@ class Polytope:
 
     def save(self, path: str | Path) -> None:
         """Writes the prepared body, if it is a hull, to a file (magic, version, content hash, data)."""
-        if self.kind in _NO_HULLS:
-            raise PlannercheckError(f"files of prepared bodies hold hulls, this is {_NO_HULLS[self.kind]}: pickle it")
+        if not self.traits.fills_hull:
+            what = with_article(self.kind.replace("_", "-"))
+            raise PlannercheckError(f"files of prepared bodies hold hulls, this is {what}: pickle it")
         body_files.write(Path(path), self._core.serialise())
 
     @classmethod
@@ -265,10 +263,10 @@ class Polytope:
         return cls._from_core(body.with_solid(core.Solid(*solid)) if solid else body)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _PICKLED[self.kind](self._core)
+        return _ROWS[self.kind].pickled(self._core)
 
     def __repr__(self) -> str:
-        if self.kind == "half_space":
+        if not self.traits.is_bounded:
             return f"Polytope(half-space {self._core.shape[0]} · x <= {self._core.shape[1]})"
         return f"Polytope({len(self.vertices)} vertices, {self._core.facets} facets)"
 
@@ -283,12 +281,27 @@ def _body_of_half_space(normal: tuple[float, float, float], offset: float, infla
     return Polytope.of_half_space(HalfSpace(normal, offset), inflation_radius)
 
 
-# How bodies are pickled, given the core's.
-_PICKLED: dict[Kind, Callable[[Any], tuple[Any, ...]]] = {
-    "hull": lambda body: (Polytope._from_bytes, (body.serialise(),)),
-    "solid": lambda body: (Polytope._from_bytes, (body.serialise(), body.shape.points(), body.shape.triangles())),
-    "part_set": lambda body: (_body_of_parts, (*body.shape.state(), body.inflation_radius)),
-    "half_space": lambda body: (_body_of_half_space, (*body.shape, body.inflation_radius)),
+class _Row(NamedTuple):
+    """What differs by a body's kind: how a shape with a radius and a hull becomes one, and how it is pickled."""
+
+    of_shape: Callable[[Any, float, Any], Polytope]
+    pickled: Callable[[Any], tuple[Any, ...]]
+
+
+_ROWS: dict[Kind, _Row] = {
+    "hull": _Row(lambda _, __, hull: hull(), lambda body: (Polytope._from_bytes, (body.serialise(),))),
+    "solid": _Row(
+        lambda solid, _, hull: hull().of_solid(solid),
+        lambda body: (Polytope._from_bytes, (body.serialise(), body.shape.points(), body.shape.triangles())),
+    ),
+    "part_set": _Row(
+        lambda parts, radius, _: Polytope.of_parts(parts, radius),
+        lambda body: (_body_of_parts, (*body.shape.state(), body.inflation_radius)),
+    ),
+    "half_space": _Row(
+        lambda half_space, radius, _: Polytope.of_half_space(half_space, radius),
+        lambda body: (_body_of_half_space, (*body.shape, body.inflation_radius)),
+    ),
 }
 
 

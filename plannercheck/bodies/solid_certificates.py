@@ -118,7 +118,7 @@ def _of_triangles(first: PosedBody, second: PosedBody) -> SharedPoint | None:
 def _enclosure(first_is_inside: bool, inner: tuple[Polytope, int, Floats], outer: tuple[Polytope, Floats]) -> Enclosure:
     body, vertex, pose = inner
     # All of a convex body is inside, if one of its points is and no triangles meet.
-    vertices = body.vertices[:1] if body.kind == "hull" else body.core.shape.points()[vertex : vertex + 1]
+    vertices = body.vertices[:1] if body.traits.fills_hull else body.core.shape.points()[vertex : vertex + 1]
     point, around = PosedBody(vertices, pose), PosedSurface(*_surface(outer[0]), outer[1])
     place = np.array([rounded(x) for x in _place(point)])
     return Enclosure(place, winding_about(point, around) or 0, first_is_inside, point, around)
@@ -126,7 +126,7 @@ def _enclosure(first_is_inside: bool, inner: tuple[Polytope, int, Floats], outer
 
 def _surface(body: Polytope) -> Surface:
     """The triangles of a solid, or of a hull."""
-    if body.kind == "hull":
+    if body.traits.fills_hull:
         return body.vertices, body.faces
     return body.core.shape.points(), body.core.shape.triangles()
 

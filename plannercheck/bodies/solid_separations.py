@@ -107,7 +107,7 @@ def separate_solids(
     hulls: tuple[dict[Range, Polytope], dict[Range, Polytope]] = ({}, {})
     whole = (0, len(bodies[0].triangles)), (0, len(bodies[1].triangles))
     waiting, patches = [whole], list[PatchSeparation]()
-    can_divide = p.kind == "solid", r.kind == "solid"  # a convex body stays whole
+    can_divide = not p.traits.is_convex, not r.traits.is_convex  # a convex body stays whole
     while waiting:
         ranges = waiting.pop()
         for body, radius, known, each in zip(bodies, radii, hulls, ranges, strict=True):

@@ -2,8 +2,9 @@
 
 In: vertices in m and triangles, or a mesh file. Out: `Solid`, immutable, one of the shapes of links and obstacles. The
 body is a closed set: the triangles and, if the mesh is closed, all points about which it winds. Caps close an open mesh
-first (caps.py), unless its triangles alone or its hull are asked for. So meshes that cross themselves, nested shells,
-inverted orientations, holes and T-junctions all have a meaning (docs/explanation/solids.md).
+first (caps.py), unless its triangles alone or its hull are asked for; a surface is the triangles of any mesh. So meshes
+that cross themselves, nested shells, inverted orientations, holes and T-junctions all have a meaning
+(docs/explanation/solids.md).
 """
 
 from __future__ import annotations
@@ -37,8 +38,9 @@ from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.public_names import set_module
 
-# What an open mesh is taken as: closed by caps, its triangles alone, or its convex hull.
-OpenMesh: TypeAlias = Literal["cap", "triangles", "hull"]
+# What an open mesh is taken as: closed by caps, its triangles alone, or its convex hull. As a surface, a closed mesh is
+# its triangles alone, too.
+OpenMesh: TypeAlias = Literal["cap", "triangles", "hull", "surface"]
 # The same, by the kinds of geometry of robots and scenes that make solids.
 OPEN_MESHES: dict[str, OpenMesh] = {"solid": "cap", "triangles": "triangles"}
 
@@ -55,13 +57,14 @@ class Solid:
       their hull holds the set.
     - "triangles": the given triangles alone; a body inside does not collide.
     - "hull": the convex hull of the given triangles.
+    - "surface": the given triangles alone, of a closed mesh as well; a body inside does not collide.
 
     A mesh of a library, as a trimesh.Trimesh, may be given alone: `pc.Solid(mesh)` has its vertices and faces.
 
     Attributes:
         vertices: (n, 3) in m as given, read-only.
         triangles: (k, 3) indices of vertices as given, without caps, read-only.
-        open: What an open mesh is taken as; it changes nothing about a closed one.
+        open: What an open mesh is taken as; only "surface" changes anything about a closed one.
     """
 
     body_kind: ClassVar[Kind] = "solid"
@@ -105,7 +108,7 @@ class Solid:
         mesh = read_mesh(path, scale, units or "file")
         with named_file(path):
             solid = cls(*_merged(mesh.points, mesh.triangles), open)
-        words = [open_meshes({"the mesh": solid})] if solid.is_open else []
+        words = [open_meshes({"the mesh": solid})] if solid.is_open and open != "surface" else []
         warn_of_mesh(mesh, units, words, stacklevel=2)
         return solid
 
@@ -114,9 +117,12 @@ class Solid:
         """The mesh of the set, which caps or the hull may have closed: points (m, 3) in m, and triangles.
 
         Equal vertices are merged, unused ones left out; given triangles come first, in their order. A flat hull, whose
-        triangles are not known, has the given ones.
+        triangles are not known, has the given ones. A closed mesh taken as its surface has one triangle twice: the same
+        points, and edges that do not cancel, so that it is open and has no inside for all who read these triangles.
         """
         points, triangles = self._mesh
+        if self.open == "surface" and not self.is_open:
+            triangles = np.concatenate([triangles, triangles[:1]])
         if self.open == "cap" and self._closing is not None:
             triangles = np.concatenate([triangles, self._closing[0]])
         elif self.open == "hull" and self.is_open:
@@ -135,13 +141,13 @@ class Solid:
 
     @property
     def is_closed(self) -> bool:
-        """Whether the set has an inside: of an open mesh, unless it is taken as its triangles alone."""
-        return not self.is_open or self.open != "triangles"
+        """Whether the set has an inside: unless an open mesh, or any as a surface, is its triangles alone."""
+        return self.kind in ("closed", "capped", "hull")
 
     @property
-    def kind(self) -> Literal["closed", "capped", "hull", "open"]:
-        """What the set is: a closed mesh, or an open one with caps, as its hull, or as its triangles alone."""
-        return _KINDS[self.open] if self.is_open else "closed"
+    def kind(self) -> Literal["closed", "capped", "hull", "open", "surface"]:
+        """What the set is: a closed mesh; an open one with caps, as its hull, or its triangles alone; or a surface."""
+        return _KINDS[self.open] if self.is_open or self.open == "surface" else "closed"
 
     @property
     def caps(self) -> Caps | None:
@@ -194,7 +200,12 @@ class Solid:
         return f"Solid({len(self.vertices)} vertices, {len(self.triangles)} triangles, {self.kind})"
 
 
-_KINDS: dict[OpenMesh, Literal["capped", "open", "hull"]] = {"cap": "capped", "triangles": "open", "hull": "hull"}
+_KINDS: dict[OpenMesh, Literal["capped", "open", "hull", "surface"]] = {
+    "cap": "capped",
+    "triangles": "open",
+    "hull": "hull",
+    "surface": "surface",
+}
 _CLOSURES = {
     "capped": "caps close open meshes",
     "hull": "open meshes are their hulls",

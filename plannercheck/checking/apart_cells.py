@@ -123,7 +123,7 @@ def _chunks(rows: Ints64) -> list[Ints64]:
 
 
 def _have_hulls(*bodies: Polytope) -> bool:
-    return all(body.kind in ("hull", "solid") for body in bodies)
+    return all(body.traits.has_hull for body in bodies)
 
 
 def _in_a_block(part: Floats) -> Floats:

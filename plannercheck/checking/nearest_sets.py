@@ -59,7 +59,7 @@ def nearest_points_of(
 
 def _face(body: Polytope, pose: Floats, normal: Floats, nearest: Floats) -> Floats | None:
     """(m, 3) the vertices lowest along the normal, through the nearest point; None for a half-space."""
-    if body.kind == "half_space":
+    if not body.traits.is_bounded:
         return None
     vertices = body.vertices @ pose[:3, :3].T + pose[:3, 3]
     heights = vertices @ normal

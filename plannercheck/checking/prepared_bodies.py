@@ -15,7 +15,7 @@ from weakref import WeakKeyDictionary, WeakValueDictionary
 
 import numpy as np
 
-from plannercheck.bodies.kinds import kind_of_shape
+from plannercheck.bodies.kinds import kind_of_shape, traits_of
 from plannercheck.bodies.polytope import Polytope, polytopes_of_boxes, prepared
 from plannercheck.bodies.shapes import (
     Box,
@@ -180,7 +180,7 @@ class Preparation:
     def _prepared(self, body: int) -> Polytope:
         """The prepared body, shared by equal hulls; a solid that is not its hull is shared by equal solids."""
         shape, padding = self._bodies[body].shape, float(self.paddings[body])
-        if kind_of_shape(shape) in ("part_set", "half_space"):
+        if not traits_of(kind_of_shape(shape)).has_hull:
             return Polytope.of_shape(shape, padding)
         points, faces, inflation_radius = self.hull(body)
         key = np.float64(inflation_radius).tobytes() + points.tobytes()

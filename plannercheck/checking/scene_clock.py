@@ -14,7 +14,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.moving import Moving, Ride, checked_time
+from plannercheck.bodies.moving import Moving, Ride, carrier_of, checked_time, is_screw
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import checked_pose
 from plannercheck.checking.compiled_tables import never_known
@@ -84,7 +84,7 @@ class SceneClock:
         for item in moving:
             if item.name in {*robot.link_names, *robot.model.names}:
                 raise PlannercheckError(f"object {item.name!r} moves, but a link or joint of the robot has its name")
-            groups.setdefault(_moving(item).carrier, []).append(item)
+            groups.setdefault(carrier_of(_moving(item)), []).append(item)
         made = [_carried(items) for items in groups.values()]
         self.robot = CarriedRobot(robot, [carrier for carrier, _ in made])
         self.courses = tuple(course for _, course in made)
@@ -175,7 +175,7 @@ def _carried(items: Sequence[SceneObject]) -> tuple[Carrier, Course]:
     if moving.ride is not None:
         return _riding(items, moving.ride, stands)
     carrier, rows = free_carrier(names, moving.rows), moving.rows
-    if moving.is_screw:
+    if is_screw(moving):
         carrier, rows = screw_carrier(names, moving.rows)
     pieces = tuple(np.stack(pair) for pair in pairwise(rows))
     curve = Curve(moving.times, pieces, np.zeros(rows.shape[1]), carrier.sources.units)

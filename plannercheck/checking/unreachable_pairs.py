@@ -28,7 +28,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plannercheck.bodies.kinds import pair_kind
+from plannercheck.bodies.kinds import are_bounded
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, InflatedHull
 from plannercheck.bodies.tuning import pair_options
@@ -109,8 +109,8 @@ def stays_apart(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> boo
     The core finds a direction; doubles are enough to see that it separates the bodies by more than the margin. Solids
     whose hulls meet have no such direction, and count as meeting.
     """
-    if pair_kind(p, r) == "half_space":
-        return _stays_over(p, r, pose_p, pose_r) if r.kind == "half_space" else _stays_over(r, p, pose_r, pose_p)
+    if not are_bounded(p, r):
+        return _stays_over(p, r, pose_p, pose_r) if p.traits.is_bounded else _stays_over(r, p, pose_r, pose_p)
     found = core.certify_pair(p.core, pose_p, r.core, pose_r, pair_options(), False)
     normal = np.asarray(found.get("normal", np.zeros(3)))
     if found["shared"] or not normal.any():

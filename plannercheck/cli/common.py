@@ -54,7 +54,14 @@ def add_scene_argument(parser: argparse.ArgumentParser, note: str = "default: em
 
 
 def add_checker_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds what the checker is told."""
+    """Adds --robot, --scene and what the checker is told."""
+    add_robot_argument(parser)
+    add_scene_argument(parser)
+    add_settings(parser)
+
+
+def add_settings(parser: argparse.ArgumentParser) -> None:
+    """Adds what the checker is told besides robot and scene."""
     parser.add_argument("--no-self-collision", action="store_true", help="test only against the scene")
     parser.add_argument(
         "--padding",

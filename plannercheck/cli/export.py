@@ -7,8 +7,6 @@ from pathlib import Path
 
 from plannercheck.cli.common import (
     add_checker_arguments,
-    add_robot_argument,
-    add_scene_argument,
     check_folder,
     space_checker,
 )
@@ -24,8 +22,6 @@ Example:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's options."""
     parser.epilog = _EPILOG
-    add_robot_argument(parser)
-    add_scene_argument(parser)
     add_checker_arguments(parser)
     parser.add_argument(
         "--output", type=Path, required=True, metavar="FILE", help="where it goes, by custom ….plannercheck"

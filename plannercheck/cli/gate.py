@@ -14,8 +14,6 @@ from typing import Any, TextIO
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli.common import (
     add_checker_arguments,
-    add_robot_argument,
-    add_scene_argument,
     check_folder,
     limits_of,
     numbers_of,
@@ -44,8 +42,6 @@ _KEYS = ("chunk", "rate", "times", "start", "id")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's options."""
     parser.epilog = _EPILOG
-    add_robot_argument(parser)
-    add_scene_argument(parser)
     add_checker_arguments(parser)
     parser.add_argument(
         "--controller", choices=OF_POSITIONS, default="jtc", help="who runs the chunks; default: jtc, straight between"

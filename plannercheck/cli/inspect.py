@@ -24,8 +24,6 @@ from plannercheck.checking.input_hints import always_hint
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli.common import (
     add_checker_arguments,
-    add_robot_argument,
-    add_scene_argument,
     load_checker,
     percentage,
     table,
@@ -74,8 +72,6 @@ PAIR_TEST = {
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's options."""
-    add_robot_argument(parser)
-    add_scene_argument(parser)
     add_checker_arguments(parser)
     parser.add_argument(
         "--states", type=int, default=10_000, help="number of random configurations to check; default: 10000"

@@ -44,6 +44,7 @@ COMMANDS = {
     "stress": "hold verdicts on hard pairs of bodies against exact arithmetic",
     "bench": "measure run time against error, beside other methods and libraries",
     "acm": "propose which pairs of a robot's links to leave untested, or audit those that are",
+    "cover": "prove that a sphere model covers a robot's links, grow it until it does, or fit one",
     "export": "write a robot in a scene as a prepared cell, which the C++ library reads",
     "inspect": "show the bodies and pairs of a robot in a scene, and what checking them takes",
 }

@@ -14,8 +14,6 @@ from plannercheck.cli import timed_plans
 from plannercheck.cli.checked_paths import show_checks
 from plannercheck.cli.common import (
     add_checker_arguments,
-    add_robot_argument,
-    add_scene_argument,
     check_folder,
     load_checker,
     table,
@@ -61,8 +59,6 @@ _MOST_ROWS = 60
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's options."""
     parser.epilog = _EPILOG
-    add_robot_argument(parser)
-    add_scene_argument(parser)
     add_checker_arguments(parser)
     parser.add_argument("--start", metavar="A,B,...", help="start, rad and m; default: the scene file's")
     parser.add_argument(

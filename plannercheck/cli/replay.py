@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from plannercheck.cli.common import add_checker_arguments, add_scene_argument, space_checker
+from plannercheck.cli.common import add_scene_argument, add_settings, space_checker
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments
 from plannercheck.common.checked_yaml import Node, error_context, read_bytes
 from plannercheck.common.errors import PlannercheckError
@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--robot", help=f"{ROBOT_HELP}; default: what the record names")
     add_urdf_arguments(parser)
     add_scene_argument(parser, "default: what the record names")
-    add_checker_arguments(parser)
+    add_settings(parser)
 
 
 def run(options: argparse.Namespace) -> int:

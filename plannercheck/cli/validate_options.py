@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from plannercheck.cli.cell_paths import is_of_cell
-from plannercheck.cli.common import add_checker_arguments, add_robot_argument, add_scene_argument
+from plannercheck.cli.common import add_checker_arguments
 from plannercheck.cli.unused_options import check_used
 from plannercheck.cli.validate_trajectories import OPTIONS as OF_TRAJECTORIES
 from plannercheck.cli.validate_trajectories import add_trajectory_arguments
@@ -68,8 +68,6 @@ _OF_SETS = (
 def add_set_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds all options."""
     parser.epilog = _EPILOG
-    add_robot_argument(parser)
-    add_scene_argument(parser)
     add_checker_arguments(parser)
     parser.add_argument("files", nargs="*", metavar="FILE", type=Path, help="npy, npz, csv, parquet or hdf5 file, or -")
     _add_input_arguments(parser)

@@ -16,8 +16,6 @@ from plannercheck.checking.input_hints import degrees_hint
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli.common import (
     add_checker_arguments,
-    add_robot_argument,
-    add_scene_argument,
     check_folder,
     joint_vector,
     load_checker,
@@ -66,8 +64,6 @@ _LAST_PORT = 65535
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's options."""
     parser.epilog = _EPILOG
-    add_robot_argument(parser)
-    add_scene_argument(parser)
     add_checker_arguments(parser)
     parser.add_argument(
         "file", nargs="?", metavar="FILE", type=Path, help="set to show, one configuration after another"

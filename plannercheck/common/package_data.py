@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 import importlib.metadata
+import sys
 from pathlib import Path
 
 _PLANAR = "kind: planar"
@@ -34,8 +35,11 @@ def is_planar_file(path: Path) -> bool:
 
 
 def example_robot_data() -> Path:
-    """The share folder of the example-robot-data wheel, a `package_dirs` entry for its URDFs."""
-    distribution = importlib.metadata.distribution("example-robot-data")
+    """The share folder of the example-robot-data wheel or of conda's package, a `package_dirs` entry for its URDFs."""
+    try:
+        distribution = importlib.metadata.distribution("example-robot-data")
+    except importlib.metadata.PackageNotFoundError:  # conda's is no distribution of Python
+        return Path(sys.prefix, "share").resolve()
     return Path(str(distribution.locate_file("cmeel.prefix/share"))).resolve()
 
 

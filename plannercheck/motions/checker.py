@@ -61,7 +61,7 @@ class Checker(StateChecker):
         other._judge_motion = self._judge_motion
         return other
 
-    def _scene_taken(self, earlier: StateChecker | None) -> None:
+    def _scene_taken(self) -> None:
         kept = ("motion_certifier", "_slerp_certifier", "_prover", "motion_sampler")
         for name in kept:  # of the earlier scene, or of what it attached
             self.__dict__.pop(name, None)

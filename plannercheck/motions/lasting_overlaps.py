@@ -57,7 +57,7 @@ class LastingOverlaps:
         self._pairs = []
         for a, b, _, *both in chains.pairs.tolist():
             p, r = tables.all.polytopes[a], tables.all.polytopes[b]
-            if p.kind == r.kind == "hull":
+            if p.traits.fills_hull and r.traits.fills_hull:
                 rates = sum((_rates(robot.joint_table, chains, k, extents) for k in both), np.zeros(robot.nq))
                 self._pairs.append(_Pair(a, b, (p, r), rates))
 

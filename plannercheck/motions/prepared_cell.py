@@ -7,12 +7,13 @@ as they are; solids, sets of parts and half-spaces by the arrays that make them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from plannercheck.bodies.kinds import Kind
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.checking.compiled_tables import CompiledTables
 from plannercheck.common.array_types import Bools, Ints, Ints64
@@ -146,18 +147,35 @@ def _bodies(cell: CellInputs) -> Iterator[Section]:
 
 def _shape(polytope: Polytope) -> tuple[int, list[Section]]:
     """The kind of a prepared body in files, and its sections."""
-    inflation = Section("inflation radius", polytope.inflation_radius)
-    if polytope.half_space is not None:
-        normal, offset = polytope.half_space
-        return _HALF_SPACE, [inflation, Section("half-space", np.array([[*normal, offset]]))]
-    if polytope.parts is not None:
-        maker, given = polytope.parts.state()
-        return _PART_SETS[maker], [inflation, *_part_set(maker, *given)]
-    hull = Section("hull", np.frombuffer(polytope.core.serialise(), dtype=np.uint8))
-    solid = polytope.solid
-    if solid is None:
-        return _HULL, [hull]
-    return _SOLID, [hull, Section("points", solid.points()), Section("triangles", solid.triangles())]
+    return _SHAPES[polytope.kind](polytope.core, polytope.core.shape)
+
+
+def _hull(body: core.Polytope, _: None) -> tuple[int, list[Section]]:
+    return _HULL, [Section("hull", np.frombuffer(body.serialise(), dtype=np.uint8))]
+
+
+def _solid(body: core.Polytope, solid: core.Solid) -> tuple[int, list[Section]]:
+    _, hull = _hull(body, None)
+    return _SOLID, [*hull, Section("points", solid.points()), Section("triangles", solid.triangles())]
+
+
+def _parts(body: core.Polytope, parts: core.PartSet) -> tuple[int, list[Section]]:
+    maker, given = parts.state()
+    return _PART_SETS[maker], [Section("inflation radius", body.inflation_radius), *_part_set(maker, *given)]
+
+
+def _half_space(body: core.Polytope, half_space: tuple[Any, float]) -> tuple[int, list[Section]]:
+    normal, offset = half_space
+    plane = Section("half-space", np.array([[*normal, offset]]))
+    return _HALF_SPACE, [Section("inflation radius", body.inflation_radius), plane]
+
+
+_SHAPES: dict[Kind, Callable[[core.Polytope, Any], tuple[int, list[Section]]]] = {
+    "hull": _hull,
+    "solid": _solid,
+    "part_set": _parts,
+    "half_space": _half_space,
+}
 
 
 def _part_set(maker: str, *given: Any) -> list[Section]:

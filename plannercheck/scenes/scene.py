@@ -32,7 +32,8 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
       - name: mug
         solid: {file: mug.stl, scale: 0.001}   # the mesh as it is, concave; or solid: mug.stl, or vertices and
                                                # triangles, three indices of vertices each; open: cap, triangles or
-                                               # hull says what an open mesh is taken as
+                                               # hull says what an open mesh is taken as; open: surface leaves the
+                                               # inside of any mesh free
       - name: camera                           # what sensors see; these may be the name of a file alone, of which an
         cloud: {file: frame.ply, radius: 0.01} # npz may hold the other keys, too; ply, pcd, npy, npz, xyz, pts,
                                                # txt, csv; invalid: drop leaves points out that are NaN

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.certificates import Certificate, Mixture, Separation, SharedPoint, UnprovedVerdictError
 from plannercheck.bodies.exact_planes import CertifiedBody, PosedBody
-from plannercheck.bodies.half_space_certificates import is_of_half_space
 from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.integers import IntegerHull, Integers
 from plannercheck.bodies.intersection import certify_posed
-from plannercheck.bodies.part_certificates import PartSeparation, is_of_parts
+from plannercheck.bodies.kinds import are_bounded, have_parts
+from plannercheck.bodies.part_certificates import PartSeparation
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
@@ -166,12 +166,12 @@ class _Certification:
             certificate = certify_posed(self._polytope(p), self._polytope(r), poses[p], poses[r])
         except UnprovedVerdictError:
             return False
-        if is_of_half_space(self._polytope(p), self._polytope(r)):
-            if is_of_parts(self._polytope(p), self._polytope(r)):
+        if not are_bounded(self._polytope(p), self._polytope(r)):
+            if have_parts(self._polytope(p), self._polytope(r)):
                 return colliding != isinstance(certificate, Separation | PartSeparation) and certificate.verify()
             assert isinstance(certificate, SharedPoint | Separation)
             return isinstance(certificate, SharedPoint) == colliding and self._about_given(certificate, p, r).verify()
-        if is_of_parts(self._polytope(p), self._polytope(r)) and not isinstance(certificate, Separation):
+        if have_parts(self._polytope(p), self._polytope(r)) and not isinstance(certificate, Separation):
             parts = (self._parts_or_mesh(p), poses[p]), (self._parts_or_mesh(r), poses[r])
             if isinstance(certificate, PartSeparation):
                 return not colliding and proves_separation_of_parts(certificate, *parts)
@@ -216,7 +216,7 @@ class _Certification:
         p, r = self._checker.pairs[pair].tolist()
         if p in self._empty or r in self._empty:  # which share a point with nothing
             return True
-        if is_of_half_space(self._polytope(p), self._polytope(r)):
+        if not are_bounded(self._polytope(p), self._polytope(r)):
             return False
         (low_p, high_p), (low_r, high_r) = self._box(p, poses[p]), self._box(r, poses[r])
         return any(low_p[k] > high_r[k] or low_r[k] > high_p[k] for k in range(3))

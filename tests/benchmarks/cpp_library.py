@@ -3,6 +3,7 @@
     python tests/benchmarks/cpp_library.py                        # minutes of a core: all levels, shared
     python tests/benchmarks/cpp_library.py --levels v3 --static
     python tests/benchmarks/cpp_library.py --levels v3 --sanitize address,undefined --fuzz 10000
+    python tests/benchmarks/cpp_library.py --cross aarch64 --states 20000 --motions 2000  # GCC's cross compiler, QEMU
 
 Out: the library's size, and an error if its levels are not apart; the examples' output (docs/examples/cpp); for each
 robot and each level that this machine runs, the time of loading, of a state and of a motion, and whether the verdicts
@@ -43,6 +44,19 @@ EDITED = 2000  # kEdited in judge.cpp
 PROGRAMS = ROOT / "tests" / "support" / "cpp"
 
 
+def target(options: argparse.Namespace) -> list[str]:
+    """What CMake is told of the compiler, and of the processor if that is another one."""
+    compiler = options.compiler or (f"{options.cross}-linux-gnu-g++" if options.cross else "")
+    other = ["-DCMAKE_SYSTEM_NAME=Linux", f"-DCMAKE_SYSTEM_PROCESSOR={options.cross}"] if options.cross else []
+    ours_alone = ["-DCMAKE_DISABLE_FIND_PACKAGE_ompl=ON"] if options.cross else []  # a library of this machine
+    return [*([f"-DCMAKE_CXX_COMPILER={compiler}"] if compiler else []), *other, *ours_alone]
+
+
+def emulator(options: argparse.Namespace) -> list[str]:
+    """What runs a program of the target."""
+    return [f"qemu-{options.cross}-static", "-L", f"/usr/{options.cross}-linux-gnu"] if options.cross else []
+
+
 def built(options: argparse.Namespace, folder: Path) -> Path:
     """Where the library is installed; it is built if need be."""
     build, prefix = folder / "build", folder / "installed"
@@ -51,7 +65,7 @@ def built(options: argparse.Namespace, folder: Path) -> Path:
         f"-DPLANNERCHECK_LEVELS={options.levels}",
         f"-DBUILD_SHARED_LIBS={'OFF' if options.static else 'ON'}",
         f"-DPLANNERCHECK_SANITIZE={options.sanitize}",
-        *([f"-DCMAKE_CXX_COMPILER={options.compiler}"] if options.compiler else []),
+        *target(options),
         *(["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1"] if options.sanitize else []),
     ]
     before = os.times()
@@ -61,7 +75,8 @@ def built(options: argparse.Namespace, folder: Path) -> Path:
     spent = os.times()
     took = spent.children_user + spent.children_system - before.children_user - before.children_system
     (library,) = [path for path in prefix.glob("lib*/**/libplannercheck.*") if not path.is_symlink()]
-    stripped = subprocess.run(["strip", "-o", folder / "stripped", library], check=False).returncode == 0
+    strip = f"{options.cross}-linux-gnu-strip" if options.cross else "strip"
+    stripped = subprocess.run([strip, "-o", folder / "stripped", library], check=False).returncode == 0
     sizes = f"{library.stat().st_size / 1e6:.1f} MB" + (
         f", stripped {(folder / 'stripped').stat().st_size / 1e6:.1f} MB" if stripped else ""
     )
@@ -92,10 +107,9 @@ def consumer(prefix: Path, folder: Path, options: argparse.Namespace) -> Path:
             lines.write(f"add_executable({name} {name}.cpp)\n")
             lines.write(f"target_link_libraries({name} PRIVATE plannercheck::plannercheck Threads::Threads)\n")
     flags = "-Wall -Wextra -Wconversion -Werror" + (f" -fsanitize={options.sanitize}" if options.sanitize else "")
-    compiler = [f"-DCMAKE_CXX_COMPILER={options.compiler}"] if options.compiler else []
     run(
         *("cmake", "-S", str(source), "-B", str(build), "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}"),
-        *(f"-DCMAKE_CXX_FLAGS={flags}", "-DCMAKE_BUILD_TYPE=Release", *compiler),
+        *(f"-DCMAKE_CXX_FLAGS={flags}", "-DCMAKE_BUILD_TYPE=Release", *target(options)),
     )
     run("cmake", "--build", str(build))
     return build
@@ -184,9 +198,9 @@ def compare(checker: pc.Checker, cell: Path, programs: Path, folder: Path, optio
     per_state, per_motion = (middle - begin) / len(states) * 1e6, (end - middle) / len(motions) * 1e6
     print(f"  Python: a state {per_state:.3f} us, a motion {per_motion:.3f} us of processor time")
     same = True
-    for level in ("v4", "v3", "v2"):
+    for level in ["plain"] if options.cross else ["v4", "v3", "v2"]:
         files = [str(folder / name) for name in ("q", "a", "b", "out")]
-        command = [str(programs / "judge"), str(cell), *files]
+        command = [*emulator(options), str(programs / "judge"), str(cell), *files]
         environment = {**os.environ, "PLANNERCHECK_LEVEL": level}
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         if "this machine and build have" in done.stderr:
@@ -211,6 +225,7 @@ def main() -> int:
     parser.add_argument("--levels", default="v2;v3;v4")
     parser.add_argument("--static", action="store_true")
     parser.add_argument("--compiler")
+    parser.add_argument("--cross", metavar="PROCESSOR", default="", help="for which GCC and QEMU's user mode are here")
     parser.add_argument("--sanitize", default="")
     parser.add_argument("--fuzz", type=int, default=0, help="how many damaged files")
     parser.add_argument("--seed", type=int, default=0)
@@ -235,13 +250,16 @@ def main() -> int:
             print(f"{robot} in {scene}: {cell.stat().st_size / 1e6:.1f} MB")
             for name in ("check", "threads", "plan"):  # the last where OMPL is installed
                 if (programs / name).exists():
-                    done = subprocess.run([programs / name, cell], capture_output=True, text=True, check=name != "plan")
+                    command = [*emulator(options), programs / name, cell]
+                    done = subprocess.run(command, capture_output=True, text=True, check=name != "plan")
                     print(f"  {name}: " + "; ".join(done.stdout.strip().splitlines()[-4:]))
             same &= compare(checker, cell, programs, folder, options)
         if options.fuzz:
             cell = cell_of_all_kinds(folder)
             print(f"damaged cells of {cell.stat().st_size / 1e3:.0f} kB:", flush=True)
-            subprocess.run([programs / "fuzz_cell", cell, str(options.fuzz), str(options.seed)], check=True)
+            subprocess.run(
+                [*emulator(options), programs / "fuzz_cell", cell, str(options.fuzz), str(options.seed)], check=True
+            )
     return 0 if same else 1
 
 

@@ -368,6 +368,7 @@ def family():
     yield from (solid(ring), Solid(*angle()), Solid(*hollow()), Solid(*small), Solid(*cube))
     yield Solid(*joined(cube, (cube[0] + 0.5, cube[1])))  # crossing itself
     yield Solid(cube[0], cube[1][3:])  # open
+    yield Solid(*cube, open="surface")
     yield Solid(TETRAHEDRON, [[1, 2, 3]])
     yield Solid(TETRAHEDRON, TRIANGLES[:, ::-1])
 

@@ -2,7 +2,8 @@
 
 In: a checkout. Out: how many lines of the core and of the package (bodies, checking, motions) ask
 whether a body, its shape or its certificate is a hull, a solid, a set of parts or a half-space; with --list, each. A
-row chosen from a table by the kind is one place as well. Assertions ask nothing, and `as` reads what is known.
+row chosen from a table by the kind is one place as well. Assertions ask nothing, and `as` reads what is known. Places
+that ask for a trait (`KindTraits`), which a new kind states in its row, are counted by themselves.
 """
 
 import argparse
@@ -15,7 +16,7 @@ _POSED = "PosedHalfSpace|PosedParts|PosedTriangles|GivenParts|SolidSeparation|Pa
 _ASKED = {
     "plannercheck/cpp": re.compile(
         r"\bis_of_(?:parts|half_space|solids)\(|\bkind_of\(|\bsets_of\(|\bkernel_of\("
-        r"|\bkind(?:\(\))? [=!]= Kind::|\b(?:body|b)(?:\.|->)kind\(\)"
+        r"|\bkind(?:\(\))? [=!]= Kind::k(?:Hull|Solid|PartSet|HalfSpace)\b|\b(?:body|b)(?:\.|->)kind\(\)"
         r"|\b(?:body|under|over|body_a|body_b|a|b|set)(?:\([^()]*\))?(?:\.|->)(?:solid|parts|half_space)\b(?!->| =)"
     ),
     "plannercheck": re.compile(
@@ -26,15 +27,17 @@ _ASKED = {
     ),
 }
 _ROW = re.compile(r"kernel_of\(|\[kind_of\(|kind = kind_of\(|push_back\(kind_of\(|\[pair_kind\(|[A-Z]+\[\w+\.kind\]")
+_TRAIT = re.compile(r"\btraits(?:\(\))?\.|\btraits_of\(|\bhave_parts\(|\bare_bounded\(")
 _FOLDERS = {"plannercheck": ("bodies", "checking", "motions")}
 _LEFT_OUT = ("oracle/", "planar/")
 # Definitions, and what only stands in comments and assertions.
 _NOT_ASKED = re.compile(r"^\s*(?://|#|assert |def |inline (?:Kind|Sets|const PairKernel&) |\"\"\"|static |bool is_of_)")
 
 
-def places(checkout: Path) -> Iterator[tuple[str, int, str]]:
-    """File, line and text of each place."""
-    for root, asked in _ASKED.items():
+def places(checkout: Path, traits: bool = False) -> Iterator[tuple[str, int, str]]:
+    """File, line and text of each place that asks for a kind, or for a trait."""
+    for root, for_kind in _ASKED.items():
+        asked = _TRAIT if traits else for_kind
         folder = checkout / root
         under = [folder / each for each in _FOLDERS.get(root, ("",))]
         suffixes = {".cpp", ".hpp"} if root.endswith("cpp") else {".py"}
@@ -60,7 +63,8 @@ def main() -> None:
     rows = sum(bool(_ROW.search(text)) for _, _, text in found)
     print(
         f"{len(found)} places: {of_core} in the core, {len(found) - of_core} in the package; of them {rows} choose a "
-        "row of a table"
+        "row of a table; "
+        f"{len(list(places(options.checkout, True)))} places ask for a trait"
     )
 
 

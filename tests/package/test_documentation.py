@@ -148,6 +148,24 @@ def test_no_public_name_is_missing_from_the_reference(site):
     assert missing == []
 
 
+def test_the_reference_lists_public_names_alone():
+    """docs/reference/public_names.md promises what these pages list: no more and no less than the modules give away."""
+    pages = (ROOT / "docs/reference" / f"{name}.md" for name in ("python", "planar", "ndim", "proofs"))
+    listed = {name for page in pages for name in names_listed(page.read_text("utf-8"))}
+    of_faces = {name for name in listed if name.rpartition(".")[0] in FACES}
+    assert of_faces == {name for name in public_names() if name.rpartition(".")[0] in FACES}
+
+
+def names_listed(page):
+    """Full names of what a page describes."""
+    module = ""
+    for kind, name in re.findall(r"\.\. (currentmodule|autoclass|autofunction|autodata|data):: ([\w.]+)", page):
+        if kind == "currentmodule":
+            module = name
+        else:
+            yield name if name.startswith("plannercheck.") else f"{module}.{name}"
+
+
 def names_in_inventory(path):
     """Python names that the built pages describe."""
     data = path.read_bytes().split(b"\n", 4)[4]

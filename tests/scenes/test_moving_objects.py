@@ -8,6 +8,7 @@ import pytest
 from poses import at
 
 import plannercheck as pc
+from plannercheck.bodies.moving import carrier_of
 
 _TURN = np.array([[0.0, -1, 0, 1], [1, 0, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]])
 
@@ -31,7 +32,7 @@ def test_a_saved_scene_moves_alike(tmp_path: Path) -> None:
         given, found = scene.object(name).moving, read.object(name).moving
         assert np.array_equal(given.times, found.times)
         assert np.array_equal(given.poses, found.poses)
-        assert (given.outside, given.path, given.carrier) == (found.outside, found.path, found.carrier)
+        assert (given.outside, given.path, carrier_of(given)) == (found.outside, found.path, carrier_of(found))
     assert "Moving(3 poses, 0 to 4 s)" in read._repr_html_()
     assert [item.name for item in pickle.loads(pickle.dumps(scene)).moving] == ["pallet", "load"]
 

@@ -53,7 +53,7 @@ class PairQueries {
     const PosedPolytope a = first.posed(), b = second.posed();
     PairCounters counters;
     const bool first_is_b = choose_b(*a.body, *b.body) == 0;
-    return nb::bool_(kernel_of(a, b).share(first_is_b ? b : a, first_is_b ? a : b, options_, counters));
+    return nb::bool_(share_a_point(first_is_b ? b : a, first_is_b ? a : b, options_, counters));
   }
 
   // (whether they overlap, upper and lower bound of the signed distance, points on p and r and the direction from r to
@@ -92,7 +92,7 @@ class PairQueries {
   PairOptions options_;
 
   static bool are_half_spaces(const Side& a, const Side& b) {
-    return std::min(a.body->kind(), b.body->kind()) == Kind::kHalfSpace;
+    return !a.body->traits().is_bounded && !b.body->traits().is_bounded;
   }
 
   bool read(nb::handle body, nb::handle pose, Side& side) const {

@@ -263,7 +263,8 @@ nb::dict certify_pair(const Polytope& a, InputArray<double, 4, 4> pose_a, const 
   const bool first_is_b = choose_b(a, b) == 0;
   PairCounters counters;
   const PosedPolytope &body_a = first_is_b ? pb : pa, &body_b = first_is_b ? pa : pb;
-  if (kind_of(a, b) == Kind::kHalfSpace) throw nb::value_error("a half-space has certificates of its own");
+  if (!a.traits().is_bounded || !b.traits().is_bounded)
+    throw nb::value_error("a half-space has certificates of its own");
   PairVerdict verdict = test_pair(body_a, body_b, options, nullptr, counters);
   verdict.shared = bodies_share(verdict, body_a, body_b, counters);
   if (explain && verdict.shared && !verdict.exact) {

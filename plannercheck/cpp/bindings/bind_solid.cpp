@@ -103,7 +103,7 @@ nb::tuple contact_of(const Polytope& a, InputArray<double, 4, 4> pose_a, const P
   SolidCounters counted;
   const SolidOptions options{boxes, nearest_first, lanes, reaching_out};
   const PosedPolytope posed_a{&a, pose_from(pose_a.data())}, posed_b{&b, pose_from(pose_b.data())};
-  const SolidContact found = kernel_of(posed_a, posed_b).contact(posed_a, posed_b, {}, counters, options, &counted);
+  const SolidContact found = contact(posed_a, posed_b, {}, counters, options, &counted);
   const nb::tuple counts = nb::make_tuple(counted.boxes, counted.triangles, counted.exact, counted.points);
   switch (found.kind) {
     case SolidContact::Kind::kTriangles:

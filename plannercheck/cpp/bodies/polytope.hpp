@@ -49,6 +49,16 @@ class KindTable {
   std::array<Row, 4> rows_;
 };
 
+// What follows from a body's kind: all that filters and searches ask for.
+struct KindTraits {
+  bool is_convex, is_bounded;
+  bool has_parts;  // which are tested one by one: the hull is a box that says nothing
+
+  bool fills_hull() const { return is_convex && is_bounded; }
+};
+inline constexpr KindTable<KindTraits> kKindTraits{
+    {true, true, false}, {false, true, false}, {false, true, true}, {true, false, false}};
+
 struct Polytope {
   std::int32_t dimension = 3;        // of the hull: 0 point, 1 segment, 2 polygon, 3
   double inflation_radius = 0;       // m
@@ -78,6 +88,7 @@ struct Polytope {
       shape;
 
   Kind kind() const { return static_cast<Kind>(shape.index()); }
+  const KindTraits& traits() const { return kKindTraits[kind()]; }
   // The shape of a body of this kind.
   template <class Shape>
   const Shape& as() const {
@@ -101,7 +112,8 @@ struct Polytope {
   }
   // The solid, or the hull as one; without the inflation radius.
   const Solid& surface() const {
-    return kind() == Kind::kSolid ? as<Solid>() : lazy_surface.get([this] { return surface_of(*this); });
+    const auto* const solid = std::get_if<std::shared_ptr<const Solid>>(&shape);
+    return solid != nullptr ? **solid : lazy_surface.get([this] { return surface_of(*this); });
   }
 
   // False for bodies without volume, and for those thinner than the grid of doubles.
@@ -109,14 +121,14 @@ struct Polytope {
   std::size_t bytes() const;
 };
 
-// Which bodies of a pair with a set of parts are one: the first, or both.
+// Which bodies of a pair are sets of parts.
 struct Sets {
-  bool first, both;
+  bool first, second;
+
+  bool is_one() const { return first != second; }
+  bool are_both() const { return first && second; }
 };
-inline Sets sets_of(const Polytope& a, const Polytope& b) {
-  const bool first = a.kind() == Kind::kPartSet;
-  return {first, first && b.kind() == Kind::kPartSet};
-}
+inline Sets sets_of(const Polytope& a, const Polytope& b) { return {a.traits().has_parts, b.traits().has_parts}; }
 
 // The kind of a pair.
 inline Kind kind_of(const Polytope& a, const Polytope& b) { return std::max(a.kind(), b.kind()); }

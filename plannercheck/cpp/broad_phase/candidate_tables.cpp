@@ -13,7 +13,7 @@ constexpr double kVertexError = 8 * 0x1p-53;
 
 // No box is looked at before these filters' own tests.
 bool is_unboxed(const GeometryObject& object) {
-  return object.body->kind() == Kind::kHalfSpace || HeightFilter::is_for(object);
+  return !object.body->traits().is_bounded || HeightFilter::is_for(object);
 }
 
 // The box around a static body, with room for the rounding of its posed vertices.
@@ -81,7 +81,7 @@ CandidateSearch::CandidateSearch(const std::vector<GeometryObject>& bodies,
     const bool first = bodies[at(pairs[k][0])].link >= 0, second = bodies[at(pairs[k][1])].link >= 0;
     const std::int32_t a = place[at(pairs[k][0])], b = place[at(pairs[k][1])];
     const std::int32_t still = pairs[k][first ? 1 : 0];
-    if (first != second && bodies[at(still)].body->kind() == Kind::kHalfSpace) {
+    if (first != second && !bodies[at(still)].body->traits().is_bounded) {
       plane_filter_.add(pair, at(first ? a : b), bodies[at(still)]);
     } else if (first != second && HeightFilter::is_for(bodies[at(still)])) {
       const std::size_t mover = at(first ? a : b);

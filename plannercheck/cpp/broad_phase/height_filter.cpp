@@ -17,7 +17,7 @@ constexpr double kTiniest = 1e-37;  // what denormals lose
 }  // namespace
 
 bool HeightFilter::is_for(const GeometryObject& object) {
-  return object.link < 0 && object.body->kind() == Kind::kPartSet &&
+  return object.link < 0 && object.body->traits().has_parts &&
          object.body->as<PartSet>().kind() == PartSet::Kind::kColumns;
 }
 

@@ -19,11 +19,10 @@ PartClearances::PartClearances(std::vector<GeometryObject> bodies, double reach)
     : bodies_(std::move(bodies)), reach_(reach), grids_(bodies_.size()), balls_(bodies_.size()) {}
 
 PartClearances::Look PartClearances::look(std::int32_t a, std::int32_t b) const {
-  if (kind_of(*bodies_[at(a)].body, *bodies_[at(b)].body) != Kind::kPartSet) return {};
   const Sets sets = sets_of(*bodies_[at(a)].body, *bodies_[at(b)].body);
   const std::int32_t set = sets.first ? a : b, mover = sets.first ? b : a;
   const GeometryObject &parts = bodies_[at(set)], &body = bodies_[at(mover)];
-  if (sets.both || parts.link >= 0 || body.link < 0) return {};
+  if (!sets.is_one() || parts.link >= 0 || body.link < 0) return {};
   const ClearanceGrid& found = grid(set);
   if (!found.is_fine()) return {};
   return {&found, &balls_on_link(mover), body.link};

@@ -39,9 +39,8 @@ PartGroups part_groups(const std::vector<GeometryObject>& bodies,
   std::map<std::pair<std::int32_t, std::int32_t>, std::vector<std::pair<std::int32_t, std::int32_t>>> found;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const auto [a, b] = pairs[k];
-    if (kind_of(*bodies[at(a)].body, *bodies[at(b)].body) != Kind::kPartSet) continue;
     const Sets sets = sets_of(*bodies[at(a)].body, *bodies[at(b)].body);
-    if (sets.both) continue;
+    if (!sets.is_one()) continue;
     const std::int32_t set = sets.first ? a : b, mover = sets.first ? b : a;
     if (bodies[at(mover)].link < 0) continue;
     found[{bodies[at(mover)].link, set}].emplace_back(static_cast<std::int32_t>(k), mover);

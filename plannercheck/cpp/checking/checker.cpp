@@ -21,7 +21,7 @@ std::vector<bool> permanent_collisions(const std::vector<GeometryObject>& bodies
     const GeometryObject &body_a = bodies[at(pairs[k][0])], &body_b = bodies[at(pairs[k][1])];
     if (body_a.link >= 0 || body_b.link >= 0) continue;
     const PosedPolytope a{body_a.body.get(), body_a.placement}, b{body_b.body.get(), body_b.placement};
-    out[k] = kernel_of(a, b).share(a, b, options, counters);
+    out[k] = share_a_point(a, b, options, counters);
   }
   return out;
 }
@@ -111,10 +111,8 @@ std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
   w->broad_phase = broad_phase_->new_workspace();
   w->open = OpenStates(pairs_.size());
   w->memories.resize(pairs_.size());
-  if (std::any_of(kinds_.begin(), kinds_.end(), [](Kind kind) { return kind != Kind::kHull; })) {
-    w->histories.resize(pairs_.size(), {{}, true, tuning_.cached_plane});
-    w->clear.resize(pairs_.size());
-  }
+  w->histories.resize(pairs_.size(), {{}, true, tuning_.cached_plane});
+  w->clear.resize(pairs_.size());
   w->groups.resize(part_groups_.groups.size());
   w->collisions.resize(pairs_.size(), RecentRate(64, 16, 8, 2));
   return w;

@@ -54,7 +54,7 @@ Answer CheckerCore::look_under(std::size_t pair, std::size_t state, const Worksp
   const Sets sets = sets_of(*bodies_[at(body)].body, *bodies_[at(field)].body);
   if (sets.first) std::swap(body, field);
   const Polytope &under = *bodies_[at(field)].body, &over = *bodies_[at(body)].body;
-  if (sets.both || under.as<PartSet>().kind() != PartSet::Kind::kColumns) return Answer::kUndecided;
+  if (sets.are_both() || under.as<PartSet>().kind() != PartSet::Kind::kColumns) return Answer::kUndecided;
   return look_at_heights({&over, posed(at(body), state, w)}, {&under, posed(at(field), state, w)});
 }
 

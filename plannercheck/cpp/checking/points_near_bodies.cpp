@@ -94,13 +94,13 @@ unsigned near_body(const PosedPolytope& body, PointsNearHull& test, const PointB
                    PairCounters& counters) {
   if (std::isinf(block.radius(PointBlock::start(run)))) return (1U << block.count(run)) - 1;
   const unsigned near_hull = block.near(test, run, counters);
-  return body.body->kind() == Kind::kHull ? near_hull : near_solid(body, block, run, near_hull, counters);
+  return body.body->traits().fills_hull() ? near_hull : near_solid(body, block, run, near_hull, counters);
 }
 
 // Lowers the bounds of a point's distance from a group to those of one of its bodies.
 void take_distance(const PosedPolytope& body, Vec3 point, double& upper, double& lower, PairCounters& counters) {
   if (upper == 0) return;
-  const bool is_hull = body.body->kind() == Kind::kHull;
+  const bool is_hull = body.body->traits().fills_hull();
   const PosedPolytope body_a{is_hull ? &ball_at(point, 0) : &ball_with_surface_at(point, 0), Pose{}};
   const PairDistance found = pair_distance(body_a, body, upper, counters);
   upper = found.overlap ? 0 : smaller(upper, found.upper);

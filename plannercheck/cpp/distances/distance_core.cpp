@@ -28,9 +28,6 @@ std::vector<GeometryObject> inflated(std::vector<GeometryObject> objects, double
   return objects;
 }
 
-// Solids and sets may be nearest in several places.
-bool is_convex(const Polytope& body) { return body.kind() == Kind::kHull || body.kind() == Kind::kHalfSpace; }
-
 }  // namespace
 
 struct DistanceCore::Workspace {
@@ -206,7 +203,8 @@ void DistanceCore::add_row(std::size_t state, std::int32_t pair, const PairDista
 double DistanceCore::spread(std::int32_t pair, const PoseColumns* links, const PairDistance& found,
                             PairCounters& counters) const {
   const auto [a, b] = pairs_[at(pair)];
-  if (found.overlap || !is_convex(*bodies_[at(a)].body) || !is_convex(*bodies_[at(b)].body)) return kNoLimit;
+  if (found.overlap || !bodies_[at(a)].body->traits().is_convex || !bodies_[at(b)].body->traits().is_convex)
+    return kNoLimit;
   return nearest_spread(posed(a, links), edges(a), posed(b, links), edges(b), found, counters);
 }
 

@@ -110,7 +110,7 @@ double nearest_spread(const PosedPolytope& body_a, const HullEdges& edges_a, con
   const double size = body_a.body->origin_radius + body_b.body->origin_radius +
                       norm_1(body_a.pose.translation() - body_b.pose.translation());
   const double slack = larger(found.upper - found.lower, 0) + kHeightRounding * size;
-  const bool flat_a = body_a.body->kind() == Kind::kHalfSpace, flat_b = body_b.body->kind() == Kind::kHalfSpace;
+  const bool flat_a = !body_a.body->traits().is_bounded, flat_b = !body_b.body->traits().is_bounded;
   const Sharpness a = flat_a ? Sharpness{} : LowestVertices(body_a, edges_a, found.direction, slack).run(counters);
   const Sharpness b = flat_b ? Sharpness{} : LowestVertices(body_b, edges_b, -found.direction, slack).run(counters);
   const double spread = 2 * std::min(a.of_vertex, b.of_vertex);

@@ -136,9 +136,7 @@ Pose placement_at(std::span<const double> rows, std::size_t i) {
   return pose;
 }
 
-bool is_half_space(const GeometryObject& object) {
-  return object.body != nullptr && object.body->kind() == Kind::kHalfSpace;
-}
+bool is_half_space(const GeometryObject& object) { return object.body != nullptr && !object.body->traits().is_bounded; }
 
 // Pairs of cells that are apart in cells of two columns: by their places among the pairs that are reachable.
 PairsInCells read_cell_table(CellFile& file, std::size_t width, std::size_t reachable) {

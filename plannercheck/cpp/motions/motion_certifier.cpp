@@ -15,7 +15,7 @@ namespace {
 
 // How far a body's points, centre and sphere lie from the frame that its placement refers to, m.
 double size_of(const GeometryObject& object) {
-  if (object.body->kind() == Kind::kHalfSpace) {  // of which only the plane enters
+  if (!object.body->traits().is_bounded) {  // of which only the plane enters
     const HalfSpace& h = object.body->as<HalfSpace>();
     return norm_1(object.placement.translation()) + 2 * std::fabs(h.offset) / norm_max(h.normal) +
            2 * object.body->inflation_radius * kStretch;
@@ -51,7 +51,7 @@ MotionCertifier::MotionCertifier(MotionModel model, const Tuning& tuning, std::s
   part_groups_ = part_groups(model_.bodies, pairs);
   for (const GeometryObject& body : model_.bodies) defects_.push_back(rigidity_defect(body.placement) + 16 * 0x1p-53);
   chain_table_ = std::make_shared<const ChainTable>(model_.chains);
-  const auto is_unbounded = [&](std::int32_t body) { return model_.bodies[at(body)].body->kind() == Kind::kHalfSpace; };
+  const auto is_unbounded = [&](std::int32_t body) { return !model_.bodies[at(body)].body->traits().is_bounded; };
   still.erase(std::remove_if(still.begin(), still.end(), is_unbounded), still.end());
   screen_ = std::make_shared<const MotionScreen>(model_, movers_, still);
   collisions_ = std::make_shared<const MotionCollisions>(model_);

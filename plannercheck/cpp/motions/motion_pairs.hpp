@@ -65,6 +65,7 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
     bool (MotionPairs::*touches)(PairState& s, std::size_t state);
     bool (MotionPairs::*proves_clear)(PairState& s, std::size_t state, double limit);
     bool (MotionPairs::*parts_settle)(PairState& s, std::size_t i);
+    bool has_planes = true;  // whether hulls along planes tell anything
   };
   static const KindTable<MotionKernels> kMotionKernels;
 
@@ -99,8 +100,7 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
   bool share_a_point(const PairState& s, const PosedPair& pose) {
     return kPairKernels[s.pair.kind].share(posed_a(s, pose), posed_b(s, pose), tuning_, w_.counters.pair);
   }
-  // Whether hulls along planes tell anything: of a set of parts in no proof it would be in vain to try them.
-  bool has_planes(const PairState& s) const { return proofs_ != nullptr || s.pair.kind != Kind::kPartSet; }
+  bool has_planes(const PairState& s) const { return proofs_ != nullptr || of(s.pair).has_planes; }
 
   // ----- grids
 
@@ -323,9 +323,14 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
   // twice the tolerance: then no state of the interval is within it, and smaller ones would be settled as well.
   bool stays_in_hollow(PairState& s, std::size_t i) {
     if (!tuning_.hollows) return false;
-    if (filters_.body(s.pair.a).kind() != Kind::kSolid && filters_.body(s.pair.b).kind() != Kind::kSolid) return false;
+    if (!may_be_hollow(s.pair.a) && !may_be_hollow(s.pair.b)) return false;
     const double way = filters_.speed(s.pair) * w_.grid.step();
     return parts_clear(s, i, s.apart - filters_.inflation_radii(s.pair) + way + 2 * tolerance_);
+  }
+
+  bool may_be_hollow(std::int32_t body) const {
+    const KindTraits& traits = filters_.body(body).traits();
+    return !traits.is_convex && !traits.has_parts;
   }
 
   bool nothing_settles(PairState&, std::size_t) { return false; }
@@ -376,7 +381,7 @@ inline const KindTable<MotionPairs::MotionKernels> MotionPairs::kMotionKernels{
     {&MotionPairs::near_hulls, &MotionPairs::hulls_open, &MotionPairs::hulls_gap, &MotionPairs::swept_hulls,
      &MotionPairs::hulls_touch, &MotionPairs::solids_clear, &MotionPairs::solids_settle},
     {&MotionPairs::near_parts, &MotionPairs::parts_open, &MotionPairs::hulls_gap, &MotionPairs::swept_hulls,
-     &MotionPairs::share_at, &MotionPairs::parts_clear, &MotionPairs::sets_settle},
+     &MotionPairs::share_at, &MotionPairs::parts_clear, &MotionPairs::sets_settle, false},
     // Of a half-space, no more than the hull of the other body counts.
     {&MotionPairs::near_plane, &MotionPairs::plane_open, &MotionPairs::height_at, &MotionPairs::swept_over_plane,
      &MotionPairs::share_at, &MotionPairs::hulls_clear, &MotionPairs::nothing_settles}};

@@ -69,7 +69,7 @@ MotionScreen::MotionScreen(const MotionModel& model, const std::vector<std::int3
   for (std::size_t p = 0; p < model.pairs.size(); ++p) {
     const CertifiedPair& pair = model.pairs[p];
     const auto index = static_cast<std::int32_t>(p);
-    if (pair.kind == Kind::kHalfSpace) {
+    if (!model.bodies[at(pair.b)].body->traits().is_bounded) {
       unbounded_pairs_.push_back(index);
       continue;
     }

@@ -350,8 +350,9 @@ bool sets_further(const Polytope& a, const Polytope& b, const PosedPair* poses, 
 
 bool parts_further(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit,
                    PairCounters& counters, bool trees) {
-  const auto [first, both] = sets_of(a, b);
-  if (both) return sets_further(a, b, poses, count, limit, counters, trees);
+  const Sets sets = sets_of(a, b);
+  const bool first = sets.first;
+  if (sets.are_both()) return sets_further(a, b, poses, count, limit, counters, trees);
   return PartSeparation(first ? a : b, first ? b : a, first, poses, count, limit, counters, trees).run();
 }
 

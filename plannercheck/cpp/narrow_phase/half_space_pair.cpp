@@ -150,13 +150,11 @@ double more_radius(const PosedPolytope& part, const PosedPolytope& body) {
   return more * (1 + kPlaneReachRounding) + kPlaneReachRounding * part.body->inflation_radius;
 }
 
-bool is_half_space(const PosedPolytope& body) { return body.body->kind() == Kind::kHalfSpace; }
-
 // Hands the parts of a set to a function, with their places, until it returns true; of another body its hull, whose
 // place is −1.
 template <class Visit>
 void each_part(const PosedPolytope& body, Visit visit) {
-  if (body.body->kind() != Kind::kPartSet) return static_cast<void>(visit(body, -1));
+  if (!body.body->traits().has_parts) return static_cast<void>(visit(body, -1));
   const PartSet& parts = body.body->as<PartSet>();
   PartBody filled;
   for (std::size_t place = 0; place < parts.leaf_count() * kPartsInLeaf; ++place) {
@@ -167,11 +165,12 @@ void each_part(const PosedPolytope& body, Visit visit) {
   }
 }
 
-PlaneContact body_meets_half_space(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters) {
-  PlaneContact found;
+// The body's place is `a`.
+PartContact body_meets_half_space(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters) {
+  PartContact found;
   if (Heights(half_space, body).ball_is_over()) return found;
   each_part(body, [&](const PosedPolytope& part, std::int32_t place) {
-    if (hull_meets_half_space(half_space, part, counters)) found = {true, place};
+    if (hull_meets_half_space(half_space, part, counters)) found = {true, place, -1};
     return found.shared;
   });
   return found;
@@ -214,13 +213,14 @@ PairDistance distance_over(const PosedPolytope& half_space, const PosedPolytope&
 
 }  // namespace
 
-PlaneContact half_space_contact(const PosedPolytope& a, const PosedPolytope& b, PairCounters& counters) {
-  if (!is_half_space(a)) return body_meets_half_space(b, a, counters);
-  return is_half_space(b) ? PlaneContact{true, -1} : body_meets_half_space(a, b, counters);
+PartContact half_space_contact(const PosedPolytope& a, const PosedPolytope& b, PairCounters& counters) {
+  if (a.body->traits().is_bounded) return body_meets_half_space(b, a, counters);
+  const PartContact found = body_meets_half_space(a, b, counters);
+  return {found.shared, found.b, found.a};
 }
 
 PairDistance half_space_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, PairCounters& counters) {
-  if (is_half_space(body_b)) return distance_over(body_b, body_a, counters);
+  if (!body_b.body->traits().is_bounded) return distance_over(body_b, body_a, counters);
   PairDistance out = distance_over(body_a, body_b, counters);
   std::swap(out.on_body_a, out.on_body_b);
   out.direction = -out.direction;

@@ -10,17 +10,14 @@
 #include "bodies/half_space.hpp"
 #include "narrow_phase/distance.hpp"
 #include "narrow_phase/pair_frame.hpp"
+#include "narrow_phase/part_pair.hpp"
 
 namespace plannercheck {
 
 // Whether a half-space shares a point with another body, of which a solid counts as its hull, as the same vertex
 // decides, and a set of parts as all its parts; and the place of the first part that does, −1 for other bodies. Two
 // half-spaces are never asked about: as neither moves, no checker has such a pair.
-struct PlaneContact {
-  bool shared = false;
-  std::int32_t part = -1;
-};
-PlaneContact half_space_contact(const PosedPolytope& a, const PosedPolytope& b, PairCounters& counters);
+PartContact half_space_contact(const PosedPolytope& a, const PosedPolytope& b, PairCounters& counters);
 
 // The distance, or the depth: both are those along the plane's normal, and no shorter way separates the bodies.
 PairDistance half_space_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, PairCounters& counters);

@@ -63,7 +63,7 @@ PairVerdict of_solids(const PosedPolytope& body_a, const PosedPolytope& body_b, 
 // Whose hulls say nothing.
 PairVerdict without_hulls(const PosedPolytope& body_a, const PosedPolytope& body_b, CentreAxis&, BatchPair& pair) {
   SolidContact& last = pair.history.contact;
-  const SolidContact found = kernel_of(body_a, body_b).contact(body_a, body_b, last, pair.counters, {}, nullptr);
+  const SolidContact found = contact(body_a, body_b, last, pair.counters);
   if (found) last = found;
   return told(static_cast<bool>(found));
 }

@@ -28,10 +28,8 @@ SolidContact sets_contact(const PosedPolytope& a, const PosedPolytope& b, const 
 
 SolidContact plane_contact(const PosedPolytope& a, const PosedPolytope& b, const SolidContact&, PairCounters& counters,
                            const SolidOptions&, SolidCounters*) {
-  const PlaneContact found = half_space_contact(a, b, counters);
-  if (!found.shared) return {};
-  const bool first = sets_of(*a.body, *b.body).first;
-  return {SolidContact::Kind::kHalfSpace, first ? found.part : -1, first ? -1 : found.part};
+  const PartContact found = half_space_contact(a, b, counters);
+  return found.shared ? SolidContact{SolidContact::Kind::kHalfSpace, found.a, found.b} : SolidContact{};
 }
 
 template <Contact contact>
@@ -77,13 +75,31 @@ const KindTable<PairKernel> kPairKernels{
     {shares<sets_contact>, sets_contact, past_hulls<sets_contact, sets_distance>, convex_bound},
     {shares<plane_contact>, plane_contact, distance_over_plane, bound_over_plane}};
 
+namespace {
+
+template <auto kernel, class... Arguments>
+auto by_kind(const PosedPolytope& a, const PosedPolytope& b, Arguments&&... others) {
+  return (kPairKernels[kind_of(*a.body, *b.body)].*kernel)(a, b, others...);
+}
+
+}  // namespace
+
 PairDistance pair_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
                            PairCounters& counters) {
-  return kernel_of(body_a, body_b).distance(body_a, body_b, limit, counters);
+  return by_kind<&PairKernel::distance>(body_a, body_b, limit, counters);
 }
 
 double distance_bound(const PosedPolytope& body_a, const PosedPolytope& body_b, int rounds, PairCounters& counters) {
-  return kernel_of(body_a, body_b).bound(body_a, body_b, rounds, counters);
+  return by_kind<&PairKernel::bound>(body_a, body_b, rounds, counters);
+}
+
+bool share_a_point(const PosedPolytope& a, const PosedPolytope& b, const PairOptions& options, PairCounters& counters) {
+  return by_kind<&PairKernel::share>(a, b, options, counters);
+}
+
+SolidContact contact(const PosedPolytope& a, const PosedPolytope& b, const SolidContact& guess, PairCounters& counters,
+                     const SolidOptions& options, SolidCounters* counted) {
+  return by_kind<&PairKernel::contact>(a, b, guess, counters, options, counted);
 }
 
 }  // namespace plannercheck

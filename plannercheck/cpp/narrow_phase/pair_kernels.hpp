@@ -24,8 +24,9 @@ struct PairKernel {
 
 extern const KindTable<PairKernel> kPairKernels;
 
-inline const PairKernel& kernel_of(const PosedPolytope& a, const PosedPolytope& b) {
-  return kPairKernels[kind_of(*a.body, *b.body)];
-}
+// The functions of these names, for two bodies of any kind.
+bool share_a_point(const PosedPolytope& a, const PosedPolytope& b, const PairOptions& options, PairCounters& counters);
+SolidContact contact(const PosedPolytope& a, const PosedPolytope& b, const SolidContact& guess, PairCounters& counters,
+                     const SolidOptions& options = {}, SolidCounters* counted = nullptr);
 
 }  // namespace plannercheck

@@ -76,7 +76,7 @@ std::int32_t place_met(const PosedPolytope& set, const PosedPolytope& body, cons
   const PartSet& parts = set.body->as<PartSet>();
   PartBody& filled = part_bodies().a;
   PartWalk walk(body, set, set.body->inflation_radius + body.body->inflation_radius, inner);
-  const bool is_hull = body.body->kind() == Kind::kHull;
+  const bool is_hull = body.body->traits().fills_hull();
   const bool are_balls = parts.kind() == PartSet::Kind::kBalls && is_hull;
   std::optional<BallsOfLeaves> balls;  // made when it is first needed
   std::int32_t met = -1;
@@ -273,7 +273,7 @@ class PartsDistance {
   }
 
   PairDistance of_part(const PartShape& shape, PartBody& filled, double limit) {
-    if (body_.body->kind() != Kind::kHull) {
+    if (!body_.body->traits().fills_hull()) {
       const Polytope part = polytope_of(shape, set_.body->inflation_radius);
       const PosedPolytope posed{&part, set_.pose};
       return set_is_a_ ? pair_distance(posed, body_, limit, counters_) : pair_distance(body_, posed, limit, counters_);
@@ -306,7 +306,7 @@ PairDistance sets_distance(const PosedPolytope& body_a, const PosedPolytope& bod
 PartContact parts_contact(const PosedPolytope& a, const PosedPolytope& b, const PartContact& guess,
                           PairCounters& counters, bool trees) {
   const Sets sets = sets_of(*a.body, *b.body);
-  if (sets.both) {
+  if (sets.are_both()) {
     const bool first = a.body->as<PartSet>().part_count() <= b.body->as<PartSet>().part_count();
     SetsContact search(first ? a : b, first ? b : a, counters);
     const PartContact found = trees ? search.run() : search.run_without_trees();
@@ -327,7 +327,7 @@ bool parts_are_far(const PosedBox& box, const PosedPolytope& set, double limit) 
 PairDistance parts_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit, double least,
                             PairCounters& counters, bool trees) {
   const Sets sets = sets_of(*body_a.body, *body_b.body);
-  PairDistance found = sets.both
+  PairDistance found = sets.are_both()
                            ? sets_distance(body_a, body_b, limit, counters, trees)
                            : PartsDistance(sets.first ? body_a : body_b, sets.first ? body_b : body_a, limit, counters)
                                  .run(sets.first, trees);

@@ -1,19 +1,25 @@
 #!/usr/bin/env bash
-# The core for aarch64, built and run on an x86-64 machine with Debian 12, as root.
+# The core and the C++ library for aarch64, built and run on an x86-64 machine with Debian 12, as root.
 #
-#   tests/package/aarch64.sh FOLDER    FOLDER is made, holds 1.3 GB, and can be given again
+#   packaging/aarch64.sh FOLDER            FOLDER is made, holds 1.5 GB, and can be given again
+#   packaging/aarch64.sh FOLDER library    the C++ library alone, which needs no arm64 Python
 #
-# It takes GCC's cross compiler, QEMU's user mode, Debian's arm64 Python 3.11 (unpacked, never installed) and the arm64
+# The library judges states and motions of prepared cells, with the bits of this machine's Python (cpp_library.py).
+# Python takes GCC's cross compiler, QEMU's user mode, Debian's arm64 Python 3.11 (unpacked, never installed) and the arm64
 # wheels of plannercheck's dependencies. It compares the core's hashes from the same inputs with those of this machine, and
 # shows those of level_digest.py, whose inputs come from NumPy and Pinocchio on each machine. PYTHON has to be 3.11.
 set -euo pipefail
-here=$(cd "$(dirname "$0")/../.." && pwd)
+here=$(cd "$(dirname "$0")/.." && pwd)
 mkdir -p "$1"
 work=$(cd "$1" && pwd)
 python=${PYTHON:-$(command -v python)}
 root=$work/root site=$work/site package=$work/package suffix=cpython-311-aarch64-linux-gnu
 
 apt-get install -y -qq g++-aarch64-linux-gnu qemu-user-static debootstrap > /dev/null
+PYTHONPATH=$here "$python" "$here/tests/benchmarks/cpp_library.py" --cross aarch64 --states "${STATES:-20000}" \
+  --motions "${MOTIONS:-2000}" --folder "$work/library"
+[ "${2:-}" = library ] && exit
+
 if [ ! -e "$root/usr/bin/python3.11" ]; then
   debootstrap --foreign --arch=arm64 --variant=minbase --include=python3.11,libpython3.11-dev,libstdc++6,libgomp1 \
     bookworm "$root" > "$work/debootstrap.log"
