@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The source distribution, and its installation without a network from its declared requirements.
 #
-#   packaging/sdist.sh FOLDER [OPTIONS OF PIP]       e.g. -C cmake.define.PLANNERCHECK_LEVELS=native
+#   packaging/sdist.sh FOLDER [OPTIONS OF PIP]       e.g. --config-settings=cmake.define.PLANNERCHECK_LEVELS=native
 #
 # Out: FOLDER/plannercheck-*.tar.gz, its size, and the time of compiling and installing it in a network namespace of its
 # own, from files that pip has downloaded before: what [build-system] requires, what scikit-build-core adds (CMake and

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # A wheel of this machine's Python, audited, and tried in a fresh environment that sees no compiler.
 #
-#   packaging/wheel.sh FOLDER [OPTIONS OF PIP]       e.g. -C cmake.define.PLANNERCHECK_LEVELS=v3
+#   packaging/wheel.sh FOLDER [OPTIONS OF PIP]       e.g. --config-settings=cmake.define.PLANNERCHECK_LEVELS=v3
 #
 # Out: FOLDER/plannercheck-*.whl under the oldest manylinux tag that this machine's C library allows, its size, and the
 # times of building, of `pip install WHEEL`, and of the demo, also as a user without a name, without HOME. PYTHON names

@@ -134,12 +134,9 @@ _HOMES = {
 _MODULES = ("ndim", "ompl", "planar", "view")
 
 
-def _comparison(home: str) -> Comparison:
-    def compare(
-        model: Any, robot: Any, scene: str | None, meshes: Any, geometry: Any, mesh_units: Any, motions: Any
-    ) -> tuple[str, ...]:
-        module = importlib.import_module(f"plannercheck.{home}")
-        return tuple(module.confirm_model(model, robot, scene, meshes, geometry, mesh_units, motions))
+def _comparison(home: str, name: str = "confirm_model") -> Comparison:
+    def compare(*given: Any) -> tuple[str, ...]:
+        return tuple(getattr(importlib.import_module(f"plannercheck.{home}"), name)(*given))
 
     return compare
 
@@ -157,6 +154,7 @@ def _read_message(path: Any, joint_names: Sequence[str], message: int | None = N
 
 # `Proof.verify` with a robot compares the proof's model with files, which takes folders above `proofs`.
 set_model_comparison("space", _comparison("motions.proof_confirmation"))
+set_model_comparison("pairs", _comparison("motions.proof_confirmation", "confirm_pairs"))
 set_model_comparison("plane", _comparison("planar.proof_confirmation"))
 set_path_reader(_read_path)
 set_message_reader(_read_message)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import copy
 import itertools
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from xml.etree.ElementTree import Element
 
 import yaml
@@ -44,6 +44,25 @@ def srdf_text(robot: str, pairs: Sequence[LinkPair], semantics: Element | None =
         for pair in group:
             reason = _SRDF_REASONS[str(pair.reason)]
             ElementTree.SubElement(root, "disable_collisions", link1=pair.link_a, link2=pair.link_b, reason=reason)
+    return _written(root)
+
+
+def commented_srdf(semantics: Element, comments: Mapping[frozenset[str], str]) -> str:
+    """An SRDF as it is, with comments before its disabled pairs.
+
+    Args:
+        semantics: Its root.
+        comments: By the names of both links.
+    """
+    root = copy.deepcopy(semantics)
+    for element in root.findall("disable_collisions"):
+        text = comments.get(frozenset((element.get("link1", ""), element.get("link2", ""))))
+        if text is not None:
+            root.insert(list(root).index(element), ElementTree.Comment(f" {text.replace('--', '- -')} "))
+    return _written(root)
+
+
+def _written(root: Element) -> str:
     ElementTree.indent(root)
     return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 

@@ -21,7 +21,7 @@ from plannercheck.checking.collision_matrix import (
     collision_matrix,
     with_all_joints,
 )
-from plannercheck.checking.collision_matrix_files import srdf_text, yaml_text
+from plannercheck.checking.collision_matrix_files import commented_srdf, srdf_text, yaml_text
 from plannercheck.cli import acm_proofs
 from plannercheck.cli.common import check_folder, table, table_of
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, described, given_options
@@ -54,6 +54,7 @@ Examples:
   plannercheck acm --robot my.urdf --output my.srdf
   plannercheck acm --robot panda --audit
   plannercheck acm --robot panda --audit --prove --output pairs.json
+  plannercheck acm --robot my.urdf --audit my.srdf --prove --proofs my.pairs.npz && plannercheck verify my.pairs.npz
   plannercheck acm --audit --meshes 200          # all shipped robots that disable pairs
 """
 
@@ -102,9 +103,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = _EPILOG
     parser.add_argument("--robot", help=f"{ROBOT_HELP}; with --audit, default: all shipped")
     add_urdf_arguments(parser)
-    parser.add_argument("--audit", action="store_true", help="say which pairs are disabled, yet collide")
     parser.add_argument(
-        "--output", type=Path, help="write the proposal (.srdf, or a robot's .yaml), or the table (.json)"
+        "--audit",
+        type=Path,
+        nargs="?",
+        const=True,
+        default=False,
+        metavar="SRDF",
+        help="say which pairs are disabled, yet collide; by this SRDF, as with --srdf",
+    )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        help="write the proposal (.srdf, or a robot's .yaml), or the table (.json; with --audit --prove also comments "
+        "in the .srdf)",
     )
     parser.add_argument("--states", type=int, default=10_000, help="number of random configurations; default: 10000")
     parser.add_argument("--seed", type=int, default=0, help="seed of the random configurations; default: 0")
@@ -123,6 +135,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="decide pairs by proofs, for so many seconds of processor time a pair; default: 1",
     )
     parser.add_argument(
+        "--proofs", type=Path, metavar="FILE", help="with --prove: write proofs for `plannercheck verify` (.json, .npz)"
+    )
+    parser.add_argument(
         "--meshes",
         type=int,
         default=0,
@@ -133,16 +148,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Runs the command."""
+    _take_srdf(options)
     check_folder(options.output)
+    check_folder(options.proofs)
     of_all = options.audit and options.robot is None
     proves_audit = options.audit and options.prove is not None
-    if options.output is not None and options.output.suffix not in (_JSON if of_all or proves_audit else _TEXTS):
-        kinds = ".json" if of_all or proves_audit else ".srdf or .yaml"
+    suffixes = _JSON if of_all else (*_JSON, *_SRDF) if proves_audit else _TEXTS
+    if options.output is not None and options.output.suffix not in suffixes:
+        kinds = ".json" if of_all else ".json or .srdf" if proves_audit else ".srdf or .yaml"
         raise PlannercheckError(f"--output must end in {kinds}, not {options.output.name!r}")
     if options.states < 1 or options.seed < 0 or options.meshes < 0:
         raise PlannercheckError("--states must be at least 1, --seed and --meshes at least 0")
     if options.prove is not None and not 0 < options.prove < float("inf"):
         raise PlannercheckError(f"--prove takes seconds, a positive number, not {options.prove}")
+    if options.prove is None:
+        check_used(options, ("--proofs",), "with --prove")
     if options.audit and not of_all and not proves_audit:
         check_used(options, ("--output",), "without --audit, which proposes nothing")
     elif not options.audit:
@@ -165,7 +185,17 @@ def run(options: argparse.Namespace) -> int:
         acm_proofs.show_proposed(decisions)
     if options.output is not None:
         _write(matrix, description, options.output)
+    if options.proofs is not None:
+        acm_proofs.write_proofs(matrix, decisions, options.prove, options.proofs)
     return 0
+
+
+def _take_srdf(options: argparse.Namespace) -> None:
+    """Leaves whether there is an audit, and the SRDF where --srdf has it."""
+    if isinstance(options.audit, Path):
+        if options.srdf is not None:
+            raise PlannercheckError("--srdf and --audit both name an SRDF: give one of them")
+        options.srdf, options.audit = options.audit, True
 
 
 def _matrix(description: RobotDescription, options: argparse.Namespace) -> CollisionMatrix:
@@ -211,11 +241,13 @@ def _show_audit(matrix: CollisionMatrix, description: RobotDescription, options:
         raise PlannercheckError(f"robot {matrix.robot.name!r} disables no pairs, so that there is nothing to audit")
     found = audit(matrix, declared)
     if options.prove is not None:
-        rows = acm_proofs.audited(matrix, found, options.prove)
+        rows, decisions = acm_proofs.audited(matrix, found, options.prove)
         print(f"{matrix.robot.name}: {_summary(found)}; {len(matrix.configurations)} configurations\n")
-        acm_proofs.show_audited(rows)
+        acm_proofs.show_audited(rows, options.robot)
         if options.output is not None:
-            write_record(options.output, rows)
+            _write_audit(rows, description, options.output)
+        if options.proofs is not None:
+            acm_proofs.write_proofs(matrix, decisions, options.prove, options.proofs)
         return 1 if any(row.answer == "collides" and not row.adjacent for row in rows) or found.hopeless else 0
     as_meshes = _mesh_counter(matrix, description, options.meshes)
     print(f"{matrix.robot.name}: {_summary(found)}; {len(matrix.configurations)} configurations\n")
@@ -228,6 +260,17 @@ def _show_audit(matrix: CollisionMatrix, description: RobotDescription, options:
             f"{len(found.spared)} pairs are tested though they never meet within the limits, by proof (checkers know)"
         )
     return 1 if found.suspects or found.hopeless else 0
+
+
+def _write_audit(rows: list[acm_proofs.DecisionRow], description: RobotDescription, path: Path) -> None:
+    if path.suffix in _JSON:
+        write_record(path, rows)
+        return
+    if description.semantics is None:
+        raise PlannercheckError("--output .srdf needs a robot with an SRDF: its YAML disables the pairs")
+    comments = {frozenset((row.link_a, row.link_b)): acm_proofs.comment_of(row) for row in rows}
+    text = commented_srdf(description.semantics.root, comments)
+    write_atomically(path, lambda aside: aside.write_text(text, encoding="utf-8"))
 
 
 def _summary(found: Audit) -> str:
@@ -270,7 +313,7 @@ def _mesh_share(matrix: CollisionMatrix, description: RobotDescription, most: in
 
 def _audit_shipped(options: argparse.Namespace) -> int:
     """Prints a row a robot that disables pairs."""
-    given = given_options(options)
+    given = given_options(options) + (["--proofs"] if options.proofs is not None else [])
     if given:
         raise PlannercheckError(f"{' and '.join(given)} need --robot")
     rows = [_row(name, options) for name in shipped_robots() if _declared(description_of(name))]
@@ -314,7 +357,7 @@ def _row(name: str, options: argparse.Namespace) -> AuditRow:
     )
     if options.prove is not None:
         start = time.process_time()
-        answers = Counter(each.answer for each in acm_proofs.audited(matrix, found, options.prove))
+        answers = Counter(row.answer for row in acm_proofs.audited(matrix, found, options.prove)[0])
         spent = time.process_time() - start
         proved, collide, unknown = answers["never"], answers["collides"] + answers["always"], answers["open"]
         row = replace(row, proved_never=proved, collide=collide, open=unknown, seconds=spent)

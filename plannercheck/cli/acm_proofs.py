@@ -1,6 +1,7 @@
 """`plannercheck acm --prove`: pairs of links proved never to collide, or shown to collide, in place of sampled.
 
-In: a collision matrix, pairs, how long to search. Out: the matrix with what was proved, decisions in words and rows.
+In: a collision matrix, pairs, how long to search. Out: the matrix with what was proved; decisions in words, in rows, in
+comments of an SRDF, and as files of proofs.
 """
 
 from __future__ import annotations
@@ -8,11 +9,18 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from plannercheck.checking.collision_matrix import Audit, CollisionMatrix, LinkPair
 from plannercheck.cli.common import table
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.progress import report
 from plannercheck.motions.pair_decisions import PairDecider, PairDecision
+from plannercheck.motions.pair_proof_builder import pair_proofs
+from plannercheck.proofs.link_pairs import save_pair_proofs
+
+# A proof may take so many times as long as the decision.
+_BUILDING = 100
 
 
 @dataclass(frozen=True)
@@ -66,11 +74,11 @@ def _with_reason(pair: LinkPair, decision: PairDecision) -> LinkPair:
     return replace(pair, reason="proved never" if decision.answer == "never" else None)
 
 
-def audited(matrix: CollisionMatrix, found: Audit, seconds: float) -> list[DecisionRow]:
-    """A row for each disabled pair whose links have bodies."""
+def audited(matrix: CollisionMatrix, found: Audit, seconds: float) -> tuple[list[DecisionRow], list[PairDecision]]:
+    """A row and a decision for each disabled pair whose links have bodies."""
     known = [(pair.declared, pair.found) for pair in found.disabled if pair.found is not None]
     decisions = decided(matrix, [pair for _, pair in known], seconds)
-    return [
+    rows = [
         DecisionRow(
             pair.link_a,
             pair.link_b,
@@ -84,6 +92,26 @@ def audited(matrix: CollisionMatrix, found: Audit, seconds: float) -> list[Decis
         )
         for (declared, pair), each in zip(known, decisions, strict=True)
     ]
+    return rows, decisions
+
+
+def write_proofs(matrix: CollisionMatrix, decisions: Sequence[PairDecision], seconds: float, path: Path) -> None:
+    """Writes the proofs of decisions to a file, and says of how many there is none."""
+    proofs = pair_proofs(PairDecider(matrix.robot), decisions, _BUILDING * seconds)
+    if not proofs.pairs:
+        raise PlannercheckError("no proof was found in time: give --prove more seconds")
+    save_pair_proofs(proofs, path)
+    print(f"\n{len(proofs.pairs)} proofs written to {path}; without one are {len(decisions) - len(proofs.pairs)} pairs")
+
+
+def comment_of(row: DecisionRow) -> str:
+    """A decision in words."""
+    if row.answer == "open":
+        return f"open in {row.open_share:.2%} of the joints' values"
+    if row.answer != "collides":
+        return f"proved {row.answer} to collide within the joint limits"
+    values = row.example or {}
+    return "collides at " + (", ".join(f"{name}={values[name]!r}" for name in row.joints) or "every configuration")
 
 
 def show_proposed(decisions: Sequence[PairDecision]) -> None:
@@ -100,7 +128,7 @@ def show_proposed(decisions: Sequence[PairDecision]) -> None:
             print(f"{each.link_a} and {each.link_b}: open in {each.open_share:.2%} of their joints' values")
 
 
-def show_audited(rows: Sequence[DecisionRow]) -> None:
+def show_audited(rows: Sequence[DecisionRow], robot: str) -> None:
     """Prints how many disabled pairs are proved, and those that collide though they are not adjacent."""
     counts = Counter((row.answer, row.adjacent) for row in rows)
     words = {
@@ -116,5 +144,7 @@ def show_audited(rows: Sequence[DecisionRow]) -> None:
             assert row.example is not None
             values = ", ".join(f"{name}={row.example[name]:.4g}" for name in row.joints)
             print(f"{row.link_a} and {row.link_b} ({row.declared or 'no reason'}) collide at {values}")
+            given = ",".join(f"{row.example[name]!r}" for name in row.joints)
+            print(f"    plannercheck view --robot {robot} --group {','.join(row.joints)} --q={given}")
         if row.answer == "open":
             print(f"{row.link_a} and {row.link_b}: open in {row.open_share:.2%} of their joints' values")

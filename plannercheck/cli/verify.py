@@ -1,4 +1,4 @@
-"""`plannercheck verify`: confirms proofs of motions in ball arithmetic, without the checker that made them.
+"""`plannercheck verify`: confirms proofs of motions, or of pairs of links, without the checker that made them.
 
 In: proof files, and on request the robot, the scene and the path that they should belong to. Out: what each file
 proves, in lines or as JSON. Names come from the files: they are printed quoted.
@@ -16,12 +16,17 @@ from plannercheck.cli.cell_paths import add_delay_argument, delays_of, is_of_cel
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, described, given_options
 from plannercheck.cli.trajectory_files import listed_numbers
 from plannercheck.cli.unused_options import check_used
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.proofs import Proof, Verification, load_proofs
+from plannercheck.proofs import Proof, Verification
 from plannercheck.proofs.claims import held_joints, least_padding, motion_of, robots_of, sentence_of
 from plannercheck.proofs.executed_cells import cell_proved
 from plannercheck.proofs.executed_curves import RUNNERS, trajectory_proved
+from plannercheck.proofs.files import read_document
+from plannercheck.proofs.link_pairs import PairProofs, is_of_pairs, pairs_from_document
+from plannercheck.proofs.pair_checks import pair_model_confirmed, verify_pairs
 from plannercheck.proofs.paths import path_proved
+from plannercheck.proofs.proof import proofs_from_document
 from plannercheck.proofs.verify import model_confirmed
 from plannercheck.scenes.scene_paths import MeshKind
 
@@ -127,7 +132,11 @@ def _robot(options: argparse.Namespace) -> Any:
 
 
 def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
-    proofs = load_proofs(path)
+    with error_context(f"proof file {str(path)!r}"):
+        content = read_document(path)
+        if is_of_pairs(content):
+            return _pairs_verified(path, pairs_from_document(content), options)
+        proofs = proofs_from_document(content)
     found = [proof.verify() for proof in proofs]
     model = (
         None
@@ -160,6 +169,51 @@ def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
         "seconds": sum(each.seconds for each in found),
         "motions": [_motion(proof, each) for proof, each in zip(proofs, found, strict=True)],
     }
+
+
+def _pairs_verified(path: Path, proofs: PairProofs, options: argparse.Namespace) -> dict[str, Any]:
+    if options.path is not None or options.scene is not None:
+        raise PlannercheckError("is about pairs of links: --path and --scene are for proofs of motions")
+    found = verify_pairs(proofs)
+    model = None if options.robot is None else pair_model_confirmed(proofs, _robot(options))
+    return {
+        "proof": str(path),
+        "proved": all(found) and (model is None or bool(model)),
+        "kind": "pairs",
+        "robot": proofs.robot,
+        "model": None if model is None else model.fault or "confirmed",
+        "compared": [] if model is None else list(model.compared),
+        "limits": [list(proofs.lower), list(proofs.upper)],
+        "margin": proofs.margin,
+        "seconds": sum(each.seconds for each in found),
+        "pairs": [
+            {
+                "links": [pair.link_a, pair.link_b],
+                "answer": pair.answer,
+                "state": list(pair.state),
+                "proved": each.proved,
+                "fault": each.fault,
+                "boxes": each.entries,
+            }
+            for pair, each in zip(proofs.pairs, found, strict=True)
+        ],
+    }
+
+
+def _pair_lines(result: dict[str, Any]) -> list[str]:
+    proved = sum(pair["proved"] for pair in result["pairs"])
+    lines = [
+        f"{_printable(result['proof'])}: {proved} of {_counted(len(result['pairs']), 'pair', 'pairs')} of links of "
+        f"{result['robot']!r} proved within the limits, in {result['seconds']:.2f} s"
+    ]
+    for pair in result["pairs"]:
+        state = f" at ({', '.join(f'{value:.9g}' for value in pair['state'])})" if pair["state"] else ""
+        what = {"never": "never collide", "always": "always collide"}.get(pair["answer"], "collide") + state
+        told = (
+            f"{what}, {_counted(pair['boxes'], 'box', 'boxes')}" if pair["proved"] else f"not proved: {pair['fault']}"
+        )
+        lines.append(f"  {pair['links'][0]!r} and {pair['links'][1]!r}: {told}")
+    return lines
 
 
 def _path(proofs: tuple[Proof, ...], found: list[Verification], options: argparse.Namespace) -> dict[str, Any]:
@@ -210,14 +264,15 @@ def _counted(count: int, one: str, many: str) -> str:
 
 
 def _lines(result: dict[str, Any]) -> list[str]:
+    if result["kind"] == "pairs":
+        return [*_pair_lines(result), *_model_lines(result, "--robot")]
     count, proved = len(result["motions"]), sum(motion["proved"] for motion in result["motions"])
     what = f"{_counted(count, 'motion', 'motions')}{' in a row' if result['joined'] and count > 1 else ''}"
     of = f"of {result['robot']!r} in {result['scene']!r}"
     pairs, entries = _counted(result["pairs"], "pair", "pairs"), _counted(result["entries"], "entry", "entries")
-    file = result["proof"] if result["proof"].isprintable() else repr(result["proof"])
     lines = [
-        f"{file}: {'' if proved == count else f'{proved} of '}{what} {of} proved: {pairs}, {entries}, in "
-        f"{result['seconds']:.2f} s"
+        f"{_printable(result['proof'])}: {'' if proved == count else f'{proved} of '}{what} {of} proved: {pairs}, "
+        f"{entries}, in {result['seconds']:.2f} s"
     ]
     for k, motion in enumerate(result["motions"]):
         lines.append(f"  motion {k}: {'proved' if motion['proved'] else 'not proved: ' + motion['fault']}")
@@ -233,5 +288,13 @@ def _lines(result: dict[str, Any]) -> list[str]:
         path = result["path"]
         whole = "its only motion is proved" if path["motions"] == 1 else f"all {path['motions']} motions proved"
         lines.append(f"  path {path['file']!r}: {path['fault'] or whole}")
-    lines.append(f"  model: {result['model'] or 'not compared with files (--robot, --scene)'}")
-    return lines + [f"    {sentence}" for sentence in result["compared"]]
+    return lines + _model_lines(result, "--robot, --scene")
+
+
+def _model_lines(result: dict[str, Any], options: str) -> list[str]:
+    compared = (f"    {sentence}" for sentence in result["compared"])
+    return [f"  model: {result['model'] or f'not compared with files ({options})'}", *compared]
+
+
+def _printable(name: str) -> str:
+    return name if name.isprintable() else repr(name)

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
-# Takes a proof's model, a robot, a scene (None for the empty one), the kinds of the scene's and of the robot's meshes,
-# how mesh files are read (None for what the files say), and the motions; raises at the first difference. Returns
-# sentences: what was compared with which file.
-Comparison: TypeAlias = Callable[[Any, Any, str | None, Any, Any, Any, Any], tuple[str, ...]]
+# Takes a proof's model (or proofs of pairs), a robot, a scene (None for the empty one), the kinds of the scene's and of
+# the robot's meshes, how mesh files are read (None for what the files say), and of a model its motions; raises at the
+# first difference. Returns sentences: what was compared with which file.
+Comparison: TypeAlias = Callable[..., tuple[str, ...]]
 
 # Takes a path, the names of its joints, the length of a configuration, and the robot or None; see `read_proved_path` in
 # `validation.formats.paths`.
@@ -28,12 +28,12 @@ _message_readers: list[MessageReader] = []
 
 
 def set_model_comparison(kind: str, comparison: Comparison) -> None:
-    """Sets what compares the models of proofs of a kind, "space" or "plane"."""
+    """Sets what compares the models of proofs of a kind, "space", "pairs" or "plane"."""
     _comparisons[kind] = comparison
 
 
 def model_comparison(kind: str) -> Comparison:
-    """What compares the models of proofs of a kind, "space" or "plane"."""
+    """What compares the models of proofs of a kind, "space", "pairs" or "plane"."""
     return _comparisons[kind]
 
 

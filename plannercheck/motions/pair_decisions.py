@@ -13,6 +13,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import DEFAULT_EXCESS
 from plannercheck.bodies.tuning import DEFAULT_TUNING, core_tuning
 from plannercheck.checking.collision_matrix import with_all_joints
@@ -33,6 +34,9 @@ Answer: TypeAlias = Literal["never", "always", "collides", "open"]
 
 # Cells that are judged at once, and the most that wait: a search that needs more stays open.
 _BATCH, _MOST_WAITING = 4096, 1_000_000
+
+# Half a turn of a continuous joint, rad: the nearest double beyond pi.
+_HALF_TURN = np.nextafter(np.pi, 4.0)
 
 # Before cells, so many random configurations are tried: a pair that collides often is found at once.
 _TRIED = 2000
@@ -66,6 +70,8 @@ class PairDecider:
 
     Attributes:
         robot: The robot, whose group has all joints of one value that do not follow others.
+        lower: (nq,) its limits, rad and m; of a continuous joint one turn is all.
+        upper: (nq,).
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -79,8 +85,8 @@ class PairDecider:
             raise PlannercheckError(f"pairs of {robot.name!r} can't be proved, since Pinocchio itself has to pose it")
         self._preparation = Preparation(self.robot.bodies, DEFAULT_EXCESS, np.zeros(len(self.robot.bodies)))
         unbounded = ~(np.isfinite(self.robot.lower) & np.isfinite(self.robot.upper))
-        self._lower = np.where(unbounded, -np.pi, self.robot.lower)
-        self._upper = np.where(unbounded, np.pi, self.robot.upper)
+        self.lower = np.where(unbounded, -_HALF_TURN, self.robot.lower)
+        self.upper = np.where(unbounded, _HALF_TURN, self.robot.upper)
         known = self.robot.configuration_map
         self._has_range = ~unbounded
         self._has_range[known.columns[known.roles == COSINE]] = True  # continuous joints: one turn is all
@@ -91,9 +97,17 @@ class PairDecider:
         Raises:
             PlannercheckError: If one of the names is no link with bodies.
         """
-        return _Search(self, link_a, link_b, self._pairs(link_a, link_b)).run(seconds)
+        return self.search(link_a, link_b).run(seconds)
 
-    def _pairs(self, link_a: str, link_b: str) -> Ints:
+    def search(self, link_a: str, link_b: str) -> PairSearch:
+        """The search for one pair; errors as of `decide`."""
+        return PairSearch(self, link_a, link_b, self.pairs(link_a, link_b))
+
+    def polytope(self, body: int) -> Polytope:
+        """One of the robot's bodies, prepared."""
+        return self._preparation.polytope(body)
+
+    def pairs(self, link_a: str, link_b: str) -> Ints:
         """(k, 2) all pairs of their bodies."""
         bodies = [[k for k, body in enumerate(self.robot.bodies) if body.link == link] for link in (link_a, link_b)]
         for link, some in zip((link_a, link_b), bodies, strict=True):
@@ -116,27 +130,38 @@ class PairDecider:
         return sorted({int(column) for column in columns.ravel() if column >= 0})
 
 
-class _Search:
-    """The search for one pair."""
+class PairSearch:
+    """The search for one pair.
+
+    Attributes:
+        pairs: (k, 2) the bodies of both links.
+        columns: The numbers of a configuration that move one relative to the other.
+        tables: These pairs, compiled.
+        certifier: What proves cells free.
+        low: (nq,) the least configuration: others of its numbers are the reference's.
+        high: (nq,) the largest.
+        levers: (nq,) how fast each of these numbers moves bodies, roughly, m/rad and m/m; 0 of others.
+    """
 
     def __init__(self, decider: PairDecider, link_a: str, link_b: str, pairs: Ints) -> None:
-        self._decider, self._links, self._pairs, robot = decider, (link_a, link_b), pairs, decider.robot
+        self._decider, self._links, self.pairs, robot = decider, (link_a, link_b), pairs, decider.robot
         source = PairSource(robot, robot.bodies, decider._preparation, core_tuning(), robot.kinematics)
-        self._tables = CompiledTables(source, pairs, np.zeros(len(pairs), dtype=bool))
-        self._certifier = MotionCertifier(robot, robot.bodies, pairs, self._tables, DEFAULT_EXCESS, DEFAULT_TUNING)
-        self._columns = decider._columns_between(link_a, link_b)
+        self.tables = CompiledTables(source, pairs, np.zeros(len(pairs), dtype=bool))
+        self.certifier = MotionCertifier(robot, robot.bodies, pairs, self.tables, DEFAULT_EXCESS, DEFAULT_TUNING)
+        self.columns = decider._columns_between(link_a, link_b)
+        self.low, self.high = robot.reference.copy(), robot.reference.copy()
+        self.low[self.columns], self.high[self.columns] = decider.lower[self.columns], decider.upper[self.columns]
+        self.levers = np.zeros(robot.nq)
+        self.levers[self.columns] = levers_at(self.body_poses, (self.low + self.high) / 2)[self.columns]
 
     def run(self, seconds: float) -> PairDecision:
         """Cuts the box until it is proved, a middle collides, or the time is over."""
         until, decider = time.process_time() + seconds, self._decider
-        low, high = decider.robot.reference.copy(), decider.robot.reference.copy()
-        low[self._columns], high[self._columns] = decider._lower[self._columns], decider._upper[self._columns]
-        if not decider._has_range[self._columns].all():
+        low, high, levers = self.low, self.high, self.levers
+        if not decider._has_range[self.columns].all():
             return self._decision("open", 0, 1.0)
         tried = np.random.default_rng(0).uniform(low, high, (_TRIED, len(low)))
         free = self._are_free(tried)
-        levers = np.zeros(len(low))
-        levers[self._columns] = levers_at(self._body_poses, (low + high) / 2)[self._columns]
         if not free.any():
             return self._always(low, high, levers, until, tried[0])
         if not free.all():
@@ -144,7 +169,7 @@ class _Search:
         waiting, proved, share = [(low[None], high[None])], 0, 1.0
         while waiting and time.process_time() < until and sum(len(lows) for lows, _ in waiting) < _MOST_WAITING:
             lows, highs = self._next(waiting)
-            free = are_free(self._certifier, lows, highs)
+            free = are_free(self.certifier, lows, highs)
             proved += int(free.sum())
             share -= float(self._shares(lows[free], highs[free], low, high).sum())
             lows, highs = lows[~free], highs[~free]
@@ -159,9 +184,9 @@ class _Search:
 
     def _always(self, low: Floats, high: Floats, levers: Floats, until: float, example: Floats) -> PairDecision:
         """Cuts the box until every cell is proved to collide throughout, a middle is free, or the time is over."""
-        extents = np.maximum(np.abs(self._decider._lower), np.abs(self._decider._upper))
-        overlaps = LastingOverlaps(self._decider.robot, self._pairs, self._tables, extents, DEFAULT_EXCESS)
-        if not self._columns:
+        extents = np.maximum(np.abs(self._decider.lower), np.abs(self._decider.upper))
+        overlaps = LastingOverlaps(self._decider.robot, self.pairs, self.tables, extents, DEFAULT_EXCESS)
+        if not self.columns:
             return self._decision("always", 1, 0.0, example)
         waiting, proved, share = [(low[None], high[None])], 0, 1.0
         while waiting and time.process_time() < until and sum(len(lows) for lows, _ in waiting) < _MOST_WAITING:
@@ -187,19 +212,20 @@ class _Search:
 
     def _shares(self, lows: Floats, highs: Floats, low: Floats, high: Floats) -> Floats:
         """(n,) the share of the whole box that each cell has."""
-        sides = [k for k in self._columns if high[k] > low[k]]
+        sides = [k for k in self.columns if high[k] > low[k]]
         return np.asarray(((highs - lows)[:, sides] / (high - low)[sides]).prod(axis=1))
 
     def _are_free(self, q: Floats) -> Bools:
         """(n,) whether configurations (n, nq) are free."""
         robot = self._decider.robot
         assert robot.kinematics is not None
-        return self._tables.check_states(robot.kinematics, q, 1)
+        return self.tables.check_states(robot.kinematics, q, 1)
 
-    def _body_poses(self, q: Floats) -> Floats:
-        return self._tables.all.body_poses(self._decider.robot.link_poses(q))
+    def body_poses(self, q: Floats) -> Floats:
+        """(n, bodies, 4, 4) of the robot's bodies at configurations (n, nq)."""
+        return self.tables.all.body_poses(self._decider.robot.link_poses(q))
 
     def _decision(self, answer: Answer, cells: int, share: float, example: Floats | None = None) -> PairDecision:
         names = self._decider.robot.joint_names
-        joints = tuple(names[column] for column in self._columns)
+        joints = tuple(names[column] for column in self.columns)
         return PairDecision(*self._links, answer, joints, cells, max(share, 0.0), example)

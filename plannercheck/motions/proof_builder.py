@@ -30,6 +30,7 @@ from plannercheck.motions.proof_model import PosedPairs, space_model
 from plannercheck.motions.solid_covers import PartHulls, Poses, SolidCover
 from plannercheck.proofs.data import WORLD, Entry, Hashes, Model, Motion
 from plannercheck.proofs.proof import Proof
+from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
 
 if TYPE_CHECKING:
@@ -80,7 +81,6 @@ class Builder:
         self._checker = checker
         self._model: Model = space_model(checker)
         self._hashes: Hashes = hashes_of(self._model)
-        self._size = _size(self._model)
         self._is_in_parts = any(body.triangles or body.parts for body in self._model.bodies)
         self._parts = PartHulls(self._model)
 
@@ -195,15 +195,27 @@ class Builder:
 
     def _margin(self, moved: Motions | Curves) -> float:
         (low,), (high,) = moved.ranges()
-        points = moved.points[0]
-        error = 2 * self._checker.robot.kinematic_error_within(low, high)  # of two bodies
-        largest = float(np.abs(points).max(initial=0.0))  # of the states in between; the asked end's is in the error
-        units = self._checker.robot.configuration_map.units
-        off = max((abs(float(np.linalg.norm(q[a:b])) - 1) for q in points[[0, -1]] for a, b in units), default=0.0)
-        leverage = sum(abs(factor) for joint in self._model.joints for factor in joint.multipliers)
-        roundings = 16 + 4 * (len(points) - 2)  # of a computed state
-        part = _ROUNDING + _OFF_UNIT * off + roundings * 2.0**-53 * leverage * (1 + largest)
-        return error + part * (1 + self._size)
+        return rounding_margin(self._checker.robot, self._model, low, high, moved.points[0])
+
+
+def rounding_margin(robot: Robot, model: Model, low: Floats, high: Floats, points: Floats) -> float:
+    """What covers the error of computed poses and states, m.
+
+    Args:
+        robot: The robot.
+        model: Its model.
+        low: (nq,) the least numbers, rad and m.
+        high: (nq,) the largest numbers.
+        points: (n, nq) control points of a motion within them.
+    """
+    error = 2 * robot.kinematic_error_within(low, high)  # of two bodies
+    largest = float(np.abs(points).max(initial=0.0))  # of the states in between; the asked end's is in the error
+    units = robot.configuration_map.units
+    off = max((abs(float(np.linalg.norm(q[a:b])) - 1) for q in points[[0, -1]] for a, b in units), default=0.0)
+    leverage = sum(abs(factor) for joint in model.joints for factor in joint.multipliers)
+    roundings = 16 + 4 * (len(points) - 2)  # of a computed state
+    part = _ROUNDING + _OFF_UNIT * off + roundings * 2.0**-53 * leverage * (1 + largest)
+    return error + part * (1 + _size(model))
 
 
 class _MotionPoses:

@@ -22,13 +22,16 @@ import numpy as np
 from plannercheck.bodies.mesh_files import MeshUnits
 from plannercheck.common.package_files import folders_above, package_file
 from plannercheck.motions.checker import Checker
+from plannercheck.motions.pair_decisions import PairDecider
+from plannercheck.motions.pair_proof_builder import LinkPairs
 from plannercheck.motions.proof_model import space_model
 from plannercheck.proofs.cell_places import base_placements
 from plannercheck.proofs.data import WORLD, Joint, Model, Motion, PosedBody
 from plannercheck.proofs.exact_placements import enough_digits
 from plannercheck.proofs.faults import UnprovedError
+from plannercheck.proofs.link_pairs import PairProofs
 from plannercheck.proofs.urdf_shapes import MeshFiles, confirm_shapes
-from plannercheck.proofs.urdf_trees import ALONE, RobotPlace, confirm_tree
+from plannercheck.proofs.urdf_trees import ALONE, RobotPlace, confirm_limits, confirm_tree
 from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.link_geometry import Geometry
 from plannercheck.robots.robot import Robot
@@ -64,11 +67,7 @@ def confirm_model(
         UnprovedError: If they differ.
         PlannercheckError: If a file can't be read.
     """
-    description = description_of(robot)
-    if geometry is not None:
-        description = dataclasses.replace(description, geometry=geometry)
-    if mesh_units is not None:
-        description = dataclasses.replace(description, mesh_units=mesh_units)
+    description = _described(robot, geometry, mesh_units)
     loaded = Robot.from_description(description)
     robots = tuple(_placed_robots(description))
     folders = tuple(folder for each, _ in robots for folder in each.package_dirs)
@@ -91,6 +90,46 @@ def confirm_model(
     loaded_from = f"{str(description.urdf)!r} and {where}"
     compared += [f"bodies, pairs and columns, bit for bit, with what plannercheck loads of {loaded_from}"]
     return (*compared, *_compare_clocks(checker, motions))
+
+
+def confirm_pairs(
+    proofs: PairProofs,
+    robot: str | RobotDescription,
+    scene: str | None,
+    meshes: MeshKind | None,
+    geometry: Geometry | None = None,
+    mesh_units: MeshUnits | None = None,
+) -> tuple[str, ...]:
+    """Compares the model and the limits of well-formed proofs about pairs of links with a robot's files.
+
+    Arguments and errors are as of `confirm_model`; there is no scene.
+    """
+    description, model = _described(robot, geometry, mesh_units), proofs.model
+    decider = PairDecider(Robot.from_description(description))
+    robots = tuple(_placed_robots(description))
+    _check_all_are_of(model, tuple(place.prefix for _, place in robots))
+    compared, columns, limits = list[str](), set[int](), (proofs.lower, proofs.upper)
+    for each, place in robots:
+        if each.file.kind == MJCF_ROOT:
+            raise UnprovedError("limits of an MJCF have no second reader")
+        compared += _confirm_urdf(model, each, place, whole=False)
+        columns |= confirm_limits(model, limits, each.urdf, each.file.mended, place)
+    if columns != set(range(model.columns)):
+        raise UnprovedError(f"columns {sorted(columns ^ set(range(model.columns)))} are of no joint with limits")
+    known = space_model(LinkPairs(decider, [(pair.link_a, pair.link_b) for pair in proofs.pairs]))
+    _compare_columns(model, known)
+    _compare_bodies(model, known)
+    loaded_from = str(description.urdf)
+    return (*compared, f"limits with {loaded_from!r}, bodies bit for bit with what plannercheck loads of it")
+
+
+def _described(
+    robot: str | RobotDescription, geometry: Geometry | None, mesh_units: MeshUnits | None
+) -> RobotDescription:
+    description = description_of(robot)
+    if geometry is not None:
+        description = dataclasses.replace(description, geometry=geometry)
+    return description if mesh_units is None else dataclasses.replace(description, mesh_units=mesh_units)
 
 
 def _without_carriers(model: Model, loaded: Model, robot: Robot) -> Model:

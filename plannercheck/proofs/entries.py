@@ -122,6 +122,10 @@ class EntryChecker:
         reach = sum(self._model.bodies[k].reach + largest_radius(self._model.bodies[k]) for k in (a, b))
         return self._balls_apart(first, second, radii + reach, (entry.start, entry.end), deepest)
 
+    def widened(self, pair: int, frame: int) -> float:
+        """Both radii, and how far the tube displaces both bodies, seen from a link's frame, m."""
+        return self._radii(Entry(pair, 0.0, 1.0, "plane", frame))
+
     def _radii(self, entry: Entry) -> float:
         """Both radii, and how far the tube displaces both bodies, seen from the entry's frame."""
         a, b = self._model.pairs[entry.pair]
@@ -133,7 +137,7 @@ class EntryChecker:
 
     def needed(self, pair: int) -> float:
         """How far apart a pair has to be, at least, in the frame of either body, m."""
-        return self._radii(Entry(pair, 0.0, 1.0, "plane", self.frame_of(pair))) + self._margin
+        return self.widened(pair, self.frame_of(pair)) + self._margin
 
     def frame_of(self, pair: int, is_second: bool = False) -> int:
         """The link of the first or the second body of a pair; another one if a tube displaces them less, seen from it.
@@ -150,7 +154,7 @@ class EntryChecker:
                 joint = self._model.joints[joint].parent
         links = own[::-1] if is_second else own
         links += [k for k, link in enumerate(self._model.links) if link.joint in between - set(joints)]
-        return min(links, key=lambda link: self._radii(Entry(pair, 0.0, 1.0, "plane", link)))
+        return min(links, key=lambda link: self.widened(pair, link))
 
     def _joint(self, link: int) -> int:
         return WORLD if link == WORLD else self._model.links[link].joint
@@ -194,9 +198,19 @@ class EntryChecker:
         for pair in sorted(pairs_in_parts(entries) - apart):
             placed = []
             for k in self._model.pairs[pair]:
-                seen = self._seen[k]
-                placed += [self._model.bodies[k], self._chains.at(0.0, WORLD, seen.joint) * seen.place]
+                placed += [self._model.bodies[k], self.at_start(k)]
             check_not_nested(*placed)
+
+    def at_start(self, body: int) -> Any:
+        """The map of a body into the world at the motion's start, 4 x 4."""
+        seen = self._seen[body]
+        return self._chains.at(0.0, WORLD, seen.joint) * seen.place
+
+    def deep_enough(self, a: int, b: int) -> float:
+        """How deep two bodies have to be in each other at the start, m, to overlap wherever the tube displaces them."""
+        frames = (WORLD, *range(len(self._model.joints)))
+        shift = min(self._tube.widening(frame, a, b) for frame in frames)
+        return (shift + self._margin) * self._stretch * UP
 
     def _beyond_plane(self, a: int, b: int, radii: float, span: tuple[float, float], deepest: int) -> bool:
         """Whether the body of a pair that is no half-space is beyond the plane of the other one, over a span."""

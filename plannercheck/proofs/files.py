@@ -47,10 +47,14 @@ def save_proofs(proofs: Sequence[ProofData], path: str | Path) -> None:
     Raises:
         PlannercheckError: If the proofs are of several models, or the file can't be written.
     """
+    write_document(document(proofs), path)
+
+
+def write_document(content: dict[str, Any], path: str | Path) -> None:
+    """Writes a document to a .json or .npz; arrays are those of doubles."""
     path = Path(path)
     with error_context(f"proof file {str(path)!r}"):
         _check_suffix(path)
-    content = document(proofs)
     if path.suffix == ".json":
         text = json.dumps(content, default=lambda array: array.tolist(), separators=(",", ":"))
         write_atomically(path, lambda aside: aside.write_text(text + "\n", encoding="utf-8"))
@@ -70,12 +74,11 @@ def save_proofs(proofs: Sequence[ProofData], path: str | Path) -> None:
     write_atomically(path, write)
 
 
-def read_proofs(path: str | Path) -> tuple[ProofData, ...]:
-    """The proofs of a file as plain data, at least one; arguments and errors as of `proof.load_proofs`."""
+def read_document(path: str | Path) -> Any:
+    """The document of a .json or .npz."""
     path = Path(path)
-    with error_context(f"proof file {str(path)!r}"):
-        _check_suffix(path)
-        return from_document(_from_json(path) if path.suffix == ".json" else _from_npz(path))
+    _check_suffix(path)
+    return _from_json(path) if path.suffix == ".json" else _from_npz(path)
 
 
 def document(proofs: Sequence[ProofData]) -> dict[str, Any]:
@@ -101,9 +104,7 @@ def from_document(content: Any) -> tuple[ProofData, ...]:
     """
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise PlannercheckError(f"is no motion proof: 'format' must be {FORMAT!r}")
-    version = content.get("version")
-    if type(version) is not int or version != VERSION:  # true and 1.0 are equal to 1, and are no versions
-        raise PlannercheckError(f"is of version {version!r:.40}; this plannercheck reads version {VERSION}")
+    checked_version(content)
     missing = [key for key in _KEYS if key not in content]
     if missing:
         raise PlannercheckError(f"lacks {missing[0]!r}")
@@ -121,6 +122,13 @@ def from_document(content: Any) -> tuple[ProofData, ...]:
         _motion(content["kind"], names, hashes, model, motion_class, item, f"motion {k}")
         for k, item in enumerate(content["motions"])
     )
+
+
+def checked_version(content: dict[str, Any]) -> None:
+    """Raises for a document of another version."""
+    version = content.get("version")
+    if type(version) is not int or version != VERSION:  # true and 1.0 are equal to 1, and are no versions
+        raise PlannercheckError(f"is of version {version!r:.40}; this plannercheck reads version {VERSION}")
 
 
 def _motion(

@@ -9,13 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 from numpy.typing import ArrayLike
 
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs.data import ProofData, Verification
 from plannercheck.proofs.executed_curves import trajectory_proved
-from plannercheck.proofs.files import read_proofs, save_proofs
+from plannercheck.proofs.files import from_document, read_document, save_proofs
 from plannercheck.proofs.paths import path_proved
 from plannercheck.proofs.verify import model_confirmed, verified
 
@@ -115,7 +117,13 @@ def load_proofs(path: str | Path) -> tuple[Proof, ...]:
     Raises:
         PlannercheckError: If the file is no proof, is cut off, or of another version.
     """
-    return tuple(Proof(*(getattr(data, field.name) for field in fields(data))) for data in read_proofs(path))
+    with error_context(f"proof file {str(path)!r}"):
+        return proofs_from_document(read_document(path))
+
+
+def proofs_from_document(content: Any) -> tuple[Proof, ...]:
+    """The proofs of a document (`files.py`); errors as of `load_proofs`."""
+    return tuple(Proof(*(getattr(data, field.name) for field in fields(data))) for data in from_document(content))
 
 
 def verify_path(proofs: Sequence[Proof], path: str | Path | ArrayLike, robot: str | None = None) -> Verification:

@@ -34,6 +34,7 @@ class UrdfJoint:
         placement: Of the child's frame in the parent's where the joint stands at 0.
         axis: The unit vector, three balls.
         mimic: Leader, multiplier, offset; None if it follows none.
+        limits: Texts of its lower and upper limit; None if it has none.
     """
 
     name: str
@@ -43,6 +44,7 @@ class UrdfJoint:
     placement: Placement
     axis: list[Any]
     mimic: tuple[str, Fraction, Fraction] | None
+    limits: tuple[str, str] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +117,9 @@ def _joint(element: ElementTree.Element, urdf: str | Path) -> UrdfJoint:
     except ValueError as error:
         raise PlannercheckError(f"URDF {str(urdf)!r}: joint {shortened(name)!r}: {error}") from None
     links = parent.get("link", ""), child.get("link", "")
-    return UrdfJoint(name, element.get("type", ""), *links, placement, axis, mimic)
+    limit = element.find("limit")
+    limits = None if limit is None else (limit.get("lower", "0"), limit.get("upper", "0"))
+    return UrdfJoint(name, element.get("type", ""), *links, placement, axis, mimic, limits)
 
 
 def _axis(element: ElementTree.Element) -> list[Fraction]:

@@ -15,11 +15,15 @@ from operator import itemgetter
 from pathlib import Path
 from typing import TypeAlias
 
+from flint import arb
+
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs.data import JOINTS, WORLD, Joint, Link, Model
 from plannercheck.proofs.exact_placements import (
     ROUNDING,
     Placement,
     at_rest,
+    decimals,
     enough_digits,
     furthest,
     off_placement,
@@ -89,6 +93,52 @@ def confirm_tree(
         f"links and joints{of_robot} with {str(urdf)!r}, read by itself in exact numbers, from which the proof's are "
         f"at most {comparison.most:.2g} away"
     )
+
+
+@enough_digits()
+def confirm_limits(
+    model: Model,
+    limits: tuple[Sequence[float], Sequence[float]],
+    urdf: str | Path,
+    content: str | None,
+    place: RobotPlace = ALONE,
+) -> set[int]:
+    """Checks that limits hold all that a URDF's joints can take, or one turn of those without limits.
+
+    Args:
+        model: A model whose tree is that of the URDF.
+        limits: (columns,) each, the least and largest number, rad and m.
+        urdf: The file.
+        content: As of `confirm_tree`.
+        place: As of `confirm_tree`.
+
+    Returns:
+        The columns of these joints.
+
+    Raises:
+        UnprovedError: If they do not.
+        PlannercheckError: If the file can't be read.
+    """
+    joints, columns = place.named(model.joints), set[int]()
+    for found in read_tree(urdf, content).above.values():
+        joint = model.joints[joints[found.name]] if found.name in joints else None
+        if joint is None or len(joint.columns) > 1 or joint.columns[0] < 0 or found.mimic is not None:
+            continue
+        column = joint.columns[0]
+        low, high = (side[column] for side in limits)
+        if found.kind == "continuous":
+            holds = arb(high) - arb(low) >= 2 * arb.pi()
+        else:
+            texts = found.limits or ("", "")
+            try:
+                lowest, highest = (float(decimals(text, 1, "a limit")[0]) for text in texts)
+            except ValueError as error:
+                raise PlannercheckError(f"URDF {str(urdf)!r}: joint {found.name!r}: {error}") from None
+            holds = low <= lowest and highest <= high
+        if not holds:
+            raise UnprovedError(f"joint {joint.name!r} may go beyond [{low!r}, {high!r}], by the URDF")
+        columns.add(column)
+    return columns
 
 
 class _TreeComparison:

@@ -3,32 +3,12 @@
 import json
 
 import pytest
+from pointers import arm, disc
 
 import plannercheck as pc
 from plannercheck.checking.collision_matrix import colliding_rows
 from plannercheck.cli.main import main
 from plannercheck.motions.pair_decisions import PairDecider
-
-LIMIT = '<limit lower="-3" upper="3" effort="1" velocity="1"/>'
-
-
-def arm(tmp_path, height: float, joint: str = "revolute"):
-    """A pointer that turns over a post at -2 rad, whose tip passes at a height over the post's top."""
-    path = tmp_path / "arm.urdf"
-    path.write_text(
-        '<robot name="arm"><link name="post"><collision><origin xyz="-0.4161 -0.9093 0"/><geometry>'
-        '<box size="0.002 0.002 0.2"/>'
-        '</geometry></collision></link><link name="hub"/><link name="pointer"><collision>'
-        f'<origin xyz="0.5 0 {0.15 + height}"/><geometry><box size="1.002 0.002 0.1"/></geometry></collision></link>'
-        '<joint name="lift" type="fixed"><parent link="post"/><child link="hub"/></joint>'
-        f'<joint name="turn" type="{joint}"><parent link="hub"/><child link="pointer"/>'
-        f'<axis xyz="0 0 1"/>{LIMIT}</joint>'
-        '<link name="flag"><collision><origin xyz="9 0 0"/><geometry><sphere radius="0.1"/></geometry></collision>'
-        "</link>"
-        '<joint name="wave" type="revolute"><parent link="post"/><child link="flag"/><axis xyz="0 0 1"/>'
-        f"{LIMIT}</joint></robot>"
-    )
-    return pc.Robot.from_urdf(path)
 
 
 @pytest.mark.parametrize("joint", ["revolute", "continuous"])
@@ -46,32 +26,16 @@ def test_a_millirad_that_collides_is_found_and_a_gap_of_20_um_is_proved(tmp_path
     assert apart.example is None
 
 
-def disc(tmp_path, reach: float, slide: bool = False, height: float = 0.2):
-    """A box at a distance from an axis in a post of 20 cm or so; or it slides along the post, by up to 3 m."""
-    path = tmp_path / "disc.urdf"
-    kind = "prismatic" if slide else "revolute"
-    path.write_text(
-        '<robot name="disc"><link name="post"><collision><geometry><box size="0.2 0.2 '
-        f'{height}"/></geometry></collision></link>'
-        f'<joint name="move" type="{kind}"><parent link="post"/><child link="arm"/><axis xyz="0 0 1"/>{LIMIT}</joint>'
-        '<link name="arm"/><joint name="turn" type="revolute"><parent link="arm"/><child link="tip"/>'
-        '<axis xyz="0 1 0"/>'
-        f'{LIMIT}</joint><link name="tip"><collision><origin xyz="{reach} 0 0"/><geometry><box size="0.1 0.02 0.02"/>'
-        "</geometry></collision></link></robot>"
-    )
-    return PairDecider(pc.Robot.from_urdf(path))
-
-
 def test_what_overlaps_at_every_angle_always_collides(tmp_path):
     """The tip begins 1 mm inside of the post's faces, or 1 cm beyond its corners."""
-    inside = disc(tmp_path, 0.1 + 0.05 - 0.001).decide("post", "tip", 5)
+    inside = PairDecider(disc(tmp_path, 0.1 + 0.05 - 0.001)).decide("post", "tip", 5)
     assert inside.answer == "always"
     assert inside.open_share == 0
     assert inside.cells > 1
-    beyond = disc(tmp_path, 0.1 * 3**0.5 + 0.06).decide("post", "tip", 5)
+    beyond = PairDecider(disc(tmp_path, 0.1 * 3**0.5 + 0.06)).decide("post", "tip", 5)
     assert beyond.answer == "never"
     for free in (1e-4, -1e-4):  # the last 0.1 mm of the slide, or none of it
-        slid = disc(tmp_path, 0.0, slide=True, height=2 * (3 - 0.01 - free)).decide("post", "tip", 0.5)
+        slid = PairDecider(disc(tmp_path, 0.0, slide=True, height=2 * (3 - 0.01 - free))).decide("post", "tip", 0.5)
         assert slid.answer == ("collides" if free > 0 else "always")
 
 

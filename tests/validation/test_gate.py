@@ -4,9 +4,11 @@ The oracles: states of a checker with padding, `Trajectory` and its proofs, and 
 """
 
 import json
+import sys
 
 import numpy as np
 import pytest
+from long_runs.memory import resident
 
 import plannercheck as pc
 from plannercheck.motions.trajectory_checks import TrajectoryChecks
@@ -226,17 +228,30 @@ def test_a_stop_into_a_wall_does_not_pass(checker, home):
         assert verdict.reasons[0].kind == "collision"
 
 
-def asked_quickly(gate, rows, dq):
-    """The motions and tubes that the fast path asks for, the first refused."""
+def are_states(points):
+    """(n,) which motions stand still."""
+    return (points[:, 0] == points[:, 1]).all(axis=1)
+
+
+def asked_quickly(gate, rows, dq, answer=None):
+    """The motions and tubes that the fast path asks for, and its verdict.
+
+    Only states are proved, unless `answer` says otherwise of a call's number and its motions.
+    """
     quick, seen = gate.of(gate.checker)._quick, []
 
-    def refuse(points, tubes):
+    def judge(points, tubes):
         seen.append((points.copy(), tubes.copy()))
-        return np.zeros(len(points), dtype=bool)
+        return are_states(points) if answer is None else answer(len(seen), points)
 
-    quick._free = refuse
-    quick.judge(rows, dq, 50.0)
-    return seen  # of the pieces the few that come first, the stop last
+    quick._free = judge
+    return seen, quick.judge(rows, dq, 50.0)[1]
+
+
+def but_the_cover(call, points):
+    """All is proved but the one motion that covers all, and the few that cover the chunk, so that pieces are asked."""
+    last = np.arange(len(points)) == len(points) - 1
+    return are_states(points) | (call > 2) | ((call == 2) & last)
 
 
 @pytest.mark.parametrize("slow", [0.1, 0.3, 0.7])
@@ -245,7 +260,7 @@ def test_the_fast_path_covers_the_stop(checker, home, slow):
     gate = pc.Gate(checker, velocity=SPEED, brake=[5.0] * 6 + [5.0 * slow])
     dq = np.array([1.0, 0, 0, 0, 0, 0, -1.0])
     rows = home + dq * np.arange(4)[:, None] / 50
-    (cover, wide), (pieces, tubes) = asked_quickly(gate, rows, dq)
+    ((cover, wide), (pieces, tubes), *_), _ = asked_quickly(gate, rows, dq)
     at, lasts = stop_by_hand(rows[-1], dq, np.array([5.0] * 6 + [5.0 * slow]))
     times = np.linspace(0, lasts, 1001)
     states = np.array([at(t) for t in times])
@@ -256,58 +271,79 @@ def test_the_fast_path_covers_the_stop(checker, home, slow):
     assert off[0] >= 0.999 * (tubes[-1, 0] - TUBE) - 1e-8
 
 
-def test_the_fast_path_covers_all_waypoints(gate, home):
-    rows = home + 0.1 * np.sin(np.arange(17)[:, None] / 16 * np.pi) * np.array([1, -0.5, 0, 0, 0, 0, 0])
-    ((cover, wide), _) = asked_quickly(gate, rows, np.zeros(7))
-    part = np.linspace(0, 16, 401)
-    states = np.array([np.interp(part, np.arange(17), column) for column in rows.T]).T
-    line = cover[0, 0] + part[:, None] / 16 * (cover[0, 1] - cover[0, 0])
+@pytest.mark.parametrize("count", [1, 3, 16, 17])
+def test_the_fast_path_covers_all_waypoints(gate, home, count):
+    rows = home + 0.006 * count * np.sin(np.arange(count + 1)[:, None] / count * 3) * np.array([1, -0.5, 0, 0, 0, 0, 0])
+    ((cover, wide), (few, tubes), _), _ = asked_quickly(gate, rows, np.zeros(7))
+    part = np.linspace(0, count, 401)
+    states = np.array([np.interp(part, np.arange(count + 1), column) for column in rows.T]).T
+
+    def off(lines):
+        """How far all states are off one of some motions, in each joint."""
+        shares = np.linspace(0, 1, 201)[:, None, None]
+        points = lines[:, 0] + shares * (lines[:, 1] - lines[:, 0])
+        return np.abs(states - points.reshape(-1, 1, 7)).max(axis=2).min(axis=0).max()
+
+    assert off(cover[:1]) <= (wide[0, :-1] - TUBE).max() + 2e-3
+    assert off(few[:-1]) <= (tubes[:-1, :-1] - TUBE).max() + 2e-3
+    line = cover[0, 0] + part[:, None] / count * (cover[0, 1] - cover[0, 0])
     assert (np.abs(states - line) <= wide[0, :-1] - TUBE + 1e-9).all()
-    assert wide[0, -1] == MARGIN
+    for (begin, end), tube in zip(few[:-1], tubes[:-1], strict=True):
+        first, last = (int(np.flatnonzero((rows == row).all(axis=1))[0]) for row in (begin, end))
+        shares = np.arange(last - first + 1)[:, None] / (last - first)
+        assert (np.abs(rows[first : last + 1] - begin - shares * (end - begin)) <= tube[:-1] - TUBE + 1e-9).all()
+    assert few[0, 0].tolist() == rows[0].tolist()
+    assert (few[1:-1, 0] == few[:-2, 1]).all()
+    assert (wide[:, -1] == MARGIN).all()
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 16])
 def test_the_fast_path_judges_each_piece_once_and_the_stop(gate, home, count):
-    quick, asked = gate.of(gate.checker)._quick, []
-
-    def prove(points, tubes):
-        asked.append(points)
-        return np.full(len(points), len(asked) > 1)  # the cover is refused
-
-    quick._free = prove
     rows = home + 0.002 * np.arange(count + 1)[:, None]
-    assert quick.judge(rows, np.zeros(7), 50.0)[1] is True
-    pieces = np.concatenate(asked[1:])
-    assert len(pieces) == count + 1
-    for piece in np.stack([rows[:-1], rows[1:]], axis=1):
-        assert (pieces == piece).all(axis=(1, 2)).sum() == 1
+    (_, _, (pieces, _)), passes = asked_quickly(gate, rows, np.zeros(7), but_the_cover)
+    assert passes is True
+    assert (pieces == np.stack([rows[:-1], rows[1:]], axis=1)).all()
 
 
 def test_the_fast_path_looks_at_states_of_the_stop(gate, home):
-    quick, asked = gate.of(gate.checker)._quick, []
-
-    def refuse_the_stop(points, tubes):
-        asked.append(points)
-        return np.arange(len(points)) < len(points) - 1 if len(asked) < 3 else np.ones(len(points), dtype=bool)
-
-    quick._free = lambda points, tubes: refuse_the_stop(points, tubes) | (len(asked) == 3)
     dq = np.array([1.0, -0.5, 0, 0, 0, 0, 0.1])
     rows = home + dq * np.arange(4)[:, None] / 50
-    assert quick.judge(rows, dq, 50.0)[1] is None
+
+    def but_the_stop(call, points):
+        last = np.arange(len(points)) == len(points) - 1
+        return are_states(points) if call == 1 else ~last if call == 2 else ~last | is_free
+
+    is_free = True
+    asked, passes = asked_quickly(gate, rows, dq, but_the_stop)
+    assert passes is None
     at, lasts = stop_by_hand(rows[-1], dq)
     expected = np.array([at(lasts * part) for part in (1.0, 0.6, 0.3)])
-    np.testing.assert_allclose(asked[-1], np.stack([expected, expected], axis=1), atol=1e-12)
-    asked.clear()
-    quick._free = lambda points, tubes: np.arange(len(points)) < len(points) - 1
-    assert quick.judge(rows, dq, 50.0)[1] is False
+    np.testing.assert_allclose(asked[-1][0], np.stack([expected, expected], axis=1), atol=1e-12)
+    is_free = False
+    assert asked_quickly(gate, rows, dq, but_the_stop)[1] is False
 
 
 @pytest.mark.parametrize("refused", [0, 7, 8, 15, 3])
-def test_the_fast_path_refuses_for_any_piece(gate, home, refused):
-    quick = gate.of(gate.checker)._quick
+def test_the_fast_path_refuses_for_any_piece_and_some_states(gate, home, refused):
     rows = home + 0.002 * np.arange(17)[:, None]
-    quick._free = lambda points, tubes: (len(points) > 1) & ~(points[:, 0] == rows[refused]).all(axis=1)
-    assert quick.judge(rows, np.zeros(7), 50.0)[1] is False
+
+    def but_one(call, points):
+        return but_the_cover(call, points) & ~(points[:, 0] == rows[refused]).all(axis=1)
+
+    asked, passes = asked_quickly(gate, rows, np.zeros(7), but_one)
+    assert passes is False
+    assert len(asked) == (1 if refused in (0, 8) else 3)
+
+
+def test_judgements_leave_nothing_behind(gate, chunks):
+    """Neither Python's blocks nor the process's memory grow; `gate_times.py` says so of 100,000 judgements."""
+    for _ in range(2):  # caches are full after the first round
+        blocks, memory = sys.getallocatedblocks(), resident()
+        for _ in range(30):
+            for positions, q, dq in chunks:
+                gate.judge(positions, 50, start=(q, dq))
+    assert sys.getallocatedblocks() - blocks < 100
+    assert resident() - memory < 1 << 20
 
 
 def test_a_robot_at_rest_stops_where_it_stands(gate, home):
@@ -353,6 +389,7 @@ MISTAKES = {
     "too narrow": ({"chunk": np.zeros((3, 6)), "rate": 50}, "chunk must have the shape"),
     "texts": ({"chunk": [["a"] * 7], "rate": 50}, "chunk must be numbers"),
     "not a number": ({"chunk": np.full((3, 7), np.nan), "rate": 50}, "chunk must be finite"),
+    "not a number beyond a limit": ({"chunk": np.array([[9.0] * 7, [np.nan] * 7]), "rate": 50}, "chunk must be finite"),
     "infinite start": ({"chunk": np.zeros((3, 7)), "rate": 50, "start": np.full(7, np.inf)}, "start must be finite"),
     "velocities": ({"chunk": np.zeros((3, 7)), "rate": 50, "start": (np.zeros(7), np.full(7, np.nan))}, "velocities"),
     "narrow start": ({"chunk": np.zeros((3, 7)), "rate": 50, "start": np.zeros(6)}, "start must have the shape"),

@@ -5,9 +5,10 @@ sure, or fails for sure; where nothing is known, or all but the stop, the plain 
 
 1. The limits of positions, speeds and accelerations, at the waypoints. A number that is none keeps no limit.
 2. One straight motion from the start to the middle of the stop. Its tube is so wide that it covers the chunk and the
-   stop: their difference from it is linear between waypoints, so it is largest at one of them.
-3. The pieces as they are, and the stop as a straight motion with a tube. If only this is not proved, some states of
-   the stop: where one is refused, so is the chunk.
+   stop: their difference from it is linear between waypoints, so it is largest at one of them. With it some states of
+   the chunk are judged: where one is refused, so is the chunk.
+3. A few straight motions whose tubes cover the chunk likewise, or the pieces as they are; and the stop as a straight
+   motion with a tube. If only this is not proved, some states of the stop.
 
 In a stop, joint j gets by d = v T / 2 further, of which the part 1 − (1 − t/T)² is done at t. The straight motion does
 for all joints what the joint does that takes longest, M. With r = T/M, joint j is ahead of it by d (1 − t/M)² − d (1 −
@@ -42,6 +43,9 @@ _ERRORS = 36
 # Instants of a stop, as parts of its time, at which its states are judged before its pieces are, (n, 1).
 _LOOKS = np.array([[1.0], [0.6], [0.3]])
 
+# The chunk is covered by so many straight motions where one is too wide.
+_MOTIONS = 4
+
 # In place of the longest time of a stop where all joints rest, s.
 _NO_TIME = 1e-300
 
@@ -59,8 +63,11 @@ class _Even:
         first: The first step, s.
         last: The last step, s.
         least: The least step, s.
-        few: Pieces that are judged first, the stop as the last of them.
-        others: All others.
+        looks: Rows that are judged as states.
+        cuts: Rows at which the few motions begin.
+        ends: Rows at which they end.
+        motion: (n + 1,) the motion of each row.
+        along: (n + 1, 1) the part of its motion that is done there.
     """
 
     times: Floats
@@ -68,8 +75,11 @@ class _Even:
     first: float
     last: float
     least: float
-    few: Ints64
-    others: Ints64
+    looks: Ints64
+    cuts: Ints64
+    ends: Ints64
+    motion: Ints64
+    along: Floats
 
 
 @lru_cache(REMEMBERED)
@@ -77,10 +87,13 @@ def _even(count: int, rate: float) -> _Even:
     times = even_times(count, rate)
     whole = np.concatenate(([0.0], times))
     steps = durations(whole)
-    few = distinct([0, (count - 1) // 2, count - 1, count])
-    others = np.array([k for k in range(count) if k not in few], dtype=np.int64)
+    looks = np.array([0, count // 2, count])
+    corners = distinct(np.linspace(0, count, _MOTIONS + 1).round().astype(np.int64))
+    cuts, ends, rows = corners[:-1], corners[1:], np.arange(count + 1)
+    motion = np.searchsorted(cuts, rows, side="right") - 1
+    along = ((rows - cuts[motion]) / (ends - cuts)[motion])[:, None]
     shares = (whole / times[-1])[:, None]
-    return _Even(times, shares, float(steps[0]), float(steps[-1]), float(steps.min()), few, others)
+    return _Even(times, shares, float(steps[0]), float(steps[-1]), float(steps.min()), looks, cuts, ends, motion, along)
 
 
 class QuickJudge:
@@ -95,7 +108,8 @@ class QuickJudge:
         self._bends = limits.has_accelerations
         self._centre = (limits.lower + limits.upper) / 2
         reach = (limits.upper - limits.lower) / 2
-        self._around_centre = reach - 4 * UNIT * (np.abs(self._centre) + reach)
+        rounding = 4 * UNIT * (np.abs(self._centre) + reach)
+        self._around_centre, self._beyond = reach - rounding, reach + rounding
         self._sizes: dict[tuple[int, float], Floats] = {}
         largest = np.maximum(np.abs(limits.lower), np.abs(limits.upper))
         error = hermite_error(np.array((largest, largest)), None, None, 1.0, True) + _ERRORS * UNIT * largest
@@ -122,8 +136,9 @@ class QuickJudge:
     def judge(self, rows: Floats, dq: Floats, rate: float) -> tuple[Chunk, bool | None] | None:
         """The chunk, and whether it passes, None if all but its stop does; None if nothing is known."""
         at = _even(len(rows) - 1, rate)
-        if not self._keeps_limits(rows, dq, at):
-            return None
+        keeps = self._keeps_limits(rows, dq, at)
+        if not keeps:
+            return None if keeps is None else (Chunk(at.times, rows[1:], rows[0], dq, rate), False)
         velocity = (rows[-1] - rows[-2]) / at.last
         speed = np.abs(velocity)
         lasts = speed / self._brake
@@ -134,8 +149,9 @@ class QuickJudge:
         if not ((rest - late >= self._lower).all() and (rest + late <= self._upper).all()):
             beyond = (rest + late < self._lower).any() or (rest - late > self._upper).any()
             return (chunk, False) if beyond else None
-        if self._is_covered(rows, rows[-1] + half, np.abs(half) + late, at):
-            return chunk, True
+        covered = self._is_covered(rows, rows[-1] + half, np.abs(half) + late, at)
+        if covered is not None:
+            return chunk, covered
         share = lasts / max(lasts.max(), _NO_TIME)
         aside = half * ((1 - share) / (1 + share))
         known = self._is_free(rows, aside, rest + aside, np.abs(aside) + late, at)
@@ -143,8 +159,8 @@ class QuickJudge:
             known = False
         return chunk, known
 
-    def _keeps_limits(self, rows: Floats, dq: Floats, at: _Even) -> bool:
-        """Whether all limits are kept for sure."""
+    def _keeps_limits(self, rows: Floats, dq: Floats, at: _Even) -> bool | None:
+        """Whether all limits are kept; None if that is not sure."""
         count = len(rows)
         sizes = np.empty((2 * count, self._nq))
         moved = sizes[count:-1]
@@ -155,9 +171,11 @@ class QuickJudge:
             most = self._acceleration * (at.least * at.least)
             from_start = np.abs(moved[0] - dq * at.first) <= most
             if not (from_start.all() and (np.abs(moved[1:] - moved[:-1]) <= most).all()):
-                return False
+                return None
         np.abs(sizes, out=sizes)
-        return bool((sizes <= self._largest_sizes(count, at.least)).all())
+        if (sizes <= self._largest_sizes(count, at.least)).all():
+            return True
+        return False if (sizes[:count] > self._beyond).any() and np.isfinite(sizes).all() else None
 
     def _largest_sizes(self, count: int, step: float) -> Floats:
         """(2 count, nq) of offsets from the middle of the limits, of steps, and of velocities at the start."""
@@ -169,28 +187,36 @@ class QuickJudge:
         rows = ((self._around_centre, count), (self._velocity * step, count - 1), (self._velocity, 1))
         return self._sizes.setdefault((count, step), np.concatenate([np.tile(row, (n, 1)) for row, n in rows]))
 
-    def _is_covered(self, rows: Floats, middle: Floats, reach: Floats, at: _Even) -> bool:
-        """Whether one straight motion is proved whose tube covers all."""
+    def _is_covered(self, rows: Floats, middle: Floats, reach: Floats, at: _Even) -> bool | None:
+        """Whether one straight motion is proved whose tube covers all; False if a state is refused, else None."""
         straight = rows[0] + at.shares * (middle - rows[0])
-        tubes = self._around[None].copy()
+        tubes = self._tubes(1 + len(at.looks))
         tubes[0, :-1] += np.maximum(np.abs(rows - straight).max(axis=0), reach)
-        ends = np.array(((rows[0], middle),))
-        return bool(self._free(ends, tubes)[0])
+        ends = np.empty((len(tubes), 2, self._nq))
+        ends[0, 0], ends[0, 1], ends[1:] = rows[0], middle, rows[at.looks, None]
+        free = self._free(ends, tubes)
+        return True if free[0] else None if free[1:].all() else False
+
+    def _tubes(self, count: int) -> Floats:
+        """(count, nq + 1) the tube and the margin of all motions."""
+        tubes = np.empty((count, self._nq + 1))
+        tubes[:] = self._around
+        return tubes
 
     def _is_free(self, rows: Floats, aside: Floats, end: Floats, off: Floats, at: _Even) -> bool | None:
-        """Whether the pieces are proved, and the stop as a straight motion; None if only the stop is not.
+        """Whether the chunk is proved, and the stop as a straight motion; None if only the stop is not.
 
-        The stop's motion begins aside of the last waypoint. It comes first with a few pieces: to refuse a piece takes
-        longer than to prove it, and often many are refused.
+        The stop's motion begins aside of the last waypoint.
         """
-        ends = np.empty((len(rows), 2, self._nq))
-        ends[:, 0], ends[:-1, 1], ends[-1, 1] = rows, rows[1:], end
-        ends[-1, 0] += aside
-        tubes = np.empty((len(rows), self._nq + 1))
-        tubes[:] = self._around
+        begins, past = rows[at.cuts], rows[at.ends]
+        lines = begins[at.motion] + at.along * (past - begins)[at.motion]
+        tubes = self._tubes(len(begins) + 1)
+        tubes[:-1, :-1] += np.maximum.reduceat(np.abs(rows - lines), at.cuts)
         tubes[-1, :-1] += off
-        free = self._free(ends[at.few], tubes[at.few])
-        if not free[:-1].all() or not self._free(ends[at.others], tubes[at.others]).all():
+        ends = np.empty((len(tubes), 2, self._nq))
+        ends[:-1, 0], ends[:-1, 1], ends[-1, 0], ends[-1, 1] = begins, past, rows[-1] + aside, end
+        free = self._free(ends, tubes)
+        if not free[:-1].all() and not self._free(np.stack((rows[:-1], rows[1:]), 1), self._tubes(len(rows) - 1)).all():
             return False
         return True if free[-1] else None
 
@@ -198,7 +224,7 @@ class QuickJudge:
         """Whether some states of the stop are proved: else the stop is not."""
         share = np.minimum(_LOOKS * lasts.max() / np.maximum(lasts, _NO_TIME), 1.0)
         states = q + velocity * lasts * share * (1 - share / 2)
-        return bool(self._free(np.stack((states, states), axis=1), np.tile(self._around, (len(states), 1))).all())
+        return bool(self._free(np.stack((states, states), axis=1), self._tubes(len(states))).all())
 
 
 def _doubles(values: ArrayLike, name: str) -> Floats:

@@ -108,7 +108,7 @@ def _constant(one: Callable[[int], object], trials: int, told: dict[str, int]) -
     for number in range(trials):
         one(number)
         while len(held) < _SAMPLES and number + 1 >= marks[len(held)]:
-            held.append(_resident())
+            held.append(resident())
     for since, words in ((0, "the first tenth"), (_SAMPLES // 2 - 1, "the middle")):
         if held[-1] - held[since] > ROOM:
             grown = (held[-1] - held[since]) / 1e6
@@ -121,7 +121,7 @@ def _constant(one: Callable[[int], object], trials: int, told: dict[str, int]) -
     }
 
 
-def _resident() -> int:
+def resident() -> int:
     """Bytes of memory that this process has now."""
     return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * resource.getpagesize()
 

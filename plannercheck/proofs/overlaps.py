@@ -1,0 +1,67 @@
+"""How deep two hulls are in each other, by a closed surface around 0 (`link_pairs.py` has the claim).
+
+In: maps of both bodies, an overlap. Out: whether the hulls are deeper in each other than a length. Let a surface's
+triangles be such that each directed edge has its opposite once, and 0 is behind each triangle's plane. Then the solid
+angles that triangles have as seen from 0 are positive and add up to a multiple of a whole sphere, so that a ray in any
+direction meets a triangle, beyond its plane's distance. All corners are differences of points of the hulls, so the hull
+of all differences holds a ball around 0 of the least distance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from flint import arb, arb_mat
+
+from plannercheck.common.array_types import Floats
+from plannercheck.proofs.faults import UnprovedError
+from plannercheck.proofs.link_pairs import Overlap
+
+
+def is_deeper(overlap: Overlap, first: tuple[Floats, Any], second: tuple[Floats, Any], depth: float) -> bool:
+    """Whether hulls are deeper in each other than a length, m.
+
+    Args:
+        overlap: What shows it.
+        first: The vertices (n, 3) and the map, 4 x 4, of the first body.
+        second: Of the second body.
+        depth: m, at least 0.
+
+    Raises:
+        UnprovedError: If the surface is not closed, or has corners that there are not.
+    """
+    _check_closed(overlap)
+    moved = [
+        _moved(*side, [point[k] for point in overlap.points], what)
+        for k, (side, what) in enumerate(((first, "first"), (second, "second")))
+    ]
+    corners = [[a - b for a, b in zip(*both, strict=True)] for both in zip(*moved, strict=True)]
+    return all(_is_behind([corners[k] for k in facet], depth) for facet in overlap.facets)
+
+
+def _check_closed(overlap: Overlap) -> None:
+    edges = [edge for a, b, c in overlap.facets for edge in ((a, b), (b, c), (c, a))]
+    known = set(edges)
+    if not edges or len(known) < len(edges) or any((b, a) not in known for a, b in edges):
+        raise UnprovedError("the surface of an overlap is not closed")
+    if not all(0 <= k < len(overlap.points) for edge in edges for k in edge):
+        raise UnprovedError("the surface of an overlap has a corner that there is not")
+
+
+def _moved(vertices: Floats, matrix: Any, rows: Sequence[int], what: str) -> list[list[Any]]:
+    """Some vertices, mapped."""
+    if not all(0 <= row < len(vertices) for row in rows):
+        raise UnprovedError(f"an overlap names a vertex that the {what} body has not")
+    points = (matrix * arb_mat(4, 1, [*vertices[row].tolist(), 1]) for row in rows)
+    return [point.entries()[:3] for point in points]
+
+
+def _is_behind(facet: Sequence[Sequence[Any]], depth: float) -> bool:
+    """Whether 0 is further behind a triangle's plane than a length."""
+    u, v, w = facet
+    (x0, y0, z0), (x1, y1, z1) = ([b - a for a, b in zip(u, end, strict=True)] for end in (v, w))
+    normal = (y0 * z1 - z0 * y1, z0 * x1 - x0 * z1, x0 * y1 - y0 * x1)
+    length = sum((x * x for x in normal), arb(0)).nonnegative_part().sqrt()
+    height = sum((x * y for x, y in zip(normal, u, strict=True)), arb(0))
+    return bool(height > arb(depth) * length)
