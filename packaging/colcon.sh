@@ -9,7 +9,7 @@ mkdir -p "$1"
 folder=$(cd "$1" && pwd)
 here=$(cd "$(dirname "$0")/.." && pwd)
 python3 -m venv "$folder/tools"
-"$folder/tools/bin/pip" install -qq cmake colcon-cmake colcon-ros colcon-package-selection
+"$folder/tools/bin/pip" install -qq cmake colcon-cmake colcon-ros colcon-metadata colcon-package-selection
 export PATH=$folder/tools/bin:$PATH
 cd "$folder"
 colcon build --base-paths "$here" "${@:2}"

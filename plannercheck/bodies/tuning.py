@@ -82,8 +82,8 @@ class Tuning:
     )
     learning: bool = _switch("Pairs that collided lately are tested first, where any collision decides.")
     part_trees: bool = _switch(
-        "Trees of boxes, many parts at once or along one direction, boxes around several bodies, and looks at the "
-        "heights under a body settle sets of parts. Off, each part is tested by itself, as a body of its own."
+        "Trees of boxes, and many parts at once or along one direction, settle sets of parts. Off, each part is tested "
+        "by itself, as a body of its own."
     )
     sorted_states: bool = _switch("Like states of a set are judged together.")
     float_poses: bool = _switch("Filters of sets look at poses in floats, whose error is bounded.")

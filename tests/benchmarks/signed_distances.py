@@ -10,8 +10,9 @@ signed_distance_oracle) has to be in [lower bound, distance], and these within 1
 translation along the direction has to separate; points have to lie on their bodies.
 directions: hulls of more vertices, against the overlap along 10,000 directions and those next to the one found.
 generator: 3,000 pairs of small convex meshes at seeded poses, made as in github.com/google-deepmind/mujoco/issues/3383
-(its seed, trials and range; shapes and poses are drawn here), before coal, FCL, MuJoCo and drake. Vertices are rounded
-to floats, which MuJoCo takes.
+(its seed, trials and range; what is stored of it ends before shapes and poses, which are drawn here), before coal, FCL,
+MuJoCo and drake. Vertices are rounded to floats, which MuJoCo takes. MuJoCo 3.10.0, which has the issue's fault, is at
+0 for 38 of these pairs that are apart (103 of the issue's), MuJoCo 4.0.0 for none.
 cost: depths of round bodies beside verdicts and coal's depths, in processor time, each in one call for all pairs.
 """
 

@@ -112,3 +112,16 @@ def test_half_spaces_and_sets_of_parts():
         assert found.lower_bound - 1e-15 <= height - 0.1 <= found.distance + 1e-15
         assert found.distance - found.lower_bound < 1e-12
         assert pc.signed_distance(floor, cloud, None, pose).direction @ [0, 0, -1] == pytest.approx(1)
+
+
+def test_balls_beyond_the_nearest_keep_their_lower_bounds():
+    """Each ball of a cloud is measured up to the nearest so far: past that limit there is no upper bound."""
+    rng = np.random.default_rng(0)
+    cloud, cube = pc.PointCloud(rng.uniform(-1, 1, (200, 3)), 0.01), pc.Box((1, 1, 1))
+    for other in (cube, pc.Capsule(0.1, 0.5), pc.Sphere(0.2)):
+        for shift in rng.normal(size=(20, 3)) * 3:
+            pose = np.eye(4)
+            pose[:3, 3] = shift
+            found = pc.signed_distance(cloud, other, None, pose)
+            if found.distance > 0:
+                assert found.distance - found.lower_bound <= 1e-12

@@ -134,17 +134,6 @@ def test_most_bodies_over_the_ground_are_looked_up(tmp_path) -> None:
     assert plain.statistics()["bounds"] == 0
 
 
-def test_a_foot_under_the_surface_needs_no_tree(tmp_path) -> None:
-    """The lowest vertex under the heights decides."""
-    shape = pc.HeightField(smooth((200, 200), 0.05), 0.05, -1.0)
-    checker = pc.Checker(walker(str(tmp_path)), scene_of(shape, np.eye(4)), self_collision=False)
-    rng = np.random.default_rng(4)
-    q = np.zeros((100, 8))
-    q[:, :2], q[:, 2], q[:, 5:7] = rng.uniform(0.5, 9.0, size=(100, 2)), 0.26, np.sqrt(0.5)
-    assert not checker.check_states(q).any()
-    assert checker.statistics()["solver"] == 0
-
-
 def test_lengths_of_quaternions_are_looked_at_in_the_core_and_beyond_it(tmp_path) -> None:
     """Nearly of length 1, all are judged, one by one and in sets; else refused alike."""
     rng = np.random.default_rng(5)

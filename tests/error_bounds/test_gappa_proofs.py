@@ -67,9 +67,7 @@ CHECKED = [
     "part_set",
     "part_walk",
     "part_pair",
-    "part_groups",
     "part_separation",
-    "swept_boxes",
     "kinematic_error",
 ]
 

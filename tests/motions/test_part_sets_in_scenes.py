@@ -198,7 +198,7 @@ SLIDING = """<robot name="two boxes">
 
 
 @pytest.mark.parametrize("part", [0.2, 0.4])
-def test_a_box_around_bodies_has_room_for_their_own_rounding(part: float, tmp_path: Path) -> None:
+def test_verdicts_far_away_do_not_depend_on_boxes(part: float, tmp_path: Path) -> None:
     """So far away that both boxes' places are rounded, one by half of 2^-15 m, to where the second meets the ball."""
     step, far = 2.0**-15, 2.0**37
     (tmp_path / "two.urdf").write_text(SLIDING.format(place=0.02 + part * step))

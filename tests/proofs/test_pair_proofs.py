@@ -211,10 +211,15 @@ def test_what_is_not_proved_to_overlap_is_refused(always, collides, name):
         assert fault_of(with_overlap(proofs, FORGED_ALWAYS[name])) is not None
 
 
-def test_overlaps_hold_as_far_as_boxes_reach(always, collides):
+def test_overlaps_hold_as_far_as_boxes_reach(always, collides, tmp_path):
     """A leaf of an eighth of the box does not prove all of it; a body that is lifted by its depth is not deep."""
     leaf = always.pairs[0].cells[first_leaf(always)]
     assert fault_of(with_pair(always, cells=(leaf,))) is not None
+    decider = PairDecider(disc(tmp_path, INSIDE))
+    middle = replace(decider.decide("post", "tip", 5), answer="collides", example=np.zeros(decider.robot.nq))
+    at_middle = pair_proofs(decider, [middle], 60)
+    assert fault_of(at_middle) is None
+    assert fault_of(with_pair(always, cells=at_middle.pairs[0].cells)) is not None
     assert fault_of(with_pair(always, cells=(Cell(),))) is not None
     assert fault_of(with_pair(always, answer="never")) is not None
     assert fault_of(moved(collides, "pointer", 9e-5)) is None

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "math/vec.hpp"
@@ -47,6 +49,26 @@ auto output_array(const std::vector<Number>& values, std::initializer_list<std::
   Number* raw = data.release();
   nanobind::capsule owner(raw, [](void* p) noexcept { delete[] static_cast<Number*>(p); });
   return nanobind::ndarray<nanobind::numpy, Number>(raw, shape, owner);
+}
+
+// Points as rows of three numbers.
+inline void append(std::vector<double>& rows, Vec3 p) { rows.insert(rows.end(), {p.x, p.y, p.z}); }
+inline auto point_array(Vec3 p) { return output_array(std::vector<double>{p.x, p.y, p.z}, {std::size_t{3}}); }
+inline auto point_array(const std::vector<Vec3>& points) {
+  std::vector<double> rows;
+  rows.reserve(3 * points.size());
+  for (const Vec3& p : points) append(rows, p);
+  return output_array(rows, {points.size(), std::size_t{3}});
+}
+
+// Counters by their names.
+template <class Counters>
+nanobind::dict named_counters(
+    const Counters& counters,
+    std::initializer_list<std::pair<const char*, long std::type_identity_t<Counters>::*>> members) {
+  nanobind::dict out;
+  for (const auto& [name, member] : members) out[name] = counters.*member;
+  return out;
 }
 
 }  // namespace plannercheck

@@ -56,15 +56,15 @@ class BoundChecker : public Pooled<CheckerCore> {
   }
 
   nb::dict statistics() {
-    const CheckerCounters total = counted();
-    nb::dict out;
-    out["states"] = total.states;
-    out["pairs"] = total.pairs;
-    out["bounds"] = total.bounds;
-    out["overlaps"] = total.overlaps;
-    out["boxes"] = total.boxes;
-    out["skipped"] = total.skipped;
-    out["trees"] = total.trees;
+    using C = CheckerCounters;
+    const C total = counted();
+    nb::dict out = named_counters(total, {{"states", &C::states},
+                                          {"pairs", &C::pairs},
+                                          {"bounds", &C::bounds},
+                                          {"overlaps", &C::overlaps},
+                                          {"boxes", &C::boxes},
+                                          {"skipped", &C::skipped},
+                                          {"trees", &C::trees}});
     constexpr std::array<const char*, kStages> names{"cached_plane",   "box_face",      "centre_axis", "solver",
                                                      "nearest_points", "double_double", "exact"};
     for (std::size_t i = 0; i < total.stages.size(); ++i) out[names[i]] = total.stages[i];
@@ -74,15 +74,6 @@ class BoundChecker : public Pooled<CheckerCore> {
 
  private:
   JointLimits limits_;
-
-  static std::vector<GeometryObject> geometry_objects(const std::vector<std::shared_ptr<Polytope>>& bodies,
-                                                      InputArray<std::int32_t, -1> links,
-                                                      InputArray<double, -1, 4, 4> placements) {
-    std::vector<GeometryObject> out;
-    for (std::size_t i = 0; i < bodies.size(); ++i)
-      out.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
-    return out;
-  }
 
   static std::vector<PairsInCells> pairs_in_cells(const CellsOfPairs& given, std::size_t pairs) {
     std::vector<PairsInCells> out;
@@ -249,6 +240,14 @@ auto body_poses(const BoundChecker& checker, LinkPoses poses) {
 }
 
 }  // namespace
+
+std::vector<GeometryObject> geometry_objects(const std::vector<std::shared_ptr<Polytope>>& bodies,
+                                             InputArray<std::int32_t, -1> links,
+                                             InputArray<double, -1, 4, 4> placements) {
+  std::vector<GeometryObject> out;
+  for (std::size_t i = 0; i < bodies.size(); ++i) out.push_back({bodies[i], links(i), pose_at(placements, i)});
+  return out;
+}
 
 std::shared_ptr<const CheckerCore> shared_checker_core(nb::object checker) {
   const CheckerCore* core = &nb::cast<const BoundChecker*>(checker)->core();

@@ -35,8 +35,8 @@ class BoundDistances : public Pooled<DistanceCore> {
                  InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements,
                  InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count, double limit, const Tuning& tuning,
                  std::shared_ptr<SampledPoses> sampled)
-      : Pooled(geometry_objects(bodies, paddings, links, placements), pairs_from(pairs), link_count, limit, tuning,
-               std::move(sampled)) {}
+      : Pooled(without_paddings(geometry_objects(bodies, links, placements), paddings), pairs_from(pairs), link_count,
+               limit, tuning, std::move(sampled)) {}
 
   // measure(states, table, workspace) for shares of all states; rows in the order of states, then nearest first.
   template <class Measure>
@@ -60,18 +60,13 @@ class BoundDistances : public Pooled<DistanceCore> {
   }
 
  private:
-  static std::vector<GeometryObject> geometry_objects(const std::vector<std::shared_ptr<Polytope>>& bodies,
-                                                      InputArray<double, -1> paddings,
-                                                      InputArray<std::int32_t, -1> links,
-                                                      InputArray<double, -1, 4, 4> placements) {
-    std::vector<GeometryObject> out;
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-      std::shared_ptr<Polytope> body = bodies[i];
-      if (paddings(i) > 0) {
-        body = std::make_shared<Polytope>(*body);
-        body->inflation_radius = larger(body->inflation_radius - paddings(i), 0);
-      }
-      out.push_back({std::move(body), links(i), pose_from(placements.data() + 16 * i)});
+  static std::vector<GeometryObject> without_paddings(std::vector<GeometryObject> out,
+                                                      InputArray<double, -1> paddings) {
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      if (!(paddings(i) > 0)) continue;
+      auto body = std::make_shared<Polytope>(*out[i].body);
+      body->inflation_radius = larger(body->inflation_radius - paddings(i), 0);
+      out[i].body = std::move(body);
     }
     return out;
   }

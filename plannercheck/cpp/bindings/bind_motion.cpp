@@ -52,15 +52,15 @@ class BoundCertifier : public Pooled<MotionCertifier> {
   using Pooled::Pooled;
 
   nb::dict statistics() {
-    const MotionCounters total = counted();
-    nb::dict out;
-    out["motions"] = total.motions;
-    out["grids"] = total.grids;
-    out["states"] = total.states;
-    out["pairs"] = total.pairs;
-    out["intervals"] = total.intervals;
-    out["planes"] = total.planes;
-    out["swept"] = total.swept;
+    using C = MotionCounters;
+    const C total = counted();
+    nb::dict out = named_counters(total, {{"motions", &C::motions},
+                                          {"grids", &C::grids},
+                                          {"states", &C::states},
+                                          {"pairs", &C::pairs},
+                                          {"intervals", &C::intervals},
+                                          {"planes", &C::planes},
+                                          {"swept", &C::swept}});
     out["queries"] = counters_dict(total.pair);
     return out;
   }
@@ -257,8 +257,7 @@ nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, Co
                                     proved ? &proofs : nullptr, w);
     });
   });
-  return explained_motion<3>(report, proofs,
-                             [](Vec3 d, std::vector<double>& row) { row.insert(row.end(), {d.x, d.y, d.z}); });
+  return explained_motion<3>(report, proofs, [](Vec3 d, std::vector<double>& rows) { append(rows, d); });
 }
 
 // Configurations at parameters (n,) of the first motion.
@@ -282,8 +281,7 @@ void bind_motion(nb::module_& m) {
              IndexTable<2> parts, int width, int link_count, double defect, double leverage, int depth, double extent,
              InputArray<double, -1> travel, int joints, const Tuning& tuning, nb::list states) {
             MotionModel model;
-            for (std::size_t i = 0; i < bodies.size(); ++i)
-              model.bodies.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
+            model.bodies = geometry_objects(bodies, links, placements);
             for (std::size_t p = 0; p < pairs.shape(0); ++p)
               model.pairs.push_back({pairs(p, 0), pairs(p, 1), pairs(p, 2), pairs(p, 3), pairs(p, 4)});
             model.chains = chains_from(drives, factors, first_entry, entries, arms, slides);

@@ -65,10 +65,8 @@ class PairQueries {
     PairCounters counters;
     const PosedPolytope a = first.posed(), b = second.posed();
     const PairDistance found = depths ? signed_distance(a, b, counters) : pair_distance(a, b, kNoLimit, counters);
-    std::vector<double> rows;
-    for (const Vec3& v : {found.on_body_a, found.on_body_b, found.direction}) rows.insert(rows.end(), {v.x, v.y, v.z});
     return nb::make_tuple(found.overlap, found.upper, found.lower,
-                          output_array(rows, {std::size_t{3}, std::size_t{3}}));
+                          point_array(std::vector<Vec3>{found.on_body_a, found.on_body_b, found.direction}));
   }
 
  private:

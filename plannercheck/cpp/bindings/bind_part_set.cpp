@@ -47,17 +47,13 @@ std::shared_ptr<PartSet> columns(InputArray<double, -1, -1> heights, InputArray<
       [&] { return PartSet::columns(heights.data(), heights.shape(0), heights.shape(1), steps, from, base); });
 }
 
-auto vector_of(Vec3 v) { return output_array(std::vector<double>{v.x, v.y, v.z}, {std::size_t{3}}); }
-
 // The corners (n, 3) and the radius of the part at a place, and what it was given as; no corners where there is none.
 nb::tuple part_at(const PartSet& set, std::size_t place) {
   if (place >= set.leaf_count() * kPartsInLeaf) throw nb::index_error("no such part");
   const PartShape part = set.shape(place);
-  std::vector<double> flat;
-  for (std::size_t c = 0; c < part.corners; ++c)
-    flat.insert(flat.end(), {part.corner[c].x, part.corner[c].y, part.corner[c].z});
+  const std::vector<Vec3> corners(part.corner.begin(), part.corner.begin() + static_cast<std::ptrdiff_t>(part.corners));
   const std::int64_t source = part.corners == 0 ? -1 : set.source(place);
-  return nb::make_tuple(output_array(flat, {part.corners, std::size_t{3}}), part.radius, source);
+  return nb::make_tuple(point_array(corners), part.radius, source);
 }
 
 // The maker of the set, by its name, and its arguments.
@@ -71,7 +67,7 @@ nb::tuple state_of(const PartSet& set) {
     case PartSet::Kind::kCells:
       return nb::make_tuple("cells", nb::make_tuple(output_array(given.keys, {set.part_count(), three}),
                                                     output_array(given.sizes, {set.part_count()}), given.resolution,
-                                                    vector_of(given.origin)));
+                                                    point_array(given.origin)));
     default:
       return nb::make_tuple(
           "columns", nb::make_tuple(output_array(given.numbers, {given.rows, given.columns}),
@@ -107,9 +103,9 @@ void bind_part_set(nb::module_& m) {
       .def_prop_ro("count", &PartSet::part_count)
       .def_prop_ro("places", [](const PartSet& s) { return s.leaf_count() * kPartsInLeaf; })
       .def(
-          "low", [](const PartSet& s) { return vector_of(s.low()); }, plain_floats)
+          "low", [](const PartSet& s) { return point_array(s.low()); }, plain_floats)
       .def(
-          "high", [](const PartSet& s) { return vector_of(s.high()); }, plain_floats)
+          "high", [](const PartSet& s) { return point_array(s.high()); }, plain_floats)
       .def_prop_ro("nbytes", &PartSet::bytes)
       .def("state", &state_of, plain_floats)
       .def("part", &part_at, plain_floats)

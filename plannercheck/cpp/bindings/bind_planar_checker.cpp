@@ -23,18 +23,18 @@ class BoundPlanarChecker : public Pooled<PlanarChecker> {
       : Pooled(model.links, model.width, model.bodies, model.pairs, bounds, first), polygons_(model.polygons) {}
 
   nb::dict statistics() {
-    const PlanarCheckerCounters total = counted();
-    nb::dict out, queries;
-    out["states"] = total.states;
-    out["pairs"] = total.pairs;
-    out["bounds"] = total.bounds;
-    out["tests"] = total.tests;
-    out["skipped"] = total.skipped;
-    queries["rounds"] = total.pair.rounds;
-    queries["vertices"] = total.pair.vertices;
-    queries["double_double"] = total.pair.double_double;
-    queries["exact"] = total.pair.exact;
-    out["queries"] = queries;
+    using C = PlanarCheckerCounters;
+    using P = PlanarCounters;
+    const C total = counted();
+    nb::dict out = named_counters(total, {{"states", &C::states},
+                                          {"pairs", &C::pairs},
+                                          {"bounds", &C::bounds},
+                                          {"tests", &C::tests},
+                                          {"skipped", &C::skipped}});
+    out["queries"] = named_counters(total.pair, {{"rounds", &P::rounds},
+                                                 {"vertices", &P::vertices},
+                                                 {"double_double", &P::double_double},
+                                                 {"exact", &P::exact}});
     return out;
   }
 

@@ -28,15 +28,13 @@ class BoundPlanarCertifier : public Pooled<PlanarCertifier> {
       : Pooled(model.links, model.width, model.bodies, model.pairs), polygons_(model.polygons) {}
 
   nb::dict statistics() {
-    const GridCounters total = counted();
-    nb::dict out;
-    out["motions"] = total.motions;
-    out["grids"] = total.grids;
-    out["states"] = total.states;
-    out["intervals"] = total.intervals;
-    out["lines"] = total.planes;
-    out["swept"] = total.swept;
-    return out;
+    using C = GridCounters;
+    return named_counters(counted(), {{"motions", &C::motions},
+                                      {"grids", &C::grids},
+                                      {"states", &C::states},
+                                      {"intervals", &C::intervals},
+                                      {"lines", &C::planes},
+                                      {"swept", &C::swept}});
   }
 
  private:

@@ -96,18 +96,6 @@ nb::list polytopes_of_boxes(InputArray<double, -1, 3> sizes, InputArray<double, 
   return out;
 }
 
-auto rows_of(const std::vector<Vec3>& points) {
-  std::vector<double> flat;
-  for (const Vec3& p : points) flat.insert(flat.end(), {p.x, p.y, p.z});
-  return output_array(flat, {points.size(), std::size_t{3}});
-}
-
-auto rows_of(const std::vector<Triangle>& triangles) {
-  std::vector<std::int32_t> flat;
-  for (const Triangle& t : triangles) flat.insert(flat.end(), t.begin(), t.end());
-  return output_array(flat, {triangles.size(), std::size_t{3}});
-}
-
 nb::dict shape_of(const Hierarchy& h) {
   nb::dict out;
   std::int32_t longest = 0;
@@ -120,11 +108,15 @@ nb::dict shape_of(const Hierarchy& h) {
   return out;
 }
 
-auto vertices_of(const Polytope& b) { return rows_of(b.inner.points); }
-auto triangles_of(const Polytope& b) { return rows_of(b.triangles); }
+auto vertices_of(const Polytope& b) { return point_array(b.inner.points); }
+auto triangles_of(const Polytope& b) {
+  std::vector<std::int32_t> flat;
+  for (const Triangle& t : b.triangles) flat.insert(flat.end(), t.begin(), t.end());
+  return output_array(flat, {b.triangles.size(), std::size_t{3}});
+}
 auto source_of(const Polytope& b) { return output_array(b.source, {b.source.size()}); }
-auto polar_points_of(const Polytope& b) { return rows_of(b.polar.points); }
-auto centre_of(const Polytope& b) { return rows_of(std::vector<Vec3>{b.centre}); }
+auto polar_points_of(const Polytope& b) { return point_array(b.polar.points); }
+auto centre_of(const Polytope& b) { return point_array(std::vector<Vec3>{b.centre}); }
 auto inner_shape_of(const Polytope& b) { return shape_of(b.inner); }
 auto polar_shape_of(const Polytope& b) { return shape_of(b.polar); }
 

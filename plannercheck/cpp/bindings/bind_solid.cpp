@@ -43,12 +43,6 @@ bool contains(const Solid& solid, InputArray<double, 3> point) {
   return static_cast<bool>(triangles_contact({&of_point, {}}, {&of_solid, {}}, {}, counters));
 }
 
-auto solid_points(const Solid& solid) {
-  std::vector<double> flat;
-  for (const Vec3& p : solid.points) flat.insert(flat.end(), {p.x, p.y, p.z});
-  return output_array(flat, {solid.points.size(), std::size_t{3}});
-}
-
 // In the order in which they were given.
 auto solid_triangles(const Solid& solid) {
   std::vector<std::int32_t> flat(3 * solid.triangles.size());
@@ -127,7 +121,8 @@ nb::tuple contact_of(const Polytope& a, InputArray<double, 4, 4> pose_a, const P
 void bind_solid(nb::module_& m) {
   nb::class_<Solid>(m, "Solid")
       .def(nb::new_(&solid_from), nb::arg("vertices"), nb::arg("triangles"), nb::arg("own_axes") = true, plain_floats)
-      .def("points", &solid_points, plain_floats)
+      .def(
+          "points", [](const Solid& s) { return point_array(s.points); }, plain_floats)
       .def("triangles", &solid_triangles, plain_floats)
       .def(
           "order", [](const Solid& s) { return output_array(s.source, {s.source.size()}); }, plain_floats)

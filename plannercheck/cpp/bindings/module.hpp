@@ -4,10 +4,20 @@
 #include <nanobind/nanobind.h>
 
 #include <memory>
+#include <vector>
+
+#include "bindings/array_types.hpp"
 
 namespace plannercheck {
 
 class CheckerCore;
+struct GeometryObject;
+struct Polytope;
+
+// Bodies with the links that carry them, and where they are on these.
+std::vector<GeometryObject> geometry_objects(const std::vector<std::shared_ptr<Polytope>>& bodies,
+                                             InputArray<std::int32_t, -1> links,
+                                             InputArray<double, -1, 4, 4> placements);
 
 // The core of a Checker of Python's, which keeps that Checker alive.
 std::shared_ptr<const CheckerCore> shared_checker_core(nanobind::object checker);

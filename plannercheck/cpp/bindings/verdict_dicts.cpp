@@ -12,8 +12,6 @@ namespace nb = nanobind;
 namespace plannercheck {
 namespace {
 
-auto row_of(Vec3 v) { return output_array(std::vector<double>{v.x, v.y, v.z}, {std::size_t{3}}); }
-
 nb::tuple exact_number(const Dyadic& number) { return nb::make_tuple(number.hexadecimal(), number.exponent()); }
 
 nb::tuple exact_vector(const DyadicVec3& v) {
@@ -44,7 +42,7 @@ void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedPolytope& bo
   if (!answer.shared) {
     const DyadicVec3 d = Dyadic(first_is_a ? 1.0 : -1.0) * answer.direction;
     const DoubleDoubleVec3 near = direction_of(d);
-    out["normal"] = row_of({near.x.high, near.y.high, near.z.high});
+    out["normal"] = point_array({near.x.high, near.y.high, near.z.high});
     out["exact_normal"] = exact_vector(d);
     return;
   }
@@ -60,8 +58,8 @@ void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedPolytope& bo
     on_body_b = on_body_b + weights[i] * vertex_in_world(body_b, answer.body_b[i]);
   }
   const double inflation_radius = body_a.body->inflation_radius + body_b.body->inflation_radius;
-  out["point"] = row_of(on_body_a + (inflation_radius > 0 ? body_a.body->inflation_radius / inflation_radius : 0) *
-                                        (on_body_b - on_body_a));
+  out["point"] = point_array(on_body_a + (inflation_radius > 0 ? body_a.body->inflation_radius / inflation_radius : 0) *
+                                             (on_body_b - on_body_a));
   out["exact_weights"] = exact_weights;
   out["vertices_a"] = output_array(first_is_a ? indices_a : indices_b, {weights.size()});
   out["vertices_b"] = output_array(first_is_a ? indices_b : indices_a, {weights.size()});
@@ -73,13 +71,11 @@ constexpr std::array<const char*, kStages> kStageNames{"cached plane",   "box fa
 }  // namespace
 
 nb::dict counters_dict(const PairCounters& c) {
-  nb::dict out;
-  out["blocks"] = c.queries.blocks;
-  out["exact_comparisons"] = c.queries.exact;
-  out["queries_a"] = c.queries_a;
-  out["queries_b"] = c.queries_b;
-  out["games"] = c.games;
-  out["rounds"] = c.rounds;
+  using C = PairCounters;
+  nb::dict out =
+      named_counters(c.queries, {{"blocks", &QueryCounters::blocks}, {"exact_comparisons", &QueryCounters::exact}});
+  out.update(named_counters(
+      c, {{"queries_a", &C::queries_a}, {"queries_b", &C::queries_b}, {"games", &C::games}, {"rounds", &C::rounds}}));
   return out;
 }
 
@@ -95,11 +91,11 @@ nb::dict verdict_dict(const PairVerdict& verdict, const PosedPolytope& body_a, c
   const bool near = verdict.stage == Stage::kNearest || verdict.stage == Stage::kDoubleDouble;
   if (verdict.shared) {
     out["point"] =
-        row_of(near ? verdict.proximity.point : body_b.pose.apply(body_b.body->centre + verdict.certificate.x));
+        point_array(near ? verdict.proximity.point : body_b.pose.apply(body_b.body->centre + verdict.certificate.x));
     return out;
   }
   const Vec3 d = near ? verdict.proximity.direction : body_b.pose.rotate(verdict.certificate.q);
-  out["normal"] = row_of(first_is_a ? d : -d);
+  out["normal"] = point_array(first_is_a ? d : -d);
   if (verdict.stage == Stage::kDoubleDouble) {
     const DyadicVec3 fine = DyadicVec3(d) + DyadicVec3(verdict.proximity.direction_low);
     out["exact_normal"] = exact_vector(first_is_a ? fine : -fine);

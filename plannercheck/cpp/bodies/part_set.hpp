@@ -90,14 +90,6 @@ class PartSet {
   bool has_one_radius() const { return radii_.size() == 1; }
   // The boxes of the parts of a leaf.
   PartNode leaf_boxes(std::size_t leaf) const;
-  // What prisms are made of. `corner`: x and y of the first height, and the base.
-  struct Lattice {
-    const double* heights;
-    std::array<std::size_t, 2> size;
-    std::array<double, 2> step;
-    Vec3 corner;
-  };
-  Lattice lattice() const { return {heights_.data(), {rows_, columns_}, step_, {origin_.x, origin_.y, base_}}; }
   const HeightCeilings& ceilings() const {
     return lazy_ceilings_.get(
         [this] { return HeightCeilings(heights_.data(), rows_, columns_, step_, {origin_.x, origin_.y, base_}); });

@@ -97,7 +97,6 @@ CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::ar
       if (link >= 0) needed_[at(link)] = 1;
     }
   }
-  part_groups_ = part_groups(bodies_, pairs_);
   clearances_ = std::make_shared<const PartClearances>(bodies_, largest_reach(bodies_, at(links_), sampled.get()));
   broad_phase_ = std::make_shared<const BroadPhase>(bodies_, pairs_, permanent_collisions(bodies_, pairs_, tuning_),
                                                     std::move(sampled), in_cells);
@@ -113,7 +112,6 @@ std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
   w->memories.resize(pairs_.size());
   w->histories.resize(pairs_.size(), {{}, true, tuning_.cached_plane});
   w->clear.resize(pairs_.size());
-  w->groups.resize(part_groups_.groups.size());
   w->collisions.resize(pairs_.size(), RecentRate(64, 16, 8, 2));
   return w;
 }

@@ -14,7 +14,6 @@
 
 #include "broad_phase/apart_cells.hpp"
 #include "broad_phase/geometry_object.hpp"
-#include "broad_phase/part_groups.hpp"
 #include "broad_phase/sampled_poses.hpp"
 #include "narrow_phase/intersection.hpp"
 #include "robots/kinematics.hpp"
@@ -108,7 +107,6 @@ class CheckerCore {
   std::int32_t links_;
   std::vector<Kind> kinds_;            // per pair
   std::vector<unsigned char> needed_;  // links that carry a body of some pair
-  PartGroups part_groups_;
   Tuning tuning_;
   std::shared_ptr<const BroadPhase> broad_phase_;
   std::shared_ptr<const PartClearances> clearances_;
@@ -142,11 +140,9 @@ class CheckerCore {
   static const KindTable<PairTest> kPairTests;
   template <bool are_hulls>
   bool hulls_share(std::size_t pair, std::size_t state, Workspace& workspace) const;
-  bool group_is_far(std::size_t group, std::size_t state, Workspace& workspace) const;
   bool is_clear_of_parts(std::size_t pair, std::size_t state, Workspace& workspace) const;
   double inflation(std::size_t pair) const;  // of both bodies
   std::uint32_t clear_states(std::size_t pair, const Workspace& workspace) const;
-  Answer look_under(std::size_t pair, std::size_t state, const Workspace& workspace) const;
   bool parts_share(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool half_space_shared(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool is_free(Found& found, std::size_t state, Workspace& workspace) const;

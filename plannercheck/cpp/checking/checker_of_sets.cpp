@@ -1,25 +1,10 @@
 // The checker's pairs of bodies without a hull that says enough: sets of parts and half-spaces.
-#include <utility>
-
 #include "broad_phase/part_clearances.hpp"
 #include "checking/checker_workspace.hpp"
-#include "narrow_phase/height_look.hpp"
 #include "narrow_phase/pair_kernels.hpp"
 #include "narrow_phase/part_pair.hpp"
 
 namespace plannercheck {
-
-bool CheckerCore::group_is_far(std::size_t index, std::size_t state, Workspace& w) const {
-  const PartGroup& group = part_groups_.groups[index];
-  GroupLook& look = w.groups[index];
-  if (look.judged != w.judged) {
-    look.judged = w.judged;
-    const Pose mover = posed(at(group.mover), state, w), set = posed(at(group.set), state, w);
-    look.is_far = parts_are_far({mover, group.low, group.high}, {bodies_[at(group.set)].body.get(), set},
-                                group.inflation_radius + posing_room(mover));
-  }
-  return look.is_far;
-}
 
 double CheckerCore::inflation(std::size_t pair) const {
   return bodies_[at(pairs_[pair][0])].body->inflation_radius + bodies_[at(pairs_[pair][1])].body->inflation_radius;
@@ -48,32 +33,11 @@ std::uint32_t CheckerCore::clear_states(std::size_t pair, const Workspace& w) co
   return clear;
 }
 
-// Of a body before a field of heights; any other pair is undecided.
-Answer CheckerCore::look_under(std::size_t pair, std::size_t state, const Workspace& w) const {
-  auto [body, field] = pairs_[pair];
-  const Sets sets = sets_of(*bodies_[at(body)].body, *bodies_[at(field)].body);
-  if (sets.first) std::swap(body, field);
-  const Polytope &under = *bodies_[at(field)].body, &over = *bodies_[at(body)].body;
-  if (sets.are_both() || under.as<PartSet>().kind() != PartSet::Kind::kColumns) return Answer::kUndecided;
-  return look_at_heights({&over, posed(at(body), state, w)}, {&under, posed(at(field), state, w)});
-}
-
 // The hull of a set of parts says nothing, so that it is not asked.
 bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w) const {
   const std::size_t body_a = at(pairs_[pair][0]), body_b = at(pairs_[pair][1]);
-  if (tuning_.part_trees) {
-    const Answer seen = look_under(pair, state, w);
-    if (seen == Answer::kSeparated) ++w.counters.bounds;
-    if (seen == Answer::kShared) ++w.counters.overlaps;
-    if (seen != Answer::kUndecided) return seen == Answer::kShared;
-  }
   if (tuning_.bounds && is_clear_of_parts(pair, state, w)) {
     ++w.counters.bounds;
-    return false;
-  }
-  const std::int32_t group = part_groups_.of_pair[pair];
-  if (tuning_.boxes && tuning_.part_trees && group >= 0 && group_is_far(at(group), state, w)) {
-    ++w.counters.boxes;
     return false;
   }
   const PosedPolytope a{bodies_[body_a].body.get(), posed(body_a, state, w)};

@@ -65,12 +65,6 @@ struct Posing {
   BlockConfigurations configurations() const { return {columns.data(), width}; }
 };
 
-// Whether a group of bodies is far from all parts of its set, in the state judged when it was looked at.
-struct GroupLook {
-  std::uint64_t judged = 0;
-  bool is_far = false;
-};
-
 // The states of a block, a bit each, in which look-ups say that a body is clear of a set; known once one of them has
 // been asked for.
 struct ClearStates {
@@ -90,8 +84,6 @@ struct CheckerCore::Workspace {
   Found opened;                         // the same of a block of them
   std::vector<PairMemory> memories;     // per pair
   std::vector<SolidHistory> histories;  // per pair of solids
-  std::uint64_t judged = 0;             // counts the states that are judged
-  std::vector<GroupLook> groups;        // of parts: what the last look at each has shown
   std::uint64_t block = 0;              // counts the blocks of states
   std::size_t block_groups = 0;         // of lanes, in this one
   std::vector<ClearStates> clear;       // per pair, if there are sets

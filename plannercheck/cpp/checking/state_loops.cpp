@@ -97,7 +97,6 @@ inline bool CheckerCore::is_free(Found& found, std::size_t state, Workspace& w) 
 
 // The pair that collides most often goes first.
 bool CheckerCore::no_pair_collides(std::vector<std::int32_t>& near, std::size_t state, Workspace& w) const {
-  ++w.judged;
   if (tuning_.learning) {
     const auto is_below = [&](std::int32_t a, std::int32_t b) {
       return w.collisions[at(b)].is_above(w.collisions[at(a)]);
@@ -115,7 +114,6 @@ bool CheckerCore::no_pair_collides(std::vector<std::int32_t>& near, std::size_t 
 // A test of a pair that seldom collides costs more than it saves where nothing but time depends on it: the pair is left
 // out, but now and then.
 bool CheckerCore::is_found_colliding(Found& found, std::size_t state, Workspace& w) const {
-  ++w.judged;
   bool collided = (found.overlapping & 1U << state) != 0;  // then no pair is near
   for (const std::int32_t pair : found.near.of(state)) {
     RecentRate& rate = w.collisions[at(pair)];
@@ -129,7 +127,6 @@ bool CheckerCore::is_found_colliding(Found& found, std::size_t state, Workspace&
 }
 
 std::int32_t CheckerCore::first_collision(std::vector<std::int32_t>& near, std::size_t state, Workspace& w) const {
-  ++w.judged;
   std::sort(near.begin(), near.end());
   for (std::size_t k = 0; k < near.size(); ++k) {
     if (!collides(at(near[k]), state, w)) continue;
@@ -252,7 +249,6 @@ void CheckerCore::first_collisions(const double* links, std::size_t n, std::int3
 void CheckerCore::all_collisions(const double* links, std::size_t n, std::uint8_t* colliding, Workspace& w) const {
   std::fill_n(colliding, n * pairs_.size(), std::uint8_t{0});
   each_state(links, n, w, [&](std::size_t row, std::size_t state, Found& found) {
-    ++w.judged;
     for (const std::int32_t pair : found.near.of(state)) {
       colliding[row * pairs_.size() + at(pair)] = collides(at(pair), state, w);
     }

@@ -50,15 +50,14 @@ std::size_t likeliest(const LookRates& rates, std::size_t but) {
 void MotionCertifier::judge_states(const Kinematics& kinematics, const Segments& motions, std::size_t count,
                                    Workspace& w) const {
   std::fill_n(w.is_free.begin(), count, std::uint8_t{1});
-  const bool has_parts = !part_groups_.groups.empty();
-  if (states_ == nullptr || (count < kFewestLooks && !has_parts)) return;
+  if (states_ == nullptr || (count < kFewestLooks && !has_parts_)) return;
   std::size_t tried = 0;
   if (w.looks[0].is_due(static_cast<std::uint32_t>(count))) {
     tried = std::min(count, kTried);
     try_all_looks(kinematics, motions, tried, w);
   }
   const std::size_t first = likeliest(w.looks, kLooks);
-  if (!has_parts && !w.looks[first].is_at_least_one_in(kFirstWorth)) return;
+  if (!has_parts_ && !w.looks[first].is_at_least_one_in(kFirstWorth)) return;
   judge_at(kinematics, motions, {first, tried, count}, w.looks[first], w);
   const std::size_t second = likeliest(w.later_looks[first], first);
   RecentRate& rate = w.later_looks[first][second];

@@ -38,6 +38,7 @@ MotionCertifier::MotionCertifier(MotionModel model, const Tuning& tuning, std::s
   std::vector<bool> used(model_.bodies.size(), false);
   for (const CertifiedPair& pair : model_.pairs) {
     used[at(pair.a)] = used[at(pair.b)] = true;
+    for (const std::int32_t body : {pair.a, pair.b}) has_parts_ |= model_.bodies[at(body)].body->traits().has_parts;
     if (pair.frame >= 0) frames_.push_back(pair.frame);
   }
   std::vector<std::int32_t> still;
@@ -46,9 +47,6 @@ MotionCertifier::MotionCertifier(MotionModel model, const Tuning& tuning, std::s
   }
   for (const std::int32_t body : movers_) mounted_size_ = larger(mounted_size_, size_of(model_.bodies[at(body)]));
   for (const std::int32_t body : still) still_size_ = larger(still_size_, size_of(model_.bodies[at(body)]));
-  std::vector<std::array<std::int32_t, 2>> pairs;
-  for (const CertifiedPair& pair : model_.pairs) pairs.push_back({pair.a, pair.b});
-  part_groups_ = part_groups(model_.bodies, pairs);
   for (const GeometryObject& body : model_.bodies) defects_.push_back(rigidity_defect(body.placement) + 16 * 0x1p-53);
   chain_table_ = std::make_shared<const ChainTable>(model_.chains);
   const auto is_unbounded = [&](std::int32_t body) { return !model_.bodies[at(body)].body->traits().is_bounded; };

@@ -19,7 +19,6 @@
 
 #include <memory>
 
-#include "broad_phase/part_groups.hpp"
 #include "checking/checker.hpp"
 #include "motions/motion_bounds.hpp"
 #include "motions/motion_report.hpp"
@@ -99,8 +98,8 @@ class MotionCertifier {
   std::shared_ptr<const CheckerCore> states_;
   std::vector<std::int32_t> movers_;  // bodies that move and are in a pair
   std::vector<std::int32_t> frames_;  // links
-  PartGroups part_groups_;
-  std::vector<double> defects_;  // per static body: how far its placement is off rigid
+  bool has_parts_ = false;            // whether a pair has a set of parts
+  std::vector<double> defects_;       // per static body: how far its placement is off rigid
   // These hold lanes or are used with them.
   std::shared_ptr<const ChainTable> chain_table_;
   std::shared_ptr<const MotionScreen> screen_;

@@ -133,7 +133,6 @@ class MotionRun : private MotionPairs {
 
 std::shared_ptr<MotionCertifier::Workspace> MotionCertifier::new_workspace() const {
   auto workspace = std::make_shared<Workspace>(model_);
-  workspace->groups.resize(part_groups_.groups.size());
   if (states_ != nullptr) workspace->states = states_->new_workspace();
   return workspace;
 }

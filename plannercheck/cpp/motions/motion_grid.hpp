@@ -54,10 +54,6 @@ class MotionGrid {
     }
     return rows;
   }
-  Vec3 centre_at(std::int32_t body, std::size_t state) {
-    const double* rows = centre(body) + state;
-    return {rows[0], rows[kGridRow], rows[2 * kGridRow]};
-  }
   // The twelve numbers of a body's pose at the states from `first` on, a multiple of kStep; computed on first use.
   const Lanes* poses(std::int32_t body, std::size_t first) { return posed(body) + first / kStep * 12; }
   // Writes rows x, y, z of a point of a link, given in the link's frame.

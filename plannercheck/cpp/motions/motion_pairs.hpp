@@ -17,7 +17,6 @@
 #include "motions/motion_collisions.hpp"
 #include "motions/motion_filters.hpp"
 #include "motions/motion_workspace.hpp"
-#include "motions/part_screen.hpp"
 #include "motions/part_separation.hpp"
 #include "motions/solid_separation.hpp"
 #include "narrow_phase/distance.hpp"
@@ -128,13 +127,9 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
 
   // By twice the tolerance, as what bounds of speed leave out. Most sets of parts reach around the robot.
   unsigned near_parts(std::int32_t index) {
-    unsigned near = filters_.all_intervals();
-    if (proofs_ != nullptr || !tuning_.part_trees) return near;
-    if (tuning_.bounds) {
-      near = near_by_clearances(*certifier_.clearances_, pairs_[at(index)], filters_, w_.grid, 2 * tolerance_, near);
-    }
-    if (near == 0) return 0;
-    return posed_ == &w_.all && part_screen().group_is_far(index, w_.motion, w_.groups) ? 0 : near;
+    const unsigned near = filters_.all_intervals();
+    if (proofs_ != nullptr || !tuning_.part_trees || !tuning_.bounds) return near;
+    return near_by_clearances(*certifier_.clearances_, pairs_[at(index)], filters_, w_.grid, 2 * tolerance_, near);
   }
 
   bool begin_collisions() {
@@ -178,7 +173,7 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
     return {{index, open_parts(index, near), 0, 0}, {}};
   }
 
-  // Of the intervals `near` those left open by one look at all of them together, or else by boxes.
+  // Of the intervals `near` those left open by one look at all of them together.
   unsigned open_parts(std::int32_t index, unsigned near) {
     const CertifiedPair& pair = pairs_[at(index)];
     // One interval is looked at when it is settled.
@@ -188,16 +183,13 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
     for (unsigned states = near | near << 1; states != 0; states &= states - 1) {
       poses[at(count++)] = filters_.posed(pair, static_cast<std::size_t>(__builtin_ctz(states)));
     }
-    if (parts_stay_further(pair, poses.data(), count, filters_.apart(pair))) return 0;
-    return part_screen().near(pair, near);
+    return parts_stay_further(pair, poses.data(), count, filters_.apart(pair)) ? 0 : near;
   }
 
   bool parts_stay_further(const CertifiedPair& pair, const PosedPair* poses, int count, double limit) {
     return parts_further(filters_.body(pair.a), filters_.body(pair.b), poses, count, limit, w_.counters.pair,
                          tuning_.part_trees);
   }
-
-  PartScreen part_screen() { return {model_, certifier_.part_groups_, filters_, w_.grid, 2 * tolerance_}; }
 
   // Whether a plane of an earlier motion keeps the pair more than twice the tolerance apart wherever it is open. Then
   // no state of this motion is within the tolerance. Without hints a pair is refused only by such a state, so it would

@@ -12,7 +12,6 @@
 #include "motions/motion_collisions.hpp"
 #include "motions/motion_filters.hpp"
 #include "motions/motion_screen.hpp"
-#include "motions/part_screen.hpp"
 
 namespace plannercheck {
 
@@ -48,7 +47,6 @@ struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
   MotionScreen::Workspace screen;
   MotionCollisions::Workspace collisions;
   std::vector<std::int32_t> candidates, bodies, frames;
-  std::vector<MotionGroupLook> groups;  // of bodies with pairs with one set of parts
   std::shared_ptr<CheckerCore::Workspace> states;
   std::array<std::uint8_t, kMotionsAtOnce>
       is_free{};                                     // of the motions at once: no state of it that was judged collides

@@ -26,7 +26,7 @@ struct PairOptions {
   bool warm_start = true;      // whether each stage begins with the vertices where the one before gave up
   bool trees_first = true;     // whether solids whose hulls met last are tested before their hulls
   bool dents = true;           // whether hulls that meet deeper than the dents of their solids are the last word
-  bool part_trees = true;      // of sets of parts; boxes around several bodies; looks at heights under them
+  bool part_trees = true;      // of boxes, of sets of parts; off, each part is tested by itself
 };
 
 // The plane that separated a pair last time, in B's frame.

@@ -319,11 +319,6 @@ PartContact parts_contact(const PosedPolytope& a, const PosedPolytope& b, const 
   return first ? PartContact{met >= 0, met, -1} : PartContact{met >= 0, -1, met};
 }
 
-bool parts_are_far(const PosedBox& box, const PosedPolytope& set, double limit) {
-  PartWalk walk(box, set, limit + set.body->inflation_radius);
-  return !walk.any_leaf([](std::size_t, unsigned) { return true; });
-}
-
 PairDistance parts_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit, double least,
                             PairCounters& counters, bool trees) {
   const Sets sets = sets_of(*body_a.body, *body_b.body);

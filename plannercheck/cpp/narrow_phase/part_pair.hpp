@@ -9,7 +9,6 @@
 
 #include "narrow_phase/distance.hpp"
 #include "narrow_phase/pair_frame.hpp"
-#include "narrow_phase/posed_box.hpp"
 
 namespace plannercheck {
 
@@ -23,9 +22,6 @@ struct PartContact {
 // vertices; nothing but time depends on it.
 PartContact parts_contact(const PosedPolytope& a, const PosedPolytope& b, const PartContact& guess,
                           PairCounters& counters, bool trees = true);
-
-// Whether boxes keep all parts of a set further than `limit` from a posed box, besides the set's inflation radius.
-bool parts_are_far(const PosedBox& box, const PosedPolytope& set, double limit);
 
 // Of two bodies that share no point. `limit`: as for pair_distance. `least`: a lower bound that is known. `trees`: as
 // for parts_contact.

@@ -23,7 +23,7 @@ constexpr double kTurnError = 1e-5;
 // what the margin was stretched by (kRadiusStretch).
 constexpr double kWithinFrames = 1 - 1e-5;
 
-Vec3 box_reach(const PosedBox& box) {
+Vec3 box_reach(const Polytope& box) {
   return {larger(std::fabs(box.low.x), std::fabs(box.high.x)), larger(std::fabs(box.low.y), std::fabs(box.high.y)),
           larger(std::fabs(box.low.z), std::fabs(box.high.z))};
 }
@@ -43,8 +43,13 @@ RigidTurn::RigidTurn(const Pose& body, const Pose& set) {
 
 double RigidTurn::error(double reach) const { return kTurnError * (reach + distance_) + kDenormalError; }
 
-PartWalk::PartWalk(const PosedBox& box, const PosedPolytope& set, double margin)
-    : set_(set.body->as<PartSet>()), turn_(box.pose, set.pose), margin_(margin * kRadiusStretch) {
+PartWalk::PartWalk(const PosedPolytope& body, const PosedPolytope& set, double margin, const InnerBall* inner)
+    : set_(set.body->as<PartSet>()),
+      body_(body.body),
+      inner_(inner),
+      turn_(body.pose, set.pose),
+      margin_(margin * kRadiusStretch) {
+  const Polytope& box = *body.body;
   const Vec3 reach = box_reach(box), parts = set_.reach();
   box_centre_ = 0.5 * (box.low + box.high), box_half_ = 0.5 * (box.high - box.low);
   const double both = norm_1(reach) + norm_1(parts) + margin_;

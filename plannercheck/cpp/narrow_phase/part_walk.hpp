@@ -14,7 +14,6 @@
 #include "bodies/part_set.hpp"
 #include "math/simd.hpp"
 #include "narrow_phase/pair_frame.hpp"
-#include "narrow_phase/posed_box.hpp"
 
 namespace plannercheck {
 
@@ -61,12 +60,7 @@ class RigidTurn {
 class PartWalk {
  public:
   // `inner`: a ball inside the body, if its own inner shapes are not to be asked for.
-  PartWalk(const PosedPolytope& body, const PosedPolytope& set, double margin, const InnerBall* inner = nullptr)
-      : PartWalk({body.pose, body.body->low, body.body->high}, set, margin) {
-    body_ = body.body, inner_ = inner;
-  }
-  // Of a box alone, without what is inside of the body.
-  PartWalk(const PosedBox& box, const PosedPolytope& set, double margin);
+  PartWalk(const PosedPolytope& body, const PosedPolytope& set, double margin, const InnerBall* inner = nullptr);
 
   // Calls visit(leaf, bits of parts that may be near), the deepest leaves first, until it returns true; whether it did.
   template <class Visit>
