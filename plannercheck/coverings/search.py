@@ -85,8 +85,7 @@ def outside(regions: Sequence[Region], cover: Primitives, tolerance: float = TOL
     for region in left if inside else ():
         if isinstance(region, SolidRegion) and region.has_inside:
             search.inside(region)
-    upper = max(search.upper, search.lower)
-    return Outside(search.lower, np.nextafter(tolerance, 0) if search.is_open and not upper else upper, search.witness)
+    return Outside(search.lower, max(search.upper, search.lower), search.witness)
 
 
 def _any_point(region: Region) -> Point:

@@ -63,6 +63,10 @@ def test_growth_is_the_least_that_covers(model):
     assert grown.verify()
     assert grown.growth == pytest.approx(0.05, abs=2e-6)
     assert grown.audit().covered
+    each = model.inflated(by_link=True)
+    assert each.verify()
+    np.testing.assert_array_equal(each.spheres("hand"), model.spheres("hand"))
+    np.testing.assert_array_equal(each.spheres("arm"), grown.spheres("arm"))
     less = {link: cover.grown(grown.growth - 4e-6) for link, cover in model.links.items()}
     assert not pc.Covering(model.robot, less).verify()
 
