@@ -135,11 +135,8 @@ _MODULES = ("ndim", "ompl", "planar", "view")
 
 
 def _comparison(home: str, name: str = "confirm_model") -> Comparison:
-    def compare(
-        model: Any, robot: Any, scene: str | None, meshes: Any, geometry: Any, mesh_units: Any
-    ) -> tuple[str, ...]:
-        module = importlib.import_module(f"plannercheck.{home}")
-        return tuple(getattr(module, name)(model, robot, scene, meshes, geometry, mesh_units))
+    def compare(*given: Any) -> tuple[str, ...]:
+        return tuple(getattr(importlib.import_module(f"plannercheck.{home}"), name)(*given))
 
     return compare
 
@@ -150,9 +147,9 @@ def _read_path(path: Any, joint_names: Sequence[str], width: int, robot: Any) ->
     )
 
 
-def _read_message(path: Any, joint_names: Sequence[str]) -> Any:
+def _read_message(path: Any, joint_names: Sequence[str], message: int | None = None) -> Any:
     joints = importlib.import_module("plannercheck.trajectories.joint_columns").NamedJoints("the proof", joint_names)
-    return importlib.import_module("plannercheck.trajectories.files").read_points_of(path, joints)
+    return importlib.import_module("plannercheck.trajectories.files").read_points_of(path, joints, message)
 
 
 # `Proof.verify` with a robot compares the proof's model with files, which takes folders above `proofs`.

@@ -1,8 +1,8 @@
 """Where an object that moves is: its pose as a function of the scene's clock.
 
 In: times and poses, or a robot's trajectory and one of its links. Out: `Moving`, which a scene takes for a pose.
-Between two poses the position is straight and the turn goes the short way at constant speed, each by itself. The turns
-are quaternions in doubles: at its times, an object is turned as given up to their rounding.
+Between two poses the position is straight and the turn goes the short way at constant speed, each by itself, or both
+along one screw. The turns are quaternions in doubles: at its times, an object is turned as given up to their rounding.
 """
 
 from __future__ import annotations
@@ -70,8 +70,8 @@ class Moving:
         Args:
             times: (m,) s of the scene's clock, growing, two or more.
             poses: (m, 4, 4) of the object's frame in the world, m.
-            path: "slerp": straight, and turning the short way at constant speed. "screw" is the same where each step
-                either slides or turns, and refused otherwise.
+            path: "slerp": straight, and turning the short way at constant speed. "screw": about and along the one axis
+                that leads from a pose to the next.
             outside: Before the first time and after the last, "refuse" is an error, "stand" stands still.
 
         Raises:
@@ -84,8 +84,6 @@ class Moving:
             raise PlannercheckError(f"Moving takes as many times as poses, not {len(self.times)} and {len(self.poses)}")
         check_path(path)
         self.rows = _rows(self.poses)
-        if path == "screw":
-            _check_screws(self.poses)
 
     @classmethod
     def along(
@@ -115,10 +113,17 @@ class Moving:
         return f"Moving({len(self.times)} poses, {self.times[0]:g} to {self.times[-1]:g} s)"
 
 
+def is_screw(moving: Moving) -> bool:
+    """Whether a step both slides and turns, along a screw; else both paths are the same."""
+    slides = (moving.rows[1:, :3] != moving.rows[:-1, :3]).any(axis=1)
+    turns = (moving.rows[1:, 3:] != moving.rows[:-1, 3:]).any(axis=1)
+    return moving.path == "screw" and bool((slides & turns).any())
+
+
 def carrier_of(moving: Moving) -> Hashable:
     """A key: objects of the same key are moved by the same joints."""
     if moving.ride is None:
-        return moving.times.tobytes(), moving.poses.tobytes(), moving.outside
+        return moving.times.tobytes(), moving.poses.tobytes(), moving.path, moving.outside
     robot, base = moving.ride.robot if isinstance(moving.ride.robot, tuple) else (moving.ride.robot, None)
     placed = None if base is None else np.asarray(base).tobytes()
     return id(moving.ride.trajectory), id(robot), placed, moving.ride.start_time, moving.outside
@@ -188,15 +193,3 @@ def _rows(poses: Floats) -> Floats:
         if along < 0:
             rows[k, 3:] *= -1.0
     return read_only(rows)
-
-
-def _check_screws(poses: Floats) -> None:
-    """Raises where a step both slides and turns."""
-    slides = (poses[1:, :3, 3] != poses[:-1, :3, 3]).any(axis=1)
-    turns = (poses[1:, :3, :3] != poses[:-1, :3, :3]).any(axis=(1, 2))
-    if (slides & turns).any():
-        k = int(np.argmax(slides & turns))
-        raise PlannercheckError(
-            f"path='screw' is exact only where a step slides or turns alone, but poses {k} and {k + 1} differ in both:"
-            " put the object's frame on the screw's axis (pose its parts in it), or give more poses by path='slerp'"
-        )

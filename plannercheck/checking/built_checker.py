@@ -171,6 +171,11 @@ class BuiltChecker:
         """The checker whose configurations have the columns of what moves as well; this one where nothing does."""
         return self if self._moving is None else self._moving.checker
 
+    @property
+    def clock(self) -> SceneClock | None:
+        """The scene's clock; None where nothing moves."""
+        return None if self._moving is None else self._moving.clock
+
     def in_time(self: Same, q: Floats, times: ArrayLike | None) -> tuple[Same, Floats]:
         """The checker of configurations (n, nq) at times, (n,) or a number, s, and its rows: `with_all_columns`'s."""
         if self._moving is None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
+from plannercheck.common.angles import are_degrees, share_within
 from plannercheck.common.array_types import Floats
 
 # If this share of the rows is beyond the limits, all rows are probably wrong.
@@ -28,9 +29,9 @@ def limits_hint(robot: AnyRobot, rows: Floats) -> str:
         A sentence, or an empty string.
     """
     start = f"most configurations are beyond the limits of {robot.name!r}"
-    if _are_degrees(robot, rows):
+    if are_degrees(rows, robot.lower, robot.upper):
         return f"{start}, and as degrees they would not be: angles are in rad, convert them by numpy.radians"
-    if _part_within(robot, rows[:, ::-1]) >= _SUSPICIOUS_SHARE:
+    if share_within(rows[:, ::-1], robot.lower, robot.upper) >= _SUSPICIOUS_SHARE:
         return f"{start}, and in reverse order they would not be: {_order(robot)}"
     return f"{start}: {_order(robot)}, in rad and m"
 
@@ -54,19 +55,9 @@ def always_hint(checker: AnyChecker, rows: Floats) -> str:
 
 def degrees_hint(robot: AnyRobot, q: Floats) -> str:
     """A sentence if a configuration (nq,) seems to be in degrees; else empty."""
-    is_beyond = _part_within(robot, q[None]) < 1
-    return "as degrees it would be within: angles are in rad" if is_beyond and _are_degrees(robot, q[None]) else ""
-
-
-def _are_degrees(robot: AnyRobot, rows: Floats) -> bool:
-    """Whether rows beyond the limits would be within them as degrees, and some exceed a whole turn as rad."""
-    return _part_within(robot, np.radians(rows)) >= _SUSPICIOUS_SHARE and float(np.abs(rows).max(initial=0)) > 2 * np.pi
-
-
-def _part_within(robot: AnyRobot, rows: Floats) -> float:
-    """The share of the rows within the limits; 1 if there are none."""
-    within = np.asarray(((rows >= robot.lower) & (rows <= robot.upper)).all(axis=1))
-    return float(within.mean()) if len(rows) else 1.0
+    limits = robot.lower, robot.upper
+    is_meant = share_within(q[None], *limits) < 1 and are_degrees(q[None], *limits)
+    return "as degrees it would be within: angles are in rad" if is_meant else ""
 
 
 def _order(robot: AnyRobot) -> str:

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.moving import Moving, Ride, carrier_of, checked_time
+from plannercheck.bodies.moving import Moving, Ride, carrier_of, checked_time, is_screw
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import checked_pose
 from plannercheck.checking.compiled_tables import never_known
@@ -22,6 +23,7 @@ from plannercheck.common.arrays import contiguous, shown_array
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.carriers import CarriedRobot, Carrier, free_carrier
 from plannercheck.robots.robot import Robot
+from plannercheck.robots.screw_carriers import screw_carrier
 from plannercheck.trajectories.curve import Curve
 from plannercheck.trajectories.one_clock import Clocked, side_by_side
 from plannercheck.trajectories.trajectory import Trajectory
@@ -68,6 +70,7 @@ class SceneClock:
     Attributes:
         robot: The robot with the joints that carry what moves.
         own: The robot without them.
+        courses: Of what moves, in the order of its columns, which follow the robot's.
     """
 
     def __init__(self, robot: Robot, moving: Sequence[SceneObject]) -> None:
@@ -84,7 +87,7 @@ class SceneClock:
             groups.setdefault(carrier_of(_moving(item)), []).append(item)
         made = [_carried(items) for items in groups.values()]
         self.robot = CarriedRobot(robot, [carrier for carrier, _ in made])
-        self._courses = tuple(course for _, course in made)
+        self.courses = tuple(course for _, course in made)
 
     def fits(self, robot: Robot, moving: Sequence[SceneObject]) -> bool:
         """Whether it is the clock of a robot and moving objects."""
@@ -101,7 +104,7 @@ class SceneClock:
         at = self._checked(times, len(q))
         if len(at) > len(q) == 1:
             q = np.repeat(q, len(at), axis=0)
-        return np.concatenate([q, *(course.at(at) for course in self._courses)], axis=1)
+        return np.concatenate([q, *(course.at(at) for course in self.courses)], axis=1)
 
     def _checked(self, times: ArrayLike, count: int) -> Floats:
         try:
@@ -125,9 +128,9 @@ class SceneClock:
         own = trajectory.curve
         knots = own.breaks + (checked_time(start_time, "start_time") - own.breaks[0])
         begin, end = knots[[0, -1]].tolist()
-        for course in self._courses:
+        for course in self.courses:
             course.check(begin, end)
-        runs = [Clocked(own, knots), *(Clocked(course.curve, course.knots) for course in self._courses)]
+        runs = [Clocked(own, knots), *(Clocked(course.curve, course.knots) for course in self.courses)]
         return Trajectory.of_curve(side_by_side(runs, begin, end))
 
     def missing(self) -> PlannercheckError:
@@ -171,9 +174,12 @@ def _carried(items: Sequence[SceneObject]) -> tuple[Carrier, Course]:
     stands = moving.outside == "stand"
     if moving.ride is not None:
         return _riding(items, moving.ride, stands)
-    pieces = tuple(np.stack(pair) for pair in zip(moving.rows[:-1], moving.rows[1:], strict=True))
-    curve = Curve(moving.times, pieces, np.zeros(7), ((3, 7),))
-    return free_carrier(names, moving.rows), Course(names, curve, curve.breaks, stands)
+    carrier, rows = free_carrier(names, moving.rows), moving.rows
+    if is_screw(moving):
+        carrier, rows = screw_carrier(names, moving.rows)
+    pieces = tuple(np.stack(pair) for pair in pairwise(rows))
+    curve = Curve(moving.times, pieces, np.zeros(rows.shape[1]), carrier.sources.units)
+    return carrier, Course(names, curve, curve.breaks, stands)
 
 
 def _riding(items: Sequence[SceneObject], ride: Ride, stands: bool) -> tuple[Carrier, Course]:

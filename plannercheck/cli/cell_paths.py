@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -101,6 +102,7 @@ def _as_json(found: Conflict, parts: dict[str, Path | list[float]]) -> dict[str,
         "free": found.free,
         "free_until": found.free_until,
         "collides_at": found.instant,
+        "collides_until": None if found.until is None or math.isinf(found.until) else found.until,
         "robots": list(found.robots),
         "limits": [vars(excess) for excess in found.verdict.limits],
         "pieces": len(found.trajectory.curve.pieces),

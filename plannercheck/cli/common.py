@@ -114,7 +114,7 @@ def check_at_rest(scene: AnyScene, where: str) -> None:
         raise PlannercheckError(
             f"{', '.join(map(repr, names))} of scene {scene.name!r} {'moves' if len(names) == 1 else 'move'}, and"
             f" {where} without a time: validate --path --controller --start-time judges trajectories there, and"
-            " check_states(q, times=) of a checker judges configurations"
+            " validate --time configurations, without --certify and --reference"
         )
 
 

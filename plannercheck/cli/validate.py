@@ -18,6 +18,9 @@ from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
+from plannercheck.bodies.array_files import array_of_file
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli import validate_paths as validated_paths
 from plannercheck.cli.common import check_at_rest, check_folder, load_checker, save_json
@@ -70,7 +73,8 @@ def run(options: argparse.Namespace) -> int:
         check_used(options, ("--key",), f"for {', '.join(KEYED_SUFFIXES)} files, which hold several arrays")
     _check_names(options)
     checker, judge = load_checker(options), _judge(options)
-    check_at_rest(checker.scene, "configurations are")
+    if not judge.times or options.certify or options.reference:
+        check_at_rest(checker.scene, "configurations are")
     with _journal(options, checker, judge) as journal:
         outcome = _outcome(options, checker, judge, journal)
         if options.summary is not None:
@@ -111,7 +115,19 @@ def _journal_path(written: Path) -> Path:
 
 def _judge(options: argparse.Namespace) -> Judge:
     explain: Explained = "none" if not options.explain else "invalid" if options.only_invalid else "all"
-    return Judge(options.pairs == "all", options.limits, explain, options.threads)
+    return Judge(options.pairs == "all", options.limits, explain, options.threads, _times(options))
+
+
+def _times(options: argparse.Namespace) -> tuple[float, ...]:
+    """The scene's clock: one number, or one for each row."""
+    if options.times is None:
+        return () if options.time is None else (options.time,)
+    if options.time is not None or len(options.files) > 1:
+        raise PlannercheckError("--times is of the rows of one FILE, and stands in place of --time")
+    found = array_of_file(options.times, "file of times")
+    if found.ndim != 1 or not len(found) or found.dtype.kind not in "iuf":
+        raise PlannercheckError(f"--times {str(options.times)!r} must hold numbers (n,), s, not {found.shape}")
+    return tuple(found.astype(np.float64).tolist())
 
 
 def _chunk_rows(options: argparse.Namespace) -> int:
@@ -162,6 +178,8 @@ def _outcome(options: argparse.Namespace, checker: AnyChecker, judge: Judge, jou
     this = Run(judge, journal, Progress(options.progress))
     with _engine(options, checker, judge) as engine:
         report = replace(this.over(chunks, engine, [verification, _warn_of_units]), all_pairs=judge.all_pairs)
+    if len(judge.times) > 1 and len(judge.times) != report.states:
+        raise PlannercheckError(f"--times has {len(judge.times)} numbers, and {options.files[0]} {report.states} rows")
     if options.output is not None and journal is not None:
         files = [str(path) for path in options.files]
         write_results(options.output, Results.of(journal, judge, options.only_invalid, files, checker))

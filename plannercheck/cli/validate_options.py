@@ -54,6 +54,8 @@ _OF_SETS = (
     "--degrees",
     "--columns",
     "--ignore-columns",
+    "--time",
+    "--times",
     "--key",
     "--engine",
     "--scheduler",
@@ -92,6 +94,8 @@ def _add_input_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME,…",
         help="columns of joints that the robot holds, whose values shall not count",
     )
+    group.add_argument("--time", type=float, metavar="S", help="the scene's clock, where something in it moves")
+    group.add_argument("--times", type=Path, metavar="FILE", help="npy with that of each row (n,), s, of one FILE")
     group.add_argument("--key", metavar="NAME", help="array of an npz, dataset of an hdf5, lists' column of a parquet")
 
 

@@ -76,6 +76,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="V,V,…",
         help="with --controller: where the robot stands: the way to the first point is proved as well",
     )
+    parser.add_argument(
+        "--message", type=int, metavar="N", help="with --controller: which trajectory of --path, from 0"
+    )
     add_delay_argument(parser)
     parser.add_argument("--format", choices=("table", "json"), default="table", help="format of what is printed")
 
@@ -91,14 +94,20 @@ def run(options: argparse.Namespace) -> int:
     if not is_of_cell(options.path):
         check_used(options, ("--delay",), "with --path ROBOT=FILE")
         _take_path(options)
-    elif options.controller is None or len(options.tube or (0.0,)) > 1 or options.start or options.straight:
+    elif (
+        options.controller is None
+        or len(options.tube or (0.0,)) > 1
+        or options.start
+        or options.straight
+        or options.message is not None
+    ):
         raise PlannercheckError("--path ROBOT=FILE takes --controller, one --tube and --delay, nothing else")
     if options.path is None:
-        check_used(options, ("--straight", "--controller", "--tube", "--start"), "with --path")
+        check_used(options, ("--straight", "--controller", "--tube", "--start", "--message"), "with --path")
     elif len(options.files) > 1:
         raise PlannercheckError(f"--path is of one proof file, and {len(options.files)} are given")
     elif options.controller is None:
-        check_used(options, ("--tube", "--start"), "with --controller")
+        check_used(options, ("--tube", "--start", "--message"), "with --controller")
     elif options.straight:
         raise PlannercheckError("--straight and --controller say different things: give one of them")
     results = [_verified(path, options) for path in options.files]
@@ -133,7 +142,12 @@ def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
         None
         if options.robot is None
         else model_confirmed(
-            proofs[0], _robot(options), options.scene, options.scene_meshes, mesh_units=options.mesh_units
+            proofs[0],
+            _robot(options),
+            options.scene,
+            options.scene_meshes,
+            mesh_units=options.mesh_units,
+            others=[proof for proof, each in zip(proofs[1:], found[1:], strict=True) if each],
         )
     )
     proved_path = _path(proofs, found, options)
@@ -213,9 +227,8 @@ def _path(proofs: tuple[Proof, ...], found: list[Verification], options: argpars
     if isinstance(options.path, list):
         known = cell_proved(confirmed, parts_of(options), delays_of(options), options.controller, tube[0])
     elif options.controller is not None:
-        known = trajectory_proved(
-            confirmed, options.path, options.controller, tube[0] if len(tube) == 1 else tube, options.start
-        )
+        width = tube[0] if len(tube) == 1 else tube
+        known = trajectory_proved(confirmed, options.path, options.controller, width, options.start, options.message)
     else:
         robot = None if options.robot is None else _robot(options)
         known = path_proved(confirmed, options.path, options.straight, robot)

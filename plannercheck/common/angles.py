@@ -90,3 +90,13 @@ def _turns_too_many(ways: Floats) -> Floats:
     lengths = np.abs(ways)
     # The next double after pi is more than half of TURN, also when divided: it is rounded to 1.
     return np.where(lengths > np.pi, np.copysign(np.round(lengths / TURN), ways), 0.0)
+
+
+def share_within(rows: Floats, lower: Floats, upper: Floats) -> float:
+    """The share of rows (n, nq) within limits; 1 if there are none."""
+    return float(((rows >= lower) & (rows <= upper)).all(axis=1).mean()) if len(rows) else 1.0
+
+
+def are_degrees(rows: Floats, lower: Floats, upper: Floats) -> bool:
+    """Whether most rows (n, nq) would be within limits as degrees, and some number exceeds a whole turn as rad."""
+    return share_within(np.radians(rows), lower, upper) >= 0.5 and float(np.abs(rows).max(initial=0)) > 2 * np.pi

@@ -10,16 +10,17 @@ from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 # Takes a proof's model (or proofs of pairs), a robot, a scene (None for the empty one), the kinds of the scene's and of
-# the robot's meshes, and how mesh files are read (None for what the files say); raises at the first difference. Returns
-# sentences: what was compared with which file.
-Comparison: TypeAlias = Callable[[Any, Any, str | None, Any, Any, Any], tuple[str, ...]]
+# the robot's meshes, how mesh files are read (None for what the files say), and of a model its motions; raises at the
+# first difference. Returns sentences: what was compared with which file.
+Comparison: TypeAlias = Callable[..., tuple[str, ...]]
 
 # Takes a path, the names of its joints, the length of a configuration, and the robot or None; see `read_proved_path` in
 # `validation.formats.paths`.
 PathReader: TypeAlias = Callable[[Any, Sequence[str], int, Any], Any]
 
-# Takes a file of a JointTrajectory and the names of its joints; returns its points, see `trajectories.messages`.
-MessageReader: TypeAlias = Callable[[Any, Sequence[str]], Any]
+# Takes a file of JointTrajectories, the names of its joints, and which of several it is (None: the file holds one);
+# returns its points, see `trajectories.messages`.
+MessageReader: TypeAlias = Callable[[Any, Sequence[str], int | None], Any]
 
 _comparisons: dict[str, Comparison] = {}
 _path_readers: list[PathReader] = []

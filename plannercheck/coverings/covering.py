@@ -25,7 +25,7 @@ from plannercheck.coverings.curobo_files import SUFFIXES as CUROBO_SUFFIXES
 from plannercheck.coverings.files import read_model, write_model
 from plannercheck.coverings.fitting import fitted
 from plannercheck.coverings.neighbours import of_neighbours
-from plannercheck.coverings.primitives import Primitives, upwards
+from plannercheck.coverings.primitives import Primitives
 from plannercheck.coverings.regions import regions_of
 from plannercheck.coverings.search import TOLERANCE, outside
 from plannercheck.robots.link_geometry import KINDS
@@ -142,30 +142,34 @@ class Covering:
                 rows.append(audited(link, bodies, own, others, tolerance))
         return Audit(tuple(rows), geometry, neighbours)
 
-    def inflated(self, robot: Robot | None = None, geometry: str | None = "solid") -> Covering:
-        """All primitives grown by the least common length, within 1e-6 m, at which they are proved to cover all links.
+    def inflated(
+        self, robot: Robot | None = None, geometry: str | None = "solid", *, by_link: bool = False
+    ) -> Covering:
+        """All primitives grown by the least common length at which they are proved to cover all links, within 1e-6 m.
 
         Args:
             robot: As for `audit`.
             geometry: As for `audit`.
+            by_link: Whether the primitives of each link grow by their own least length in place of the common one.
 
         Returns:
-            The covering; its `growth` says the length, rounded up to a number of 32 bits.
+            The covering; its `growth` says the largest length. Its radii are rounded up to numbers of 32 bits.
 
         Raises:
-            PlannercheckError: If a link with bodies has no primitives, or no growth could be proved.
+            PlannercheckError: If a link with bodies has no primitives.
         """
         bodies = _bodies_by_link(self._robot(robot), geometry)
         bare = [link for link, each in bodies.items() if each and not len(self.links.get(link, Primitives.of()))]
         if bare:
             raise PlannercheckError(f"no growth covers links that have no primitives: {', '.join(bare)}")
-        growth = 0.0
-        for link, each in bodies.items():
-            if each:
-                growth = max(growth, outside(regions_of(each), self.links[link], _GROWTH_TOLERANCE).upper)
-        growth = float(upwards(np.array(growth))) if growth else 0.0
-        grown = {link: cover.grown(growth) for link, cover in self.links.items()}
-        return Covering(self.robot, grown, growth, self._source)
+        growths = {
+            link: outside(regions_of(each), self.links[link], _GROWTH_TOLERANCE).upper
+            for link, each in bodies.items()
+            if each
+        }
+        most = max(growths.values(), default=0.0)
+        grown = {link: cover.grown(growths.get(link, 0.0) if by_link else most) for link, cover in self.links.items()}
+        return Covering(self.robot, grown, most, self._source)
 
     def verify(self, robot: Robot | None = None, geometry: str | None = "solid") -> bool:
         """Whether all links are proved to be covered; arguments as for `audit`."""
@@ -185,9 +189,8 @@ class Covering:
             PlannercheckError: If the format lacks what the covering has, or the file can't be written.
         """
         description = self.robot.parts_of_files().description
-        is_urdf = description is not None and not description.robots and description.file.kind == "robot"
-        urdf = description.urdf if description is not None and is_urdf else None
-        write_model(Path(path), self.links, urdf, self._source)
+        file = None if description is None or description.robots else description.file
+        write_model(Path(path), self.links, file, self._source)
 
     def _robot(self, robot: Robot | None) -> Robot:
         if robot is None:

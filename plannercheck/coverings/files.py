@@ -13,6 +13,7 @@ from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.coverings import curobo_files, plain_files, urdf_files
 from plannercheck.coverings.primitives import Primitives
+from plannercheck.robots.urdf_file import MJCF_ROOT, UrdfFile
 
 _FORMATS = (curobo_files, urdf_files, plain_files)
 _WORDS = "cuRobo's .yml or .xrdf, a .urdf as foam and VAMP have it, or .json"
@@ -34,13 +35,13 @@ def read_model(path: Path, link_names: Sequence[str]) -> dict[str, Primitives]:
     return found
 
 
-def write_model(path: Path, covers: Mapping[str, Primitives], urdf: Path | None, source: Path | None) -> None:
+def write_model(path: Path, covers: Mapping[str, Primitives], urdf: UrdfFile | None, source: Path | None) -> None:
     """Writes a model.
 
     Args:
         path: Its suffix says the format.
         covers: Primitives by link.
-        urdf: The robot's URDF, if it has one.
+        urdf: The robot's file, if it is made of one.
         source: The file that the model was read from, if any.
     """
     if path.suffix in plain_files.SUFFIXES:
@@ -48,7 +49,7 @@ def write_model(path: Path, covers: Mapping[str, Primitives], urdf: Path | None,
     elif path.suffix in (".yml", ".yaml"):
         content = curobo_files.model_text(covers, source)
     elif path.suffix in urdf_files.SUFFIXES:
-        if urdf is None:
+        if urdf is None or urdf.kind == MJCF_ROOT:
             raise PlannercheckError(f"file {str(path)!r}: the robot has no URDF to put spheres into: save as .json")
         content = urdf_files.model_text(covers, urdf)
     else:

@@ -61,14 +61,14 @@ def _primitive(shape: GeometryElement, pose: Floats) -> Primitives:
     raise PlannercheckError(f"has a {kind}, but a model has spheres, capsules and boxes: is it the robot's own URDF?")
 
 
-def model_text(covers: Mapping[str, Primitives], source: Path) -> str:
+def model_text(covers: Mapping[str, Primitives], source: UrdfFile) -> str:
     """A robot's URDF with primitives in place of all collision elements.
 
     Args:
         covers: By link.
         source: The robot's URDF.
     """
-    root = copy.deepcopy(UrdfFile.read(source).root)
+    root = copy.deepcopy(source.root)
     for link in root.iterfind("link"):
         for element in link.findall("collision"):
             link.remove(element)

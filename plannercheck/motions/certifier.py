@@ -122,7 +122,7 @@ class MotionCertifier:
         Pairs that can't meet within the limits may come nearer to each other than they have to stay apart.
         """
         part, (low, high) = self._pairs_within_limits, self._range
-        if curves.have_room:
+        if curves.need_all_pairs:
             part, (low, high) = self._all_pairs, (self._errors.low, self._errors.high)
         check_tolerance(tolerance)
         if not part.touching:
@@ -184,7 +184,7 @@ class MotionCertifier:
         """
         least, largest = motions.ranges()
         rows, limits = np.arange(len(least)), self._limits
-        if motions.have_room:
+        if motions.need_all_pairs:
             return [(self._all_pairs, rows)]
         within = None if limits is None else ((least >= limits[0]) & (largest <= limits[1])).all(axis=1)
         if within is None or within.all():

@@ -331,9 +331,8 @@ class Checker(StateChecker):
         """Proofs of a trajectory's pieces that anyone can check, in order; arguments as for `check_trajectory`.
 
         Returns:
-            One for each piece; None where the trajectory is not free, and where it is free but the tube is too wide for
-            a pair that limits keep apart, so that the verdict leaves it out: a proof covers all pairs. Where something
-            in the scene moves, pieces end at its knots as well, and the columns of what moves follow the robot's.
+            One for each piece; None where the trajectory is not free. Where something in the scene moves, pieces end at
+            its knots as well, the columns of what moves follow the robot's, and each proof has its times.
 
         Raises:
             PlannercheckError: As of `certify_motions`.
@@ -346,7 +345,8 @@ class Checker(StateChecker):
         proofs = list[Proof | None]()
         for k, points in enumerate(judged.curve.pieces):
             with error_context(named_piece(judged, k)):
-                proofs.append(checker._prover.curve_proof(points, around, tolerance))
+                clock = () if self._moving is None else tuple(judged.curve.breaks[k : k + 2].tolist())
+                proofs.append(checker._prover.curve_proof(points, around, tolerance, clock))
         found = tuple(proof for proof in proofs if proof is not None)
         return found if len(found) == len(proofs) else None
 

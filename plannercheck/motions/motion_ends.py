@@ -17,6 +17,9 @@ from plannercheck.common.angles import nearest_turns
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 
+# Tubes up to this, rad and m, are within what `unreachable_pairs` leaves: a hundred-thousandth of all lengths.
+_NARROW = 1e-9
+
 
 class Motions(NamedTuple):
     """Motions between configurations, rad and m.
@@ -42,7 +45,7 @@ class Motions(NamedTuple):
         return np.empty((0, 0))
 
     @property
-    def have_room(self) -> bool:
+    def need_all_pairs(self) -> bool:
         """Not of these."""
         return False
 
@@ -70,9 +73,9 @@ class Curves(NamedTuple):
     tubes: Floats
 
     @property
-    def have_room(self) -> bool:
-        """Whether bodies of any have to stay apart."""
-        return bool(self.tubes[:, -1:].any())
+    def need_all_pairs(self) -> bool:
+        """Whether bodies of any have to stay apart, or a tube is so wide that pairs apart by limits count as well."""
+        return bool((self.tubes[:, :-1] > _NARROW).any() or self.tubes[:, -1:].any())
 
     def ranges(self) -> tuple[Floats, Floats]:
         """The least and the largest (n, nq) of each number on each curve, the tube included."""

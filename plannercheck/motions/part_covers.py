@@ -1,10 +1,11 @@
 """Entries of proofs where a body is a set of parts: a few directions for each interval, along which parts are apart.
 
 In: a verifier of entries, a pair, poses on the motion. Out: entries that together cover the motion, all parts, and all
-triangles of the other body. Directions are fixed in the frame of the set. A few fixed directions that keep most parts
-away come first. Then the distance to the nearest remaining part gives a direction, which keeps its neighbours away as
-well. The verifier decides which parts a direction keeps away. If the nearest part is not among them, the interval is
-halved; if that part comes too near to the hull of a solid or of another set, that body's range is halved instead.
+triangles of the other body. Directions are fixed in the frame of the set, or of a link from which a tube displaces the
+bodies less. A few fixed directions that keep most parts away come first. Then the distance to the nearest remaining
+part gives a direction, which keeps its neighbours away as well. The verifier decides which parts a direction keeps
+away. If the nearest part is not among them, the interval is halved; if that part comes too near to the hull of a solid
+or of another set, that body's range is halved instead.
 """
 
 from __future__ import annotations
@@ -49,10 +50,10 @@ class _Cell(NamedTuple):
 
 
 class _View(NamedTuple):
-    """A cell as it is seen from the set's frame.
+    """A cell as it is seen from the frame of its directions.
 
     Attributes:
-        turn: (3, 3) from the set's body to the frame.
+        turn: (3, 3) from the set's body to the frame, in the middle.
         shift: (3,) m.
         swept: (k, 3) vertices of the other body at the start, in the middle and at the end, m.
         axes: (3, 3) rows: the other body's own axes in the middle.
@@ -79,7 +80,7 @@ class PartCover:
         first, second = hulls.model.pairs[pair]
         self._is_first = bool(hulls.model.bodies[first].parts)
         self._set, self._other = (first, second) if self._is_first else (second, first)
-        self._frame = hulls.model.bodies[self._set].link
+        self._frame = checker.frame_of(pair, not self._is_first)
         self._parts = parts_of(hulls.model.bodies[self._set])
         self._whole = 0, hulls.count(self._other)
         self.lost = False
@@ -145,15 +146,14 @@ class PartCover:
 
     def _view(self, cell: _Cell) -> _View:
         hull = self._hulls.hull(self._other, cell.other)
-        swept, axes = [], np.eye(3)
+        swept, axes, placed = [], np.eye(3), np.eye(4)
         for t in (cell.start, cell.end, (cell.start + cell.end) / 2):
             bodies, links = self._poses.at(t)
-            link = np.eye(4) if self._frame == WORLD else links[self._frame]
-            seen = np.linalg.inv(link) @ bodies[self._other]
+            from_world = np.eye(4) if self._frame == WORLD else np.linalg.inv(links[self._frame])
+            seen, placed = from_world @ bodies[self._other], from_world @ bodies[self._set]
             swept.append(hull.vertices @ seen[:3, :3].T + seen[:3, 3])
             axes = seen[:3, :3].T
-        pose = np.reshape(self._hulls.model.bodies[self._set].pose, (3, 4))
-        return _View(pose[:, :3], pose[:, 3], np.concatenate(swept), axes, bodies)
+        return _View(placed[:3, :3], placed[:3, 3], np.concatenate(swept), axes, bodies)
 
     def _along_fixed(self, cell: _Cell, view: _View) -> tuple[Ints64, list[Floats]] | None:
         """Rows of parts that fixed directions leave, the nearest first as far as these tell, and those that count.
@@ -187,12 +187,11 @@ class PartCover:
         return np.asarray(heights - some.radii)
 
     def _of_part(self, cell: _Cell, view: _View, row: int) -> tuple[float, Floats]:
-        """How far a part is from the other body in the middle, m, and the direction to it, in the set's frame."""
+        """How far a part is from the other body in the middle, m, and the direction to it, in the frame."""
         part = Polytope(_corners(self._parts.vertices[row], self._hulls.model.bodies[self._set]))
         other = self._hulls.hull(self._other, cell.other)
         found = distance(part, other, view.bodies[self._set], view.bodies[self._other])
-        placed = np.reshape(self._hulls.model.bodies[self._set].pose, (3, 4))[:, :3]
-        turn = placed @ view.bodies[self._set][:3, :3].T  # from the world to the frame
+        turn = view.turn @ view.bodies[self._set][:3, :3].T  # from the world to the frame
         return found.lower_bound - float(self._parts.radii[row]), turn @ found.direction
 
 

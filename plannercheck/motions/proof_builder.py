@@ -103,13 +103,16 @@ class Builder:
         motion = Motion(tuple(start.tolist()), tuple(end.tolist()), tuple(asked_end.tolist()), path)
         return self._proof(Motions(start[None], end[None], asked_end[None]), motion, tolerance)
 
-    def curve_proof(self, points: Floats, tube: Floats, tolerance: float) -> Proof | None:
+    def curve_proof(
+        self, points: Floats, tube: Floats, tolerance: float, clock: tuple[float, ...] = ()
+    ) -> Proof | None:
         """The proof of one piece of a trajectory, None if the certifier does not find it free.
 
         Args:
             points: (degree + 1, nq) control points.
             tube: (nq,) by how much each number may be off, rad and m; the errors of the control points included.
             tolerance: m.
+            clock: When it begins and ends on the scene's clock, s; none where nothing moves.
 
         Raises:
             PlannercheckError: As of `proof`.
@@ -122,7 +125,8 @@ class Builder:
         for first, past in self._checker.robot.configuration_map.units:
             wider[first:past] = 0.0
         start, end = tuple(points[0].tolist()), tuple(points[-1].tolist())
-        motion = Motion(start, end, end, "slerp", tuple(points[1:-1].ravel().tolist()), tuple(wider.tolist()))
+        inner, around = tuple(points[1:-1].ravel().tolist()), tuple(wider.tolist())
+        motion = Motion(start, end, end, "slerp", inner, around, clock)
         return self._proof(Curves(points[None], np.append(wider, 0.0)[None]), motion, tolerance)
 
     def _proof(self, moved: Motions | Curves, motion: Motion, tolerance: float) -> Proof | None:

@@ -14,7 +14,7 @@ in the proof, not in the URDF.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 import numpy as np
@@ -26,7 +26,7 @@ from plannercheck.motions.pair_decisions import PairDecider
 from plannercheck.motions.pair_proof_builder import LinkPairs
 from plannercheck.motions.proof_model import space_model
 from plannercheck.proofs.cell_places import base_placements
-from plannercheck.proofs.data import WORLD, Joint, Model, PosedBody
+from plannercheck.proofs.data import WORLD, Joint, Model, Motion, PosedBody
 from plannercheck.proofs.exact_placements import enough_digits
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.link_pairs import PairProofs
@@ -47,6 +47,7 @@ def confirm_model(
     meshes: MeshKind = "hull",
     geometry: Geometry | None = None,
     mesh_units: MeshUnits | None = None,
+    motions: Sequence[Motion] = (),
 ) -> tuple[str, ...]:
     """Compares a model with files.
 
@@ -57,6 +58,7 @@ def confirm_model(
         meshes: What meshes of the scene are.
         geometry: What meshes of the robot are; None for what its description says.
         mesh_units: How mesh files are read; None for what the robot's description says, and the scene's default.
+        motions: Those that the proofs are about: their times are compared where something in the scene moves.
 
     Returns:
         What was compared with which file.
@@ -70,7 +72,8 @@ def confirm_model(
     robots = tuple(_placed_robots(description))
     folders = tuple(folder for each, _ in robots for folder in each.package_dirs)
     obstacles = Scene("empty") if scene is None else Scene.load(scene, folders, meshes=meshes, mesh_units=mesh_units)
-    known = space_model(Checker(loaded, obstacles).with_all_columns)
+    checker = Checker(loaded, obstacles)
+    known = space_model(checker.with_all_columns)
     own = _without_carriers(model, known, loaded)
     _check_all_are_of(own, tuple(place.prefix for _, place in robots))
     compared, of_mjcf = list[str](), list[str]()
@@ -86,7 +89,7 @@ def confirm_model(
     where = "the empty scene" if scene is None else f"the scene {scene!r}"
     loaded_from = f"{str(description.urdf)!r} and {where}"
     compared += [f"bodies, pairs and columns, bit for bit, with what plannercheck loads of {loaded_from}"]
-    return (*compared, *_not_compared(obstacles, loaded))
+    return (*compared, *_compare_clocks(checker, motions))
 
 
 def confirm_pairs(
@@ -140,15 +143,22 @@ def _without_carriers(model: Model, loaded: Model, robot: Robot) -> Model:
     return dataclasses.replace(model, links=model.links[:links], joints=model.joints[:joints], bodies=bodies, pairs=())
 
 
-def _not_compared(scene: Scene, robot: Robot) -> tuple[str, ...]:
-    """What is left of the claim about objects that move."""
-    names = ", ".join(repr(item.name) for item in scene.moving)
-    if not names:
-        return ()
-    return (
-        f"not compared: how {names} {'moves' if len(scene.moving) == 1 else 'move'}, which columns from"
-        f" {robot.nq} on say in the proof, and the scene says in time, of which a proof has none",
-    )
+def _compare_clocks(checker: Checker, motions: Sequence[Motion]) -> Iterator[str]:
+    """Compares where objects that move are at the motions' times with the scene."""
+    if checker.clock is None or not motions:
+        return
+    from plannercheck.proofs.scene_clocks import Course, check_clocks  # needs python-flint
+
+    courses, column = list[Course](), checker.robot.nq
+    for course in checker.clock.courses:
+        names = ", ".join(repr(name) for name in course.objects)
+        curve = course.curve
+        rows = [curve.ends[0, 0].tolist(), *curve.ends[:, 1].tolist()]
+        courses.append(Course(names, column, course.knots.tolist(), rows, curve.units, course.stands))
+        column += curve.nq
+    off = check_clocks(motions, courses)
+    names = ", ".join(repr(item.name) for item in checker.scene.moving)
+    yield f"where {names} is at the proof's times, with the scene: places within the tube, turns within {off:.2g}"
 
 
 def _placed_robots(

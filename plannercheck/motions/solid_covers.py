@@ -107,6 +107,7 @@ class SolidCover:
         self._rows = parts.model.pairs[pair]
         self._bodies = [parts.model.bodies[k] for k in self._rows]
         self._counts = [parts.count(k) for k in self._rows]
+        self._frame = checker.frame_of(pair)
         self.lost = False
 
     def entries(self) -> list[Entry]:
@@ -137,7 +138,7 @@ class SolidCover:
             () if part == (0, count) else part
             for part, count in zip((cell.first, cell.second), self._counts, strict=True)
         ]
-        for frame in dict.fromkeys((self._bodies[0].link, self._bodies[1].link)):
+        for frame in dict.fromkeys((self._frame, self._bodies[0].link, self._bodies[1].link)):
             seen = direction if frame == WORLD else links[frame][:3, :3].T @ direction
             entry = Entry(self._pair, cell.start, cell.end, "plane", frame, tuple(seen.tolist()), *parts)
             if self._checker.holds(entry, _WITHIN):

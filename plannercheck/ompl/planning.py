@@ -190,7 +190,7 @@ def plan(
         the resolution. If the start collides or is beyond the limits, or all goals do or are, the plan is unsolved and
         `reason` says why. What is beyond a limit by at most 1e-6 is taken at the limit, with a warning.
     """
-    if start_time is not None or latest is not None:
+    if (start_time, latest) != (None, None) or getattr(checker, "clock", None) is not None:
         raise PlannercheckError(
             "there are no plans in space and time: OMPL's Python bindings have no such planner (STRRTstar); plan"
             " without a clock, and pc.least_delay says how long to wait"

@@ -23,6 +23,7 @@ def confirm_model(
     meshes: str = "hull",
     geometry: object = None,
     mesh_units: object = None,
+    motions: object = (),
 ) -> tuple[str, ...]:
     """Compares a model with files, bit for bit, except the circles around bodies, which were checked before.
 
@@ -33,6 +34,8 @@ def confirm_model(
         meshes: "hull": there are none in the plane.
         geometry: None, likewise.
         mesh_units: None, likewise.
+
+        motions: Not looked at: no obstacle in the plane moves.
 
     Returns:
         What was compared with which file.

@@ -25,6 +25,7 @@ def motion_of(proof: ProofData) -> dict[str, Any]:
         curve = "polynomial" if motion.inner else "straight"
         how = {"path": motion.path if free else curve, "turning_radius": None}
         how |= {"degree": _degree(motion), "inner": list(motion.inner), "tube": list(motion.tube)}
+        how |= {"clock": list(motion.clock)} if motion.clock else {}
     ends = {"start": list(motion.start), "end": list(motion.end), "asked_end": list(motion.asked_end)}
     return {**ends, **how, "margin": proof.margin}
 
@@ -41,7 +42,7 @@ def sentence_of(motion: dict[str, Any]) -> str:
     degree = f" of degree {motion['degree']}" if motion.get("inner") else ""
     return (
         f"{motion['path']}{degree}{turning} from {_listed(motion['start'])} to {_listed(motion['end'])}{other}"
-        f"{_around(motion.get('tube', ()))}, margin {motion['margin']:.3g} m"
+        f"{_around(motion.get('tube', ()))}{_timed(motion.get('clock', ()))}, margin {motion['margin']:.3g} m"
     )
 
 
@@ -52,6 +53,11 @@ def _around(tube: Sequence[float]) -> str:
     widths = {f"{width:.9g}" for width in tube}
     told = widths.pop() if len(widths) == 1 else _listed(tube)
     return f", and at every instant every configuration within {told} rad or m of it in each number"
+
+
+def _timed(clock: Sequence[float]) -> str:
+    """A clock in words."""
+    return "" if not clock else f", from {clock[0]:.9g} to {clock[1]:.9g} s of the scene's clock"
 
 
 def _listed(values: Sequence[float]) -> str:

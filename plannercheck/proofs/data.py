@@ -191,6 +191,7 @@ class Motion:
             sine or a quaternion mean nothing.
         tube: (columns,) rad and m, at least 0, and 0 of cosines, sines and quaternions; none for zeros. With a tube,
             too, the end is the one that was asked for.
+        clock: When the motion begins and ends on the clock of a scene in which something moves, s; else none.
     """
 
     start: tuple[float, ...]
@@ -199,6 +200,7 @@ class Motion:
     path: MotionPath = "screw"
     inner: tuple[float, ...] = field(default=(), metadata=OPTIONAL)
     tube: tuple[float, ...] = field(default=(), metadata=OPTIONAL)
+    clock: tuple[float, ...] = field(default=(), metadata=OPTIONAL)
 
     @property
     def control(self) -> tuple[tuple[float, ...], ...]:

@@ -137,8 +137,24 @@ class EntryChecker:
 
     def needed(self, pair: int) -> float:
         """How far apart a pair has to be, at least, in the frame of either body, m."""
-        frames = (self._model.bodies[k].link for k in self._model.pairs[pair])
-        return min(self.widened(pair, frame) for frame in frames) + self._margin
+        return self.widened(pair, self.frame_of(pair)) + self._margin
+
+    def frame_of(self, pair: int, is_second: bool = False) -> int:
+        """The link of the first or the second body of a pair; another one if a tube displaces them less, seen from it.
+
+        Others are those of the joints between both bodies.
+        """
+        own = [self._model.bodies[k].link for k in self._model.pairs[pair]]
+        joints = [self._joint(link) for link in own]
+        meeting = self._chains.meeting(*joints)
+        between = {meeting}
+        for joint in joints:
+            while joint != meeting:
+                between.add(joint)
+                joint = self._model.joints[joint].parent
+        links = own[::-1] if is_second else own
+        links += [k for k, link in enumerate(self._model.links) if link.joint in between - set(joints)]
+        return min(links, key=lambda link: self.widened(pair, link))
 
     def _joint(self, link: int) -> int:
         return WORLD if link == WORLD else self._model.links[link].joint

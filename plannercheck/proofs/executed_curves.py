@@ -69,6 +69,7 @@ def trajectory_proved(
     controller: str = "jtc",
     tube: float | Sequence[float] = 0.0,
     start: Sequence[float] | None = None,
+    message: int | None = None,
 ) -> PathProved:
     """Whether proofs prove a message as a controller runs it.
 
@@ -78,6 +79,7 @@ def trajectory_proved(
         controller: One of `RUNNERS`: "jtc" (joint_trajectory_controller of ros2_control), and so on.
         tube: How far each number may be off the curve at any instant, rad and m: one number, or one a column.
         start: (columns,) where the robot stands at 0 s, at rest, rad and m; None: at the first point.
+        message: Which trajectory of the file, from 0; None: it holds one.
 
     Returns:
         What is missing.
@@ -99,7 +101,7 @@ def trajectory_proved(
     if min(widths) < 0:
         raise PlannercheckError(f"tube must be at least 0 in each number, not {float(min(widths))!r}")
     stands = None if start is None else numbers_of("start", start, model.columns)
-    read = message_reader()(path, names)
+    read = message_reader()(path, names, message)
     pieces = _pieces(_message(read, path, controller), controller, stands, model.whole_turns, path)
     other = held_elsewhere(proofs[0], read.held)
     if other:
@@ -232,7 +234,7 @@ def pieces_run(
     path: Any, names: Sequence[str], controller: str, turning: Sequence[int]
 ) -> tuple[Row, list[Piece], Mapping[str, float]]:
     """The times of a message's points, s, the pieces between them, of joints by name, and what other joints hold."""
-    read = message_reader()(path, names)
+    read = message_reader()(path, names, None)
     points = _message(read, path, controller)
     return [point.time for point in points], _pieces(points, controller, None, turning, path), read.held
 

@@ -14,7 +14,7 @@ compared by `exact_placements.py`, `urdf_joints.py`, `urdf_trees.py`, `urdf_shap
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from plannercheck.common.model_comparisons import model_comparison
@@ -86,6 +86,7 @@ def model_confirmed(
     meshes: str = "hull",
     geometry: Any = None,
     mesh_units: str | None = None,
+    others: Sequence[ProofData] = (),
 ) -> Verification:
     """Whether a proof's model is that of files; entries are not checked.
 
@@ -96,6 +97,7 @@ def model_confirmed(
         meshes: What meshes of the scene are, as for `Scene.load`.
         geometry: What meshes of the robot are, as for `Robot.load`; None for what its file says.
         mesh_units: How mesh files are read, as for `Robot.load` and `Scene.load`.
+        others: More proofs of the same model: where something in the scene moves, the times of all are compared.
 
     Returns:
         Whether it is, or the first difference.
@@ -106,7 +108,10 @@ def model_confirmed(
     began, fault, compared = time.perf_counter(), None, tuple[str, ...]()
     try:
         _check_well_formed(proof)
-        compared = model_comparison(proof.kind)(proof.model, robot, scene, meshes, geometry, mesh_units)
+        for each in others:
+            _check_well_formed(each)
+        motions = tuple(each.motion for each in (proof, *others))
+        compared = model_comparison(proof.kind)(proof.model, robot, scene, meshes, geometry, mesh_units, motions)
     except UnprovedError as found:
         fault = str(found)
     return Verification(fault is None, fault, 0, time.perf_counter() - began, compared)

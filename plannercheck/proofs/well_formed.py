@@ -224,6 +224,9 @@ def _check_ends(model: Model, motion: Motion) -> None:
         check_length(q, model.columns, f"the motion's {name}")
         check_numbers(q, f"the motion's {name}")
     _check_curve(model, motion)
+    check_numbers(motion.clock, "the motion's clock")
+    if motion.clock and not (len(motion.clock) == 2 and motion.clock[0] < motion.clock[1]):
+        raise UnprovedError(f"the motion's clock is {list(motion.clock)!s:.80}: not a time and a later one")
     for column in model.whole_turns:
         if not 0 <= column < model.columns:
             raise UnprovedError(f"column {column} of whole turns is not there")

@@ -106,8 +106,8 @@ def curve_of(points: Points, controller: Controller, start: Points | None, conti
     ends = [_conditions(run, k) for k in range(len(steps))]
     pieces = tuple(_control_points(*each, h) for each, h in zip(ends, steps, strict=True))
     check_size(run.times, pieces)
-    by_jtc = controller.startswith("jtc")
-    error = np.max([hermite_error(*each, h, by_jtc) for each, h in zip(ends, steps, strict=True)], axis=0)
+    evaluated = controller != "ur"
+    error = np.max([hermite_error(*each, h, evaluated) for each, h in zip(ends, steps, strict=True)], axis=0)
     if _is_upsampled(points, controller):
         error += upsampled_error(message.times, durations(message.times), message.positions, message.velocities)
     if start is not None:

@@ -34,9 +34,9 @@ class Curve(OwnsArrays):
     Attributes:
         breaks: (m + 1,) s, growing: piece k runs from breaks[k] to breaks[k + 1].
         pieces: (degree + 1, nq) each, the control points, rad and m.
-        error: (nq,) how far the pieces, and joint_trajectory_controller's own evaluation, are at most from the
-            polynomials that the numbers given define, rad and m (rounding.py). Of "ur" and "motoros2" the pieces alone:
-            the UR driver sends whole millionths and its robot adds up speeds, MotoROS2 commands whole pulses.
+        error: (nq,) how far the pieces, and the controller's own evaluation in doubles, are at most from the
+            polynomials that the numbers given define, rad and m (rounding.py). Of "ur" the pieces alone: the driver
+            sends whole millionths, and the robot adds up speeds. MotoROS2 commands whole pulses.
         units: (first, past) of columns that form a unit vector: cosine and sine, or a quaternion. They turn from the
             first control point of a piece to its last by slerp, the short way.
     """

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from plannercheck.common.angles import are_degrees, share_within
 from plannercheck.common.checked_yaml import Node, error_context, sequence
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.robot import Robot
@@ -38,6 +39,12 @@ def read_points(path: str | Path, robot: Robot, message: int | None = None) -> P
     points = read_points_of(path, robot, message)  # which names the file itself
     with error_context(f"trajectory file {str(path)!r}"):
         check_held(robot, points.held)
+        limits = robot.lower, robot.upper
+        if share_within(points.positions, *limits) < 0.5 and are_degrees(points.positions, *limits):
+            raise PlannercheckError(
+                "most points are beyond the limits, and as degrees they would not be: angles are in rad, convert them"
+                " by numpy.radians"
+            )
     return points
 
 

@@ -2,8 +2,9 @@
 
 In: points, or what a form of curve is made of. Out: bounds for each column, rad and m, of `Curve.error`: at the same
 fraction of a segment's time, the curve's doubles are at most this far from the message's polynomial in real numbers,
-and from the doubles of joint_trajectory_controller where it runs the points. What UR robots and MotoROS2 make of a
-polynomial is not bounded here: speeds added up from measured positions, and whole encoder pulses.
+and from the doubles of the controller that runs the points: joint_trajectory_controller, MotoROS2, or any straight
+line p + (q - p) t / h. MotoROS2 then cuts these to whole pulses, one of them off at most: its robot knows how wide
+they are. Of "ur" there is no bound: its robot adds up speeds by a closed speedj, from measured positions at each point.
 
 The bounds count relative errors of u = 2⁻⁵³, one for each operation, by the size of the terms it acts on. A segment's
 duration h is within u of the message's (stamps.py). Products of such errors are below 2⁻⁴⁰ of a bound; `_bound` adds
@@ -16,6 +17,9 @@ them, its own rounding, and what underflow loses.
   cubic has 2 errors of v·h and 3 of sums, 2 of h³ and 1 of the quotient; t³ has 2, its product 1, the sum at most 3,
   and the two durations 6: 20 in all. For c[5] of a quintic these are 5 and 5, 4 and 1; 4, 1, 5, 10: 35. Lower powers
   have fewer, a straight segment has 6. With FMA there are fewer roundings.
+- MotoROS2 sums p + v t + a t t / 2 + b t t t / 6 (MotionControl.c) with a = 6 (q - p) / (h h) - 2 (w + 2 v) / h and
+  b = -12 (q - p) / (h h h) + 6 (w + v) / (h h). The terms are those of a cubic; a's have 7 errors and b's 9, products
+  of t 4 and 7 more, sums 3: 19 in all.
 - Upsampled velocities. The rows of the system, scaled by h₁h₂/(h₁ + h₂), are α v₀ + 2 v₁ + β v₂ = 3 (α s₁ + β s₂), with
   slopes s and α + β = 1. The diagonal exceeds the rest by 1, so velocities are off by at most the largest residual
   (Varah). Ours is computed. The controller's is at most 12u |A||v| by its elimination (Higham, Accuracy and Stability
@@ -31,7 +35,7 @@ from plannercheck.common.array_types import Floats
 
 UNIT = 2.0**-53
 
-# Relative errors of a control point, and of joint_trajectory_controller's evaluation by degree.
+# Relative errors of a control point, and of a controller's evaluation by degree.
 _CONTROL = 8
 _EVALUATED = {1: 7, 3: 22, 5: 37}
 
@@ -55,7 +59,7 @@ def hermite_error(q: Floats, v: Floats | None, a: Floats | None, h: float, evalu
         v: (2, nq) velocities that it is made with.
         a: (2, nq) accelerations that it is made with.
         h: Its duration, s.
-        evaluated: Whether joint_trajectory_controller's own evaluation is to be covered.
+        evaluated: Whether the controller's own evaluation is to be covered.
     """
     p, r = np.abs(q)
     if v is None:

@@ -36,4 +36,4 @@ class LocalEngine:
 def evaluate(judge: Judge, checker: AnyChecker, chunk: Chunk) -> Findings:
     """What a judge finds about a chunk; errors say where in the file it is."""
     with error_context(f"rows from {chunk.first_row} on"):
-        return judge(checker, chunk.rows)
+        return judge(checker, chunk.rows, chunk.first_row)

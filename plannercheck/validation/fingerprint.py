@@ -29,13 +29,14 @@ _POSED = 5
 
 def fingerprint(checker: AnyChecker, judge: Judge, chunk_rows: int) -> dict[str, str]:
     """Everything that findings depend on: the version, the robot in its scene, and the judge, but not its threads."""
-    asked = {name: str(value) for name, value in asdict(judge).items() if name != "threads"}
+    asked = {name: str(value) for name, value in asdict(judge).items() if name not in ("threads", "times")}
     return {
         "version": __version__,
         "robot": checker.robot.name,
         "scene": checker.scene.name,
         "pairs of bodies": str(len(checker.pairs)),
         **asked,
+        "times": hashlib.sha256(np.array(judge.times).tobytes()).hexdigest(),
         "rows of a chunk": str(chunk_rows),
         "bodies, poses and pairs": content_hash(checker),
     }

@@ -23,6 +23,7 @@ from plannercheck.bodies.solid_separations import SolidSeparation
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.checking.verdicts import PairCertificate, ValidityReport
 from plannercheck.common.array_types import Floats
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.certificates import Separation as PlanarSeparation
 from plannercheck.planar.certificates import SharedPoint as PlanarSharedPoint
@@ -63,15 +64,20 @@ class Judge:
         limits: Whether configurations beyond the limits fail ("error"), are counted, or are not looked for.
         explain: Says which configurations get a certificate.
         threads: Number of threads that a judge uses.
+        times: The scene's clock, where something in it moves: one number, or one for each row of the set, s.
     """
 
     all_pairs: bool = False
     limits: Limits = "error"
     explain: Explained = "none"
     threads: int = 1
+    times: tuple[float, ...] = ()
 
-    def __call__(self, checker: AnyChecker, rows: Floats) -> Findings:
-        """Judges configurations (n, nq), rad and m."""
+    def __call__(self, checker: AnyChecker, rows: Floats, first_row: int = 0) -> Findings:
+        """Judges configurations (n, nq), rad and m, from a row of the set on."""
+        if self.times:
+            assert isinstance(checker, Checker)
+            checker, rows = checker.in_time(rows, self._times(first_row, len(rows)))
         found = validate(checker, rows, self.threads, self.all_pairs)
         arrays: Arrays = {"first_pair": found.first_pair}
         report = found.report
@@ -82,6 +88,13 @@ class Judge:
         if self.explain != "none":
             arrays |= _certificates(checker, rows, found.first_pair, self.explain == "all")
         return Findings(arrays, report)
+
+    def _times(self, first_row: int, count: int) -> tuple[float, ...]:
+        if len(self.times) == 1:
+            return self.times * count
+        if len(self.times) < first_row + count:
+            raise PlannercheckError(f"row {len(self.times)} has no time: --times has {len(self.times)} numbers")
+        return self.times[first_row : first_row + count]
 
     def fails(self, arrays: Arrays) -> NDArray[np.bool_]:
         """(n,) which rows do not pass: those that collide, and those beyond the limits if that is an error."""

@@ -5,6 +5,7 @@ import pickle
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from support.moving_scenes import arm_urdf, random_pose
 
@@ -12,6 +13,7 @@ import plannercheck as pc
 from plannercheck.checking.left_out_pairs import left_out_pairs
 
 _SIZE = (0.3, 0.2, 0.25)
+_ANGLES = np.arange(61) * 0.1
 
 
 def _robot(folder: Path, joints: int = 3, seed: int = 0, pallet: bool = False) -> pc.Robot:
@@ -32,6 +34,42 @@ def _scene(outside: str = "refuse") -> pc.Scene:
     scene.add_box("table", (0.2, 0.2, 0.2), random_pose(np.random.default_rng(5), np.array([0.5, 0, 0.1])))
     scene.add("pallet", pc.Box(_SIZE), _crossing(outside))
     return scene
+
+
+def test_screws_are_where_pinocchio_has_them(tmp_path: Path) -> None:
+    """Steps that turn and slide, slide, turn, and rest; an arm that moves meanwhile is elsewhere no matter."""
+    rng = np.random.default_rng(0)
+    poses = [pin.SE3(random_pose(rng)) for _ in range(4)]
+    poses.insert(2, pin.SE3(poses[1].rotation, poses[1].translation + 0.1 * np.eye(3)[2]))
+    poses.insert(4, pin.SE3(pin.exp3(np.array([0, 0, 0.3])) @ poses[3].rotation, poses[3].translation))
+    poses.insert(5, poses[4])
+    times, scene, still = np.arange(7.0) ** 1.5, pc.Scene("screws"), pc.Scene("still")
+    for each, path in ((scene, "screw"), (still, "slerp")):
+        moving = pc.Moving(times, [pose.homogeneous for pose in poses], path=path)
+        for name in ("left", "right"):
+            each.add(name, pc.Box(_SIZE), moving)
+    checker, q = pc.Checker(_robot(tmp_path), scene), np.zeros((1, 3))
+    asked = np.linspace(0, times[-1], 60)
+    found = checker.body_poses(q, times=asked)
+    for time, left, right in zip(asked.tolist(), found[:, -2], found[:, -1], strict=True):
+        k = min(int(np.searchsorted(times, time, "right")) - 1, 5)
+        share = (time - times[k]) / (times[k + 1] - times[k])
+        meant = poses[k] * pin.exp6(share * pin.log6(poses[k].actInv(poses[k + 1])))
+        assert np.allclose(left, meant.homogeneous, atol=1e-13)
+        assert np.array_equal(left, right)
+    assert not np.allclose(pc.Checker(_robot(tmp_path), still).body_poses(q, times=asked), found, atol=1e-3)
+
+
+def test_screws_that_are_no_bodys_are_refused(tmp_path: Path) -> None:
+    """Too many, or about an axis that is too far away."""
+    turns = np.array([pin.SE3(pin.exp3(a * np.eye(3)[2]), a * np.eye(3)[0]).homogeneous for a in _ANGLES])
+    for count, angle, message in ((60, 1.0, "60 screws, and at most 50"), (2, 1e-9, "poses 0 and 1 of object 'box'")):
+        poses = turns[: count + 1].copy()
+        poses[1, :3, :3] = pin.exp3(np.array([0, 0, angle * 0.1]))
+        scene = pc.Scene("far")
+        scene.add("box", pc.Box(_SIZE), pc.Moving(np.arange(count + 1), poses, path="screw"))
+        with pytest.raises(pc.PlannercheckError, match=message):
+            pc.Checker(_robot(tmp_path), scene)
 
 
 @pytest.mark.parametrize("seed", range(3))

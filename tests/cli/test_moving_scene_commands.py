@@ -63,15 +63,53 @@ def test_what_has_no_time_is_refused(folder: Path, capsys: pytest.CaptureFixture
     assert not (folder / "page.html").exists()
 
 
-def test_a_proof_says_what_of_it_is_not_compared(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Bodies, pairs and columns are the files'; the motion of the pallet has no time in a proof."""
+def test_sets_are_judged_at_their_times(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """At one, or each row at its own, as by `check_states(times=)`; with a certificate of what collides."""
+    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("moving.yaml"))
+    q, times = checker.robot.random_configurations(300, 0), np.linspace(0, 8, 300)
+    np.save("many.npy", q)
+    np.save("times.npy", times)
+    for words, at in ((("--time", "4"), 4.0), (("--times", "times.npy"), times)):
+        assert _run("validate", "many.npy", *words, "--output", "out.npz", "--explain", "--limits", "ignore") == 1
+        with np.load("out.npz") as found:
+            assert np.array_equal(found["valid"], checker.check_states(q, times=at))
+            hit = found["first_pair"] >= 0
+            assert np.isfinite(found["point"][hit]).all()
+    valid = checker.check_states(q, times=times)
+    assert not np.array_equal(valid, checker.check_states(q, times=4.0))
+    np.save("times.npy", times[:299])
+    for words, message in (
+        (("--times", "times.npy"), "row 299 has no time"),
+        (("--times", "times.npy", "--time", "1"), "in place of --time"),
+        (("--time", "9"), "from 0 to 8 s"),
+        (("--time", "1", "--certify"), "without --certify"),
+    ):
+        assert _run("validate", "many.npy", *words) == 2
+        assert message in capsys.readouterr().err
+    np.save("times.npy", np.append(times, 8.0))
+    assert _run("validate", "many.npy", "--times", "times.npy") == 2
+    assert "301 numbers" in capsys.readouterr().err
+
+
+def test_a_proof_is_compared_with_where_the_scene_has_the_pallet(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Bodies, pairs and columns are the files', and so is the pallet's place at the times of the proof."""
     pytest.importorskip("flint")
     assert _run("validate", "--path", "way.yaml", "--controller", "jtc", "--certify") == 0
     compared = ["verify", "way.proof.json", "--robot", "panda", "--scene"]
     capsys.readouterr()
     assert main([*compared, "moving.yaml"]) == 0
-    assert "not compared: how 'pallet' moves, which columns from 7 on say" in capsys.readouterr().out
-    for old, new in (("0.2, 0.2, 0.2", "0.2, 0.2, 0.3"), ("pallet", "crate"), ("moving", "# moving")):
+    said = capsys.readouterr().out
+    assert "where 'pallet' is at the proof's times, with the scene" in said
+    assert "from 0 to 2 s of the scene's clock" in said
+    for old, new in (
+        ("0.2, 0.2, 0.2", "0.2, 0.2, 0.3"),
+        ("pallet", "crate"),
+        ("[0, 8]", "[0, 9]"),
+        ("0.4, 2, 0.5", "0.4, 2, 0.6"),
+        ("moving", "# moving"),
+    ):
         text = _SCENE.replace(old, new)
         if new == "# moving":
             text = _SCENE[: _SCENE.index("    moving:")]

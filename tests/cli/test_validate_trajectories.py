@@ -124,10 +124,17 @@ def test_limits_are_told(capsys, tmp_path):
 
 def test_one_of_several_messages_is_chosen(capsys, tmp_path, free):
     part = {"joint_trajectory": safe_load(free.read_text())}
-    (tmp_path / "two.json").write_text(json.dumps({"trajectory": [part, part]}))
+    other = json.loads(json.dumps(part))
+    other["joint_trajectory"]["points"][-1]["positions"][0] += 0.01
+    (tmp_path / "two.json").write_text(json.dumps({"trajectory": [other, part]}))
     assert command("--path", tmp_path / "two.json") == 2
     assert "holds 2 JointTrajectory messages: choose one by message= (--message)" in capsys.readouterr().err
     assert judged(capsys, "--path", tmp_path / "two.json", "--message", "1")[0] == 0
+    chosen = ("--path", tmp_path / "two.json", "--controller", "jtc", "--message")
+    assert judged(capsys, *chosen, "1", "--certify")[0] == 0
+    for number in ("0", "1"):
+        code = main(["verify", str(tmp_path / "two.proof.json"), *map(str, chosen), number])
+        assert (code, "all 2 motions proved" in capsys.readouterr().out) == ((0, True) if number == "1" else (1, False))
 
 
 def test_joints_that_the_start_holds_are_held(capsys, tmp_path, checker, free):

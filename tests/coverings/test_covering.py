@@ -58,11 +58,25 @@ def test_an_audit_says_what_is_outside(model):
     assert found.as_json()["links"][2]["covered"] is True
 
 
+def test_the_excess_is_of_the_nearest_body(tmp_path):
+    sphere = '<sphere radius="0.15"/>'
+    robot = write_robot(tmp_path, {"base": element(sphere) + element(sphere, "1 0 0")})
+    cover = Primitives.of([((0, 0, 0), 0.25), ((1, 0, 0), 0.25)])
+    (link,) = pc.Covering(robot, {"base": cover}).audit().links
+    assert 0.1 <= link.excess < 0.13
+    assert link.mean_excess == pytest.approx(0.1, abs=1e-9)
+    assert link.area == pytest.approx(2 * 4 * np.pi * 0.25**2, rel=1e-9)
+
+
 def test_growth_is_the_least_that_covers(model):
     grown = model.inflated()
     assert grown.verify()
     assert grown.growth == pytest.approx(0.05, abs=2e-6)
     assert grown.audit().covered
+    each = model.inflated(by_link=True)
+    assert each.verify()
+    np.testing.assert_array_equal(each.spheres("hand"), model.spheres("hand"))
+    np.testing.assert_array_equal(each.spheres("arm"), grown.spheres("arm"))
     less = {link: cover.grown(grown.growth - 4e-6) for link, cover in model.links.items()}
     assert not pc.Covering(model.robot, less).verify()
 

@@ -72,6 +72,12 @@ def test_curobo_adds_its_buffer(robot, tmp_path, buffer, base, arm):
     assert model.spheres("arm")[0, 3] == single(arm)
 
 
+def test_a_radius_of_zero_is_a_point(robot, tmp_path):
+    spheres = {"base": [{"center": [0, 0, 0], "radius": 0.5}], "arm": [{"center": [0, 0, 0], "radius": 0}]}
+    model = load(robot, tmp_path, curobo(collision_spheres=spheres))
+    assert model.spheres("arm").tolist() == [[0, 0, 0, 0]]
+
+
 @pytest.mark.filterwarnings("ignore:.*negative radius")
 def test_curobo_moves_spheres_of_fixed_extra_links_to_their_parent(robot, tmp_path):
     spheres = {"base": [], "arm": [], "attached": [{"center": [0.125, 0.0, 0.0], "radius": 0.25}]}

@@ -194,6 +194,15 @@ def test_pairs_that_cannot_meet_take_room_as_well(tmp_path):
         assert certifier.check(curves, 1e-4, 1).all() == certifier.check_curves(curves, 1e-4, 1).all() == free
 
 
+def test_pairs_that_cannot_meet_take_a_tube_as_well(tmp_path):
+    """A proof covers all pairs: what is free has one."""
+    checker = pc.Checker(slider(tmp_path, "fixed"), balls([0.0, 0.4, 0.0]))
+    curve = pc.Trajectory.bezier([0, 1], [[[0.0], [0.3], [0.0]]])
+    assert 0.19 < checker.explain_trajectory(curve).largest_tube < 0.2
+    assert checker.certify_trajectory(curve, tube=0.19) is not None
+    assert not checker.check_trajectory(curve, tube=0.21)
+
+
 def test_unit_vectors_turn_from_end_to_end(tmp_path):
     """They follow no polynomial: a base that floats turns by half a turn, over control points of any length."""
     (tmp_path / "slider.urdf").write_text(SLIDER.format("prismatic"))
@@ -219,7 +228,7 @@ def test_a_search_for_the_largest_tube_ends_where_rounding_is_too_large(tmp_path
     still = pc.Trajectory.bezier([0, 1], np.zeros((1, 3, 2)))
     with pytest.raises(PlannercheckError, match="rounding"):
         checker.check_trajectory(still, tube=1.5, tolerance=1.5e-11)
-    assert 1 < checker.explain_trajectory(still, tolerance=1.5e-11).largest_tube < 1.5
+    assert 0.1 < checker.explain_trajectory(still, tolerance=1.5e-11).largest_tube < 1.5
 
 
 @pytest.mark.parametrize("tube", [np.nan, np.inf, -1e-300, 1e16, np.finfo(float).max])

@@ -1,12 +1,16 @@
 """Trajectories in scenes that move: dense samples of exact verdicts, contacts at a chosen instant, proofs."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 import pytest
-from support.moving_scenes import MovingCase, contact_case
+from support.moving_scenes import MovingCase, arm_urdf, contact_case, random_pose
 
 import plannercheck as pc
+from plannercheck.proofs import load_proofs, save_proofs
+from plannercheck.proofs.verify import model_confirmed
 
 # Trajectories that keep further than this from everything at dense samples may not be refused, m.
 _CLEAR = 3e-4
@@ -96,6 +100,49 @@ def test_a_scene_at_rest_takes_no_notice_of_a_clock() -> None:
     assert np.array_equal(checker.check_states(q), checker.check_states(q, times=3.0))
     trajectory = pc.Trajectory([0.0, 2.0], q[:2], controller="linear")
     assert checker.check_trajectory(trajectory) == checker.check_trajectory(trajectory, start_time=9.0)
+
+
+@pytest.mark.parametrize("path", ["slerp", "screw"])
+def test_proofs_say_when_and_the_scene_is_compared_there(tmp_path: Path, path: str) -> None:
+    """Of other times, other objects' motions, or no time: refused; also of one that stands."""
+    pytest.importorskip("flint")
+    rng = np.random.default_rng(3)
+    poses = np.array([random_pose(rng, np.array([1.8 + 0.1 * k, 0.2 * k, 0.5])) for k in range(4)])
+    robot = str(tmp_path / "arm.urdf")
+    Path(robot).write_text(arm_urdf(rng, 2))
+    scenes = {"as it is": poses, "other": poses.copy(), "turned": poses.copy()}
+    scenes["other"][2, 0, 3] += 1e-6
+    scenes["turned"][2, :3, :3] @= pin.exp3(np.array([0, 0, 1e-6]))
+    for name, each in scenes.items():
+        scene = pc.Scene("belt")
+        scene.add("pallet", pc.Box((0.1, 0.2, 0.1)), pc.Moving([0, 1, 2.5, 4], each, path=path, outside="stand"))
+        scene.save(tmp_path / f"{name}.yaml")
+    files = {name: str(tmp_path / f"{name}.yaml") for name in scenes}
+    checker = pc.Checker(pc.Robot.load(robot), pc.Scene.load(files["as it is"]))
+    home = checker.robot.reference
+    trajectory = pc.Trajectory([0, 2, 4.5], [home, home + 0.05, home], np.zeros((3, 2)))
+    for start in (0.123456789, -1.0):
+        proofs = checker.certify_trajectory(trajectory, tube=1e-3, start_time=start)
+        assert proofs is not None
+        assert proofs[0].motion.clock[0] == start
+        first, *others = proofs
+        found = model_confirmed(first, robot, files["as it is"], others=others)
+        assert "where 'pallet' is at the proof's times" in found.compared[-1]
+        for name in ("other", "turned"):
+            fault = model_confirmed(first, robot, files[name], others=others).fault
+            assert "'pallet' is not" in fault or "on other joints" in fault
+        for clock, fault in (
+            ((), "no clock"),
+            (tuple(time + 1e-3 for time in others[0].motion.clock), "'pallet'"),
+            (others[1].motion.clock, "'pallet' is not where"),
+            (tuple(time + 0.5 for time in others[0].motion.clock), "does not go straight"),
+            ((3.0, 2.0), "clock is"),
+        ):
+            moved = replace(others[0], motion=replace(others[0].motion, clock=clock))
+            assert fault in model_confirmed(first, robot, files["as it is"], others=[moved]).fault
+        save_proofs(proofs, tmp_path / "x.json")
+        assert [proof.motion for proof in load_proofs(tmp_path / "x.json")] == [proof.motion for proof in proofs]
+        assert all(proof.verify() for proof in proofs)
 
 
 def test_proofs_hold_and_name_the_columns_of_what_moves() -> None:

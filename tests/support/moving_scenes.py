@@ -93,5 +93,5 @@ def contact_case(rng: np.random.Generator, folder: Path) -> MovingCase:
             place = int(np.searchsorted(times, start_time + instant))
             poses = np.insert(poses, place, random_pose(rng, near), axis=0)
         shape = [pc.Box(tuple(rng.uniform(0.03, 0.2, 3))), pc.Sphere(0.1), pc.Capsule(0.05, 0.2)][int(rng.integers(3))]
-        scene.add(f"mover {k}", shape, pc.Moving(times, poses))
+        scene.add(f"mover {k}", shape, pc.Moving(times, poses, path=("slerp", "screw")[int(rng.integers(2))]))
     return MovingCase(pc.Checker(robot, scene, self_collision=False), trajectory, start_time)

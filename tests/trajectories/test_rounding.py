@@ -47,6 +47,37 @@ def value(powers, t, number):
     return found
 
 
+def by_motoros2(ends, h, t):
+    """In doubles, in the order of MotionControl.c."""
+    p, q, v, w = ends
+    first = (6 * (q - p) / (h * h)) - (2 * (w + 2 * v) / h)
+    second = (-12 * (q - p) / (h * h * h)) + (6 * (w + v) / (h * h))
+    return p + v * t + first * t * t / 2 + second * t * t * t / 6
+
+
+def test_motoros2_and_straight_lines():
+    """2,000 segments of whole milliseconds."""
+    rng = np.random.default_rng(7)
+    worst = 0.0
+    for _ in range(2_000):
+        late, step = int(rng.integers(0, 10 ** rng.integers(1, 8))), int(rng.integers(1, 10 ** rng.integers(1, 6)))
+        q, v = rng.normal(size=(2, 2, 1)) * 10.0 ** rng.integers(-9, 4, (2, 1, 1))
+        if rng.random() < 0.3:
+            q[1] = q[0] * (1 + rng.normal() * 1e-12)
+        v[1] = 0
+        times, ends = np.array([late, late + step]) / 1e3, [*q[:, 0].tolist(), *v[:, 0].tolist()]
+        cubic, line = (pc.Trajectory(times, q, v, controller=each).curve.error[0] for each in ("motoros2", "linear"))
+        exact = coefficients(F, 3, [*ends, 0, 0], F(step, 1000))
+        for part in (0, int(rng.integers(0, step + 1)), step):
+            t, h = part / 1000.0, step / 1000.0
+            off = abs(F(by_motoros2(ends, h, t)) - value(exact, F(part, 1000), F))
+            assert off <= F(float(cubic))
+            worst = max(worst, float(off / F(float(cubic))) if cubic else 0.0)
+            p, r = map(F, ends[:2])
+            assert abs(F(ends[0] + (ends[1] - ends[0]) * t / h) - p - (r - p) * F(part, step)) <= F(float(line))
+    assert worst > 0.02  # the bound is not idle
+
+
 def test_points_of_random_messages():
     """2,000 segments: long and short, late, of sizes far apart, with ends that cancel."""
     rng = np.random.default_rng(0)
@@ -155,7 +186,6 @@ def test_b_splines(degree: int):
 
 
 def test_what_is_exact_has_no_error():
-    assert pc.Trajectory([0, 1], [[0.1], [0.7]], controller="linear").curve.error == 0
     assert pc.Trajectory.bezier([0, 1], [[[0.1], [0.3], [0.7]]]).curve.error == 0
     apart = pc.Trajectory.bezier([0, 1, 2], [[[0.1], [0.3]], [[0.3 + 1e-12], [0.7]]])
     assert apart.curve.error == pytest.approx(1e-12, rel=1e-3)
