@@ -175,7 +175,7 @@ def answers(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray
         yield other.check_states(given[0][:EDITED])
         yield other.check_motions(given[1][:EDITED], given[2][:EDITED])
     for each in (checker, others[0]):  # of a box that C++ has made, distances differ by rounding
-        yield trajectories_free(each, given)
+        yield from of_trajectories(each, given)
         for nearest in (None, 2):
             table = each.distances(given[0][:MEASURED], 0.125, nearest)
             columns = (table.state, table.distance, table.lower, table.gap, table.unique)
@@ -183,15 +183,14 @@ def answers(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray
             yield np.column_stack([*columns, points, table.normal, table.gradient]).astype(np.float64)
 
 
-def trajectories_free(checker: pc.Checker, given: list[np.ndarray]) -> np.ndarray:
-    """Which trajectories of `judge_trajectories` of judge.cpp are free."""
-    free = []
+def of_trajectories(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray]:
+    """Of the trajectories of `judge_trajectories` of judge.cpp: whether it is free, its control points and error."""
     for i, (start, end) in enumerate(zip(*(rows[:EDITED] for rows in given[1:]), strict=True)):
         q, zero = np.stack([start, end, start]), np.zeros_like(start)
         v, a = (np.stack([zero, factor * (end - start), zero]) for factor in (0.5, 0.25))
         trajectory = pc.Trajectory([0.0, 1.0, 2.5], q, v if i % 3 else None, a if i % 3 == 2 else None)
-        free.append(checker.check_trajectory(trajectory, 2.0**-10 if i % 2 else 0.0))
-    return np.array(free)
+        yield np.array(checker.check_trajectory(trajectory, 2.0**-10 if i % 2 else 0.0))
+        yield np.concatenate([*trajectory.curve.pieces, trajectory.curve.error[None]])
 
 
 def cell_of_all_kinds(folder: Path) -> Path:

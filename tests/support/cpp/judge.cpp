@@ -74,8 +74,12 @@ std::vector<Checker> edited(const Checker& checker) {
   return out;
 }
 
-// Verdicts of trajectories from the start of a motion to its end and back: straight, cubic and quintic in turns, every
-// other one with a tube. The same are in tests/benchmarks/cpp_library.py.
+void append(const std::vector<double>& numbers, std::vector<std::uint8_t>& out) {
+  for (const std::byte byte : std::as_bytes(std::span(numbers))) out.push_back(std::to_integer<std::uint8_t>(byte));
+}
+
+// Verdicts and control points of trajectories from the start of a motion to its end and back: straight, cubic and
+// quintic in turns, every other one with a tube. The same are in tests/benchmarks/cpp_library.py.
 void judge_trajectories(const Checker& checker, const Inputs& given, std::vector<std::uint8_t>& out) {
   const std::size_t nq = checker.nq(), count = std::min(kEdited, given.starts.size() / nq);
   const std::array<double, 3> times{0, 1, 2.5};
@@ -95,6 +99,7 @@ void judge_trajectories(const Checker& checker, const Inputs& given, std::vector
     const bool free = checker.check_trajectory(executed, workspace, around).value();
     if (checker.explain_trajectory(executed, workspace, around).value().free != free) std::abort();
     out.push_back(free ? 1 : 0);
+    for (const auto& numbers : {executed.points, executed.error}) append(numbers, out);
   }
 }
 
@@ -114,8 +119,7 @@ void measure(const Checker& checker, const Inputs& given, std::vector<std::uint8
       for (const auto& vector : {row.on_first, row.on_second, row.normal})
         numbers.insert(numbers.end(), vector.begin(), vector.end());
       numbers.insert(numbers.end(), row.gradient.begin(), row.gradient.end());
-      const auto bytes = std::as_bytes(std::span(numbers));
-      for (const std::byte byte : bytes) out.push_back(std::to_integer<std::uint8_t>(byte));
+      append(numbers, out);
     }
   }
 }
