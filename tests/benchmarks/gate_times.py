@@ -4,13 +4,15 @@ The Panda gets chunks of 16 and of 50 waypoints at 50 Hz, among the bookshelf's 
 start at random free states, with random velocities and bends; ten times as many judgements as chunks are made, in ten
 rounds. Processor time of one thread, in µs: p50, p99 and worst of all judgements, and of the least of each chunk's ten
 (what a quiet machine shows: on a busy one, others' work in the caches and on the other half of a core counts as well).
-The control is one chunk judged as often. Last come the share that passes, and p99 of the least of those and of others.
+The control is one chunk judged as often. Then come the share that passes, p99 of the least of those and of others, and
+by how much Python's blocks and the process's memory, KiB, have grown since the first round.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
+import sys
 import time
 from pathlib import Path
 
@@ -19,6 +21,9 @@ import numpy as np
 import plannercheck as pc
 from plannercheck.evaluation.bench.clouds import NAME, sensed_scene
 from plannercheck.evaluation.bench.records import write_record
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+from long_runs.memory import resident
 
 _ROUNDS, _RATE = 10, 50.0
 # Speeds, rad/s, and bends, rad/s², of chunks.
@@ -49,6 +54,9 @@ def measured(name: str, scene: pc.Scene, length: int, count: int) -> dict[str, o
             began = time.thread_time_ns()
             passes[i] = gate.judge(positions, _RATE, start=(q, dq)).ok
             times[k, i] = time.thread_time_ns() - began
+        if k == 0:
+            blocks, memory = sys.getallocatedblocks(), resident()
+    grown = {"blocks": sys.getallocatedblocks() - blocks, "KiB": (resident() - memory) >> 10}
     control = np.empty(len(chunks))
     positions, q, dq = chunks[int(np.argmax(passes))]
     for i in range(len(chunks)):
@@ -67,7 +75,8 @@ def measured(name: str, scene: pc.Scene, length: int, count: int) -> dict[str, o
     for what, some in (("pass", passes), ("others", ~passes)):
         row |= {f"{what} p99 of least": np.percentile(least[some], 99) if some.any() else np.nan}
     return {key: round(float(v), 1) if isinstance(v, float) else v for key, v in row.items()} | {
-        "passes": passes.mean()
+        "passes": passes.mean(),
+        **grown,
     }
 
 
