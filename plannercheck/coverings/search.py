@@ -188,9 +188,11 @@ class _Search:
             rest = np.flatnonzero(upper > self._goal)
             self.upper = max(self.upper, float(np.delete(upper, rest).max(initial=0.0)))
             middles, upper = middles[rest], upper[rest]
-            if half <= _FINEST or 8 * len(middles) > _MOST_CELLS:
-                if not (is_covered and self.witness is None and self._encloses_nothing(middles, half)):
-                    self._give_up(float(upper.max(initial=0.0)))
+            is_last = half <= _FINEST or 8 * len(middles) > _MOST_CELLS
+            if is_covered and self.witness is None and self._encloses_nothing(middles, half, is_last):
+                return
+            if is_last:
+                self._give_up(float(upper.max(initial=0.0)))
                 return
             half /= 2
             middles = (middles[:, None] + half * _CORNERS).reshape(-1, 3)
@@ -210,10 +212,12 @@ class _Search:
     def _give_up(self, upper: float) -> None:
         self.upper, self.is_open = max(self.upper, upper), True
 
-    def _encloses_nothing(self, middles: Floats, half: float) -> bool:
-        """Whether no cluster of cubes that touch meets more primitives than can enclose a hole."""
+    def _encloses_nothing(self, middles: Floats, half: float, by_cluster: bool) -> bool:
+        """Whether cubes, or each cluster of cubes that touch, meet no more primitives than can't enclose a hole."""
         meets = self._cover.values(middles) <= half * np.sqrt(3.0) * STEEPEST + self._cover.error(middles)
-        return all(meets[rows].any(axis=0).sum() <= _NO_HOLE for rows in _clusters(middles, half))
+        if meets.any(axis=0).sum() <= _NO_HOLE:
+            return True
+        return by_cluster and all(meets[rows].any(axis=0).sum() <= _NO_HOLE for rows in _clusters(middles, half))
 
 
 _CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))

@@ -367,7 +367,7 @@ class Checker(StateChecker):
         meets, padding = self._of_new_obstacle()
         _ = self.polytopes  # prepares those of all pairs
         self._preparation.prepare(np.flatnonzero(meets).tolist())
-        parts = self._labels, self.prepared, self.pairs, self.unreachable, meets, padding
+        parts = self._labels, self.prepared, self.pairs, self.paddings, self.unreachable, meets, padding
         write_cell(CellInputs(robot, kernel, self.scene.name, *parts, self._tables, self.motion_certifier), Path(path))
 
     def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:

@@ -16,7 +16,7 @@ import numpy as np
 from plannercheck.bodies.kinds import Kind
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.checking.compiled_tables import CompiledTables
-from plannercheck.common.array_types import Bools, Ints, Ints64
+from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
@@ -30,7 +30,7 @@ from plannercheck.robots.unit_lengths import UNIT_TOLERANCE
 from plannercheck.scenes.scene import Scene
 
 # kCellFormat in cpp/library/cell_file.hpp.
-CELL_FORMAT = 1
+CELL_FORMAT = 2
 
 # BodyKind in cpp/library/cell_bodies.cpp.
 _HULL, _SOLID, _HALF_SPACE = 0, 1, 5
@@ -47,6 +47,7 @@ class CellInputs(NamedTuple):
         labels: The link or obstacle of each body.
         polytopes: The prepared bodies; None where no pair needs it.
         pairs: (k, 2) indices of bodies.
+        paddings: (bodies,) each body's part of the padding, m.
         unreachable: (k,) which pairs can't meet within the limits.
         meets_obstacles: (robot's bodies,) which are tested against an obstacle that is added.
         padding: Such an obstacle's part of the padding, m.
@@ -60,6 +61,7 @@ class CellInputs(NamedTuple):
     labels: Sequence[str]
     polytopes: Sequence[Polytope | None]
     pairs: Ints
+    paddings: Floats
     unreachable: Bools
     meets_obstacles: Bools
     padding: float
@@ -141,6 +143,7 @@ def _bodies(cell: CellInputs) -> Iterator[Section]:
     yield Section("shapes", np.array(of_bodies, dtype=np.int32))
     yield Section("links", links)
     yield Section("body placements", placements[:, :3].reshape(-1, 12))
+    yield Section("paddings", cell.paddings)
     yield Section("meets obstacles", cell.meets_obstacles)
     yield Section("obstacle padding", cell.padding)
 

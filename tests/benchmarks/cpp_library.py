@@ -3,6 +3,9 @@
     python tests/benchmarks/cpp_library.py                        # minutes of a core: all levels, shared
     python tests/benchmarks/cpp_library.py --levels v3 --static
     python tests/benchmarks/cpp_library.py --levels v3 --sanitize address,undefined --fuzz 10000
+    python tests/benchmarks/cpp_library.py --levels v3 --static --compiler clang++ --face 3600 \\
+        --sanitize fuzzer-no-link,address,undefined               # libFuzzer
+    python tests/benchmarks/cpp_library.py --levels v2 --quick    # not optimised, one cell: as the suite has it
     python tests/benchmarks/cpp_library.py --cross aarch64 --states 20000 --motions 2000  # GCC's cross compiler, QEMU
 
 Out: the library's size, and an error if its levels are not apart; the examples' output (docs/examples/cpp); for each
@@ -12,6 +15,7 @@ are the bits of Python's; with --fuzz what became of damaged cells. The exit cod
 
 import argparse
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -40,8 +44,9 @@ LIFT = """<robot name="lift"><link name="floor"/>
 <axis xyz="1 0 0"/></joint><joint name="fly" type="floating"><parent link="hand"/><child link="kite"/></joint>
 </robot>"""
 
-EDITED = 2000  # kEdited in judge.cpp
+EDITED, MEASURED = 2000, 500  # kEdited and kMeasured in judge.cpp
 PROGRAMS = ROOT / "tests" / "support" / "cpp"
+MOVEIT = ROOT / "ros" / "plannercheck_moveit"
 
 
 def target(options: argparse.Namespace) -> list[str]:
@@ -65,12 +70,13 @@ def built(options: argparse.Namespace, folder: Path) -> Path:
         f"-DPLANNERCHECK_LEVELS={options.levels}",
         f"-DBUILD_SHARED_LIBS={'OFF' if options.static else 'ON'}",
         f"-DPLANNERCHECK_SANITIZE={options.sanitize}",
+        *debugging(options),
         *target(options),
-        *(["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1"] if options.sanitize else []),
     ]
     before = os.times()
     run("cmake", "-S", str(ROOT / "plannercheck/cpp"), "-B", str(build), "-G", "Ninja", *choices)
     run("cmake", "--build", str(build), "--parallel", str(options.jobs))
+    shutil.rmtree(prefix, ignore_errors=True)  # of the other kind
     run("cmake", "--install", str(build), "--prefix", str(prefix))
     spent = os.times()
     took = spent.children_user + spent.children_system - before.children_user - before.children_system
@@ -82,6 +88,12 @@ def built(options: argparse.Namespace, folder: Path) -> Path:
     )
     print(f"{library.name}: {sizes}, built in {took:.0f} s of processor time")
     return prefix
+
+
+def debugging(options: argparse.Namespace) -> list[str]:
+    """CMake's options for builds that are not optimised, or little."""
+    flags = "-O0" if options.quick else "-O1"
+    return ["-DCMAKE_BUILD_TYPE=Debug", f"-DCMAKE_CXX_FLAGS_DEBUG={flags}"] if options.quick or options.sanitize else []
 
 
 def check_levels_apart(build: Path) -> None:
@@ -100,16 +112,21 @@ def consumer(prefix: Path, folder: Path, options: argparse.Namespace) -> Path:
     """Builds the examples and this script's programs against the installed package; returns their folder."""
     source, build = folder / "consumer", folder / "consumer-build"
     source.mkdir(exist_ok=True)
-    for path in (*(ROOT / "docs/examples/cpp").iterdir(), *PROGRAMS.glob("*.cpp")):
+    for path in (*(ROOT / "docs/examples/cpp").iterdir(), *PROGRAMS.glob("*.?pp"), *MOVEIT.glob("test/*.cpp")):
         (source / path.name).write_bytes(path.read_bytes())
     with (source / "CMakeLists.txt").open("a") as lines:
-        for name in ("judge", "fuzz_cell"):
+        lines.write(f"include_directories({MOVEIT / 'include'})\n")
+        for name in ("judge", "test_execution_proof", *(() if options.quick else ("share", "fuzz_cell"))):
             lines.write(f"add_executable({name} {name}.cpp)\n")
             lines.write(f"target_link_libraries({name} PRIVATE plannercheck::plannercheck Threads::Threads)\n")
+        if options.face:
+            lines.write("add_executable(fuzz_face fuzz_face.cpp)\n")
+            lines.write("target_link_libraries(fuzz_face PRIVATE plannercheck::plannercheck -fsanitize=fuzzer)\n")
     flags = "-Wall -Wextra -Wconversion -Werror" + (f" -fsanitize={options.sanitize}" if options.sanitize else "")
     run(
         *("cmake", "-S", str(source), "-B", str(build), "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}"),
-        *(f"-DCMAKE_CXX_FLAGS={flags}", "-DCMAKE_BUILD_TYPE=Release", *target(options)),
+        *(f"-DCMAKE_CXX_FLAGS={flags}", *(debugging(options) or ["-DCMAKE_BUILD_TYPE=Release"]), *target(options)),
+        *(["-DCMAKE_DISABLE_FIND_PACKAGE_ompl=ON"] if options.quick else []),
     )
     run("cmake", "--build", str(build))
     return build
@@ -125,8 +142,8 @@ def inputs(checker: pc.Checker, states: int, motions: int) -> list[np.ndarray]:
     return [q, starts, ends]
 
 
-def of_edits(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray]:
-    """Verdicts in the scenes that `edited` of judge.cpp makes."""
+def of_edits(checker: pc.Checker) -> Iterator[pc.Checker]:
+    """Checkers of the scenes that `edited` of judge.cpp makes."""
     here, there = np.eye(4), np.eye(4)
     here[:3, 3] = 0.5, 0.25, 0.5
     there[:2, :2], there[:3, 3] = [[0, -1], [1, 0]], (-0.25, 0.5, 0.75)
@@ -148,9 +165,33 @@ def of_edits(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarra
             scene.remove(name)
         if added is not None:
             scene.add(*added)
-        checker = checker.with_scene(scene)
-        yield checker.check_states(given[0][:EDITED])
-        yield checker.check_motions(given[1][:EDITED], given[2][:EDITED])
+        yield (checker := checker.with_scene(scene))
+
+
+def answers(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray]:
+    """What judge.cpp finds, after the states and motions."""
+    others = list(of_edits(checker))
+    for other in others:
+        yield other.check_states(given[0][:EDITED])
+        yield other.check_motions(given[1][:EDITED], given[2][:EDITED])
+    for each in (checker, others[0]):  # of a box that C++ has made, distances differ by rounding
+        yield trajectories_free(each, given)
+        for nearest in (None, 2):
+            table = each.distances(given[0][:MEASURED], 0.125, nearest)
+            columns = (table.state, table.distance, table.lower, table.gap, table.unique)
+            points = table.points.reshape(-1, 6)
+            yield np.column_stack([*columns, points, table.normal, table.gradient]).astype(np.float64)
+
+
+def trajectories_free(checker: pc.Checker, given: list[np.ndarray]) -> np.ndarray:
+    """Which trajectories of `judge_trajectories` of judge.cpp are free."""
+    free = []
+    for i, (start, end) in enumerate(zip(*(rows[:EDITED] for rows in given[1:]), strict=True)):
+        q, zero = np.stack([start, end, start]), np.zeros_like(start)
+        v, a = (np.stack([zero, factor * (end - start), zero]) for factor in (0.5, 0.25))
+        trajectory = pc.Trajectory([0.0, 1.0, 2.5], q, v if i % 3 else None, a if i % 3 == 2 else None)
+        free.append(checker.check_trajectory(trajectory, 2.0**-10 if i % 2 else 0.0))
+    return np.array(free)
 
 
 def cell_of_all_kinds(folder: Path) -> Path:
@@ -194,7 +235,7 @@ def compare(checker: pc.Checker, cell: Path, programs: Path, folder: Path, optio
     middle = time.process_time()
     motions = checker.check_motions(given[1], given[2])
     end = time.process_time()
-    python = np.concatenate([states, motions, *of_edits(checker, given)]).tobytes()
+    python = b"".join(each.tobytes() for each in (states, motions, *answers(checker, given)))
     per_state, per_motion = (middle - begin) / len(states) * 1e6, (end - middle) / len(motions) * 1e6
     print(f"  Python: a state {per_state:.3f} us, a motion {per_motion:.3f} us of processor time")
     same = True
@@ -207,7 +248,8 @@ def compare(checker: pc.Checker, cell: Path, programs: Path, folder: Path, optio
             continue
         print("  C++:", done.stdout.strip().replace("\n", "; "), done.stderr.strip())
         equal = done.returncode == 0 and (folder / "out").read_bytes() == python
-        print(f"  {len(states)} states and {len(motions)} motions: {'the same bits' if equal else 'OTHER VERDICTS'}")
+        found = "the same bits" if equal else "OTHER VERDICTS"
+        print(f"  {len(states)} states, {len(motions)} motions and the rest: {found}")
         same &= equal
     return same
 
@@ -224,10 +266,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--levels", default="v2;v3;v4")
     parser.add_argument("--static", action="store_true")
+    parser.add_argument("--quick", action="store_true")
     parser.add_argument("--compiler")
     parser.add_argument("--cross", metavar="PROCESSOR", default="", help="for which GCC and QEMU's user mode are here")
     parser.add_argument("--sanitize", default="")
     parser.add_argument("--fuzz", type=int, default=0, help="how many damaged files")
+    parser.add_argument("--face", type=int, default=0, help="s of libFuzzer's calls")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--states", type=int, default=10**6)
     parser.add_argument("--motions", type=int, default=10**5)
@@ -243,19 +287,27 @@ def main() -> int:
             check_levels_apart(folder / "build")
         programs = consumer(prefix, folder, options)
         same = True
-        for robot, scene in CELLS:
+        for robot, scene in CELLS[: 1 if options.quick else None]:
             checker = pc.Checker(pc.Robot.load(robot), pc.Scene.load(scene))
             cell = folder / f"{robot}.plannercheck"
             checker.save(cell)
             print(f"{robot} in {scene}: {cell.stat().st_size / 1e6:.1f} MB")
-            for name in ("check", "threads", "plan"):  # the last where OMPL is installed
+            if robot == "panda":
+                subprocess.run([*emulator(options), programs / "test_execution_proof", cell], check=True)
+            for name in ("check", "threads", "share", "plan"):  # the last where OMPL is installed
                 if (programs / name).exists():
                     command = [*emulator(options), programs / name, cell]
                     done = subprocess.run(command, capture_output=True, text=True, check=name != "plan")
                     print(f"  {name}: " + "; ".join(done.stdout.strip().splitlines()[-4:]))
             same &= compare(checker, cell, programs, folder, options)
-        if options.fuzz:
+        if options.face or options.fuzz:
             cell = cell_of_all_kinds(folder)
+        if options.face:
+            corpus = folder / "corpus"
+            corpus.mkdir(exist_ok=True)
+            command = [programs / "fuzz_face", corpus, f"-max_total_time={options.face}", "-max_len=2048"]
+            subprocess.run(command, env={**os.environ, "PLANNERCHECK_CELL": str(cell)}, check=True)
+        if options.fuzz:
             print(f"damaged cells of {cell.stat().st_size / 1e3:.0f} kB:", flush=True)
             subprocess.run(
                 [*emulator(options), programs / "fuzz_cell", cell, str(options.fuzz), str(options.seed)], check=True

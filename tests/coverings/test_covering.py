@@ -58,6 +58,16 @@ def test_an_audit_says_what_is_outside(model):
     assert found.as_json()["links"][2]["covered"] is True
 
 
+def test_the_excess_is_of_the_nearest_body(tmp_path):
+    sphere = '<sphere radius="0.15"/>'
+    robot = write_robot(tmp_path, {"base": element(sphere) + element(sphere, "1 0 0")})
+    cover = Primitives.of([((0, 0, 0), 0.25), ((1, 0, 0), 0.25)])
+    (link,) = pc.Covering(robot, {"base": cover}).audit().links
+    assert 0.1 <= link.excess < 0.13
+    assert link.mean_excess == pytest.approx(0.1, abs=1e-9)
+    assert link.area == pytest.approx(2 * 4 * np.pi * 0.25**2, rel=1e-9)
+
+
 def test_growth_is_the_least_that_covers(model):
     grown = model.inflated()
     assert grown.verify()

@@ -119,6 +119,13 @@ def test_the_middle_of_triangles_alone_need_not_be_covered():
     assert outside(regions(body), cover).is_covered
 
 
+def test_the_middle_of_a_triangle_is_found():
+    body = regions(pc.Solid([(0, 0, 0), (2, 0, 0), (0, 2, 0)], [(0, 1, 2)], "triangles"))
+    found = outside(body, Primitives.of([((0, 0, 0), 0.8), ((2, 0, 0), 0.8), ((0, 2, 0), 0.8)]), 1e-4)
+    assert found.lower <= math.sqrt(2) - 0.8 <= found.upper < found.lower + 1.1e-4
+    assert [float(x) for x in found.witness] == pytest.approx([1, 1, 0], abs=1e-3)
+
+
 def test_a_ring_is_not_its_hull():
     """A solid with a hole through it is covered by spheres along it, its hull is not."""
     angles = np.linspace(0, 2 * np.pi, 25)[:-1]
@@ -158,7 +165,30 @@ def test_curved_bodies_are_covered_by_their_equals():
     for shape in (pc.Capsule(0.3, 1.0), pc.Cylinder(0.3, 1.0)):
         assert outside(regions(shape), capsule).is_covered
         assert outside(regions(shape, turned(1)), capsule).lower > 0
+    longer = outside(regions(pc.Cylinder(0.3, 1.4)), capsule, 1e-4)
+    assert longer.lower <= math.hypot(0.3, 0.2) - 0.3 <= longer.upper < longer.lower + 2e-4
     assert outside(regions(pc.Cylinder(3, 8)), Primitives.of([((0, 0, 0), 5.0)])).is_covered
+
+
+@pytest.mark.parametrize("seed", range(9))
+def test_bounds_hold_dense_samples_of_curved_bodies(seed):
+    rng, pose = np.random.default_rng(seed), turned(seed)
+    radius, length = rng.uniform(0.2, 1, 2)
+    angles, heights = rng.uniform(0, 2 * np.pi, 20_000), rng.choice([-1.0, 1.0, 0.3], 20_000) * length / 2
+    inside = np.sqrt(rng.choice([0.0, 0.5, 1.0], 20_000))
+    points = np.column_stack([inside * np.cos(angles), inside * np.sin(angles), heights / radius]) * radius
+    shape = (pc.Cylinder(radius, length), pc.Capsule(radius, length), pc.Sphere(radius))[seed % 3]
+    if seed % 3:
+        directions = rng.normal(size=(20_000, 3))
+        points = radius * directions / np.linalg.norm(directions, axis=1, keepdims=True)
+        points[:, 2] += rng.uniform(-1, 1, 20_000) * (length / 2 if seed % 3 == 1 else 0)
+    points = points @ pose[:3, :3].T + pose[:3, 3]
+    cover = random_cover(rng, 5, capsules=seed % 2)
+    cover = Primitives(cover.ends / 2 + pose[:3, 3], cover.radii, cover.frames, cover.halves)
+    found = outside(regions(shape, pose), cover, 1e-3)
+    assert max(distances(cover, points).max(), 0) <= found.upper + 1e-12
+    assert found.upper - found.lower <= 1e-3 + 1e-12
+    assert outside(regions(shape, pose), cover.grown(found.upper + 1e-6)).is_covered
 
 
 def test_a_cylinder_between_two_spheres():

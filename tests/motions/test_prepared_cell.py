@@ -49,6 +49,7 @@ def test_a_cell_holds_the_checker(checker, cell):
         assert np.array_equal(only(sections, name.replace("_", " ")).reshape(given.shape), given)
     assert np.array_equal(only(sections, "pairs"), checker.pairs)
     assert np.array_equal(only(sections, "unreachable").ravel(), checker.unreachable)
+    assert np.array_equal(only(sections, "paddings").ravel(), checker.paddings)
     shapes = [core.Polytope.parse(values.tobytes()) for name, values in sections if name == "hull"]
     for index, polytope in zip(only(sections, "shapes").ravel().tolist(), checker.polytopes, strict=True):
         assert (index < 0) == (polytope is None)
@@ -145,10 +146,10 @@ def test_the_library_reads_the_container(cell, list_sections, tmp_path):
     (line,) = list_sections(cell)
     assert line.split(";")[:-1] == [name for name, _ in read_sections(cell.read_bytes())]
     content = cell.read_bytes()
-    for version in (b"\0\0\0\0", b"\2\0\0\0"):
+    for version in (b"\0\0\0\0", b"\1\0\0\0"):
         (tmp_path / "other").write_bytes(content[:16] + version + content[20:])
         (line,) = list_sections(tmp_path / "other")
-        assert "this version reads 1 with bodies of format" in line
+        assert "this version reads 2 with bodies of format" in line
         assert line.endswith("save the cell again")
 
 

@@ -16,7 +16,7 @@ int main(int count, char** arguments) {
   const auto space = plannercheck::ompl::space_of(loaded.value());
   ompl::geometric::SimpleSetup setup(space);
   const auto& information = setup.getSpaceInformation();
-  plannercheck::ompl::prepare(*information, loaded.value());
+  plannercheck::ompl::allocate(*information, loaded.value());
   information->setup();
 
   ompl::base::ScopedState<> start(space), goal(space);

@@ -35,8 +35,8 @@ class BoundDistances : public Pooled<DistanceCore> {
                  InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements,
                  InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count, double limit, const Tuning& tuning,
                  std::shared_ptr<SampledPoses> sampled)
-      : Pooled(without_paddings(geometry_objects(bodies, links, placements), paddings), pairs_from(pairs), link_count,
-               limit, tuning, std::move(sampled)) {}
+      : Pooled(without_padding(geometry_objects(bodies, links, placements), {paddings.data(), paddings.shape(0)}),
+               pairs_from(pairs), link_count, limit, tuning, std::move(sampled)) {}
 
   // measure(states, table, workspace) for shares of all states; rows in the order of states, then nearest first.
   template <class Measure>
@@ -57,43 +57,6 @@ class BoundDistances : public Pooled<DistanceCore> {
       });
     });
     return in_order(parts, tangent);
-  }
-
- private:
-  static std::vector<GeometryObject> without_paddings(std::vector<GeometryObject> out,
-                                                      InputArray<double, -1> paddings) {
-    for (std::size_t i = 0; i < out.size(); ++i) {
-      if (!(paddings(i) > 0)) continue;
-      auto body = std::make_shared<Polytope>(*out[i].body);
-      body->inflation_radius = larger(body->inflation_radius - paddings(i), 0);
-      out[i].body = std::move(body);
-    }
-    return out;
-  }
-
-  static DistanceTable in_order(const std::vector<DistanceTable>& parts, std::size_t tangent) {
-    struct Place {
-      const DistanceRow* row;
-      const double* gradient;
-    };
-    std::vector<Place> places;
-    for (const DistanceTable& part : parts) {
-      for (std::size_t k = 0; k < part.rows.size(); ++k) {
-        places.push_back({&part.rows[k], part.gradients.data() + k * tangent});
-      }
-    }
-    std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-      if (a.row->state != b.row->state) return a.row->state < b.row->state;
-      if (a.row->distance != b.row->distance) return a.row->distance < b.row->distance;
-      return a.row->pair < b.row->pair;
-    });
-    DistanceTable out;
-    out.rows.reserve(places.size()), out.gradients.reserve(places.size() * tangent);
-    for (const Place& place : places) {
-      out.rows.push_back(*place.row);
-      out.gradients.insert(out.gradients.end(), place.gradient, place.gradient + tangent);
-    }
-    return out;
   }
 };
 

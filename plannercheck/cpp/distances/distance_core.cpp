@@ -30,6 +30,41 @@ std::vector<GeometryObject> inflated(std::vector<GeometryObject> objects, double
 
 }  // namespace
 
+DistanceTable in_order(const std::vector<DistanceTable>& parts, std::size_t tangent) {
+  struct Place {
+    const DistanceRow* row;
+    const double* gradient;
+  };
+  std::vector<Place> places;
+  for (const DistanceTable& part : parts) {
+    for (std::size_t k = 0; k < part.rows.size(); ++k) {
+      places.push_back({&part.rows[k], part.gradients.data() + k * tangent});
+    }
+  }
+  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    if (a.row->state != b.row->state) return a.row->state < b.row->state;
+    if (a.row->distance != b.row->distance) return a.row->distance < b.row->distance;
+    return a.row->pair < b.row->pair;
+  });
+  DistanceTable out;
+  out.rows.reserve(places.size()), out.gradients.reserve(places.size() * tangent);
+  for (const Place& place : places) {
+    out.rows.push_back(*place.row);
+    out.gradients.insert(out.gradients.end(), place.gradient, place.gradient + tangent);
+  }
+  return out;
+}
+
+std::vector<GeometryObject> without_padding(std::vector<GeometryObject> bodies, std::span<const double> paddings) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!(paddings[i] > 0)) continue;
+    auto body = std::make_shared<Polytope>(*bodies[i].body);
+    body->inflation_radius = larger(body->inflation_radius - paddings[i], 0);
+    bodies[i].body = std::move(body);
+  }
+  return bodies;
+}
+
 struct DistanceCore::Workspace {
   std::shared_ptr<CheckerCore::Workspace> near;
   StatePoser poser;

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "bodies/lazy_value.hpp"
@@ -35,6 +36,12 @@ struct DistanceTable {
   std::vector<DistanceRow> rows;
   std::vector<double> gradients;  // the tangent's width for each row
 };
+
+// Parts of a table as one: its rows in the order of the states, and of each the nearest first.
+DistanceTable in_order(const std::vector<DistanceTable>& parts, std::size_t tangent);
+
+// The bodies without the part of each inflation radius that is padding, m.
+std::vector<GeometryObject> without_padding(std::vector<GeometryObject> bodies, std::span<const double> paddings);
 
 // Configurations (n, width of the kinematics), or posed links: n times as many matrices as there are links, row-major
 // 4x4. The first one is number `first` of all.

@@ -168,6 +168,7 @@ PreparedCell with_new(const PreparedCell& old, PreparedCell cell, const Edit& ed
   const auto body = static_cast<std::int32_t>(cell.bodies.size());
   cell.bodies.push_back({shape_of(old, edit), -1, edit.pose});
   cell.body_names.push_back(edit.name);
+  cell.paddings.push_back(cell.obstacle_padding);
   std::vector<std::array<std::int32_t, 2>> added;
   for (std::size_t k = 0; k < old.meets_obstacles.size(); ++k) {
     if (old.meets_obstacles[k] != 0) added.push_back({static_cast<std::int32_t>(k), body});
@@ -195,7 +196,7 @@ PreparedCell edited(const PreparedCell& old, const Edit& edit) {
                     " bodies: one pose places only one");
   }
   GeometryObject& object = cell.bodies[at(bodies[0])];
-  if (is_shape) object.body = shape_of(old, edit);
+  if (is_shape) object.body = shape_of(old, edit), cell.paddings[at(bodies[0])] = old.obstacle_padding;
   object.placement = edit.pose;
   return with_pairs(old, std::move(cell), {}, bodies, {});
 }

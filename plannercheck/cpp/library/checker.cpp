@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include "library/checker_impl.hpp"
@@ -31,14 +32,6 @@ void end_without_value(const Error& error) noexcept {
   std::abort();
 }
 
-struct Workspace::State {
-  std::shared_ptr<const void> of;  // the checker whose scratch it is
-  std::unique_ptr<Engine::Scratch> scratch;
-  std::vector<double> ends, some_starts, some_ends;
-  std::array<std::vector<std::size_t>, 2> rows;  // by table
-  std::vector<std::uint8_t> answers;
-};
-
 namespace {
 
 constexpr std::array<Table, 2> kTables{Table::kWithinLimits, Table::kAll};
@@ -53,25 +46,6 @@ void gather(const double* from, std::size_t width, const std::vector<std::size_t
 
 std::size_t count_ones(std::span<const std::uint8_t> flags) {
   return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), std::uint8_t{1}));
-}
-
-void check_tolerance(double tolerance) {
-  if (tolerance > 0 && std::isfinite(tolerance)) return;
-  std::ostringstream words;
-  words << "tolerance must be a positive length in m, not " << tolerance;
-  throw CallError(words.str());
-}
-
-void check_precise(MotionAnswer answer, std::size_t row, double tolerance) {
-  if (answer != MotionAnswer::kImprecise) return;
-  std::ostringstream words;
-  words << "motion " << row << ": lengths and angles are so large that rounding is no small part of the tolerance of "
-        << tolerance << " m; choose a larger tolerance, or smaller numbers";
-  throw CallError(words.str());
-}
-
-const ChainedTable& chained(const PreparedCell& cell, Table table) {
-  return table == Table::kAll && cell.has_limits ? cell.all : cell.within_limits;
 }
 
 }  // namespace
@@ -191,11 +165,11 @@ Result<std::size_t> Checker::check_motions(std::span<const double> q0, std::span
         some_starts = state.some_starts.data(), some_ends = state.some_ends.data();
       }
       state.answers.resize(rows.size());
-      impl_->engine().check_motions(table, some_starts, some_ends, rows.size(), tolerance, state.answers.data(),
-                                    *state.scratch);
+      impl_->engine().check_motions(table, {some_starts, some_ends, width}, rows.size(), tolerance,
+                                    state.answers.data(), *state.scratch);
       for (std::size_t i = 0; i < rows.size(); ++i) {
         const auto answer = static_cast<MotionAnswer>(state.answers[i]);
-        check_precise(answer, rows[i], tolerance);
+        check_precise(answer, "motion", rows[i], tolerance);
         free[rows[i]] = answer == MotionAnswer::kFree ? 1 : 0;
       }
     }
@@ -229,10 +203,41 @@ Result<MotionVerdict> Checker::explain_motion(std::span<const double> q0, std::s
     const Table table = impl_->table_of_motion(q0.data(), q1.data(), end, 0);
     const std::vector<std::int32_t>& touching = chained(*impl_->cell, table).touching;
     if (!touching.empty()) return MotionVerdict{false, 0, -1, impl_->named(at(touching[0]))};
-    const MotionReport report = impl_->engine().explain_motion(table, q0.data(), end, tolerance, *state.scratch);
-    check_precise(report.answer, 0, tolerance);
+    const MotionReport report = impl_->engine().explain_motion(table, {q0.data(), end}, tolerance, *state.scratch);
+    check_precise(report.answer, "motion", 0, tolerance);
     if (report.answer == MotionAnswer::kFree) return MotionVerdict{};
     return MotionVerdict{false, report.free_until, report.refused, impl_->named(at(report.pair))};
+  });
+}
+
+Result<std::vector<Distance>> Checker::distances(std::span<const double> q, Workspace& workspace, double limit,
+                                                 std::size_t nearest) const noexcept {
+  return guarded<std::vector<Distance>>([&] {
+    const std::size_t width = impl_->width(), n = width == 0 ? 1 : q.size() / width;
+    impl_->check_width(q, n);
+    if (!(limit > 0)) throw CallError("limit must be positive, m");
+    for (std::size_t i = 0; i < n; ++i) static_cast<void>(impl_->table_of(q.data() + i * width, i));
+    Workspace::State& state = state_of(workspace);
+    if (nearest > 0) limit = std::numeric_limits<double>::infinity();
+    const DistanceTable table = impl_->engine().distances(q.data(), n, limit, nearest, *state.scratch);
+    const std::size_t tangent = impl_->cell->tangent.width;
+    const auto numbers = [](Vec3 v) { return std::array{v.x, v.y, v.z}; };
+    std::vector<Distance> out;
+    for (std::size_t k = 0; k < table.rows.size(); ++k) {
+      const DistanceRow& row = table.rows[k];
+      const auto gradient = table.gradients.begin() + static_cast<std::ptrdiff_t>(k * tangent);
+      out.push_back({static_cast<std::size_t>(row.state),
+                     impl_->named(at(row.pair)),
+                     row.distance,
+                     row.lower,
+                     numbers(row.on_a),
+                     numbers(row.on_b),
+                     numbers(row.normal),
+                     row.spread,
+                     row.unique,
+                     {gradient, gradient + static_cast<std::ptrdiff_t>(tangent)}});
+    }
+    return out;
   });
 }
 

@@ -53,6 +53,39 @@ struct Bytes {
   std::byte* data() { return reinterpret_cast<std::byte*>(storage.data()); }
 };
 
+struct Workspace::State {
+  std::shared_ptr<const void> of;  // the checker whose scratch it is
+  std::unique_ptr<Engine::Scratch> scratch;
+  std::vector<double> ends, some_starts, some_ends;
+  std::array<std::vector<std::size_t>, 2> rows;  // by table
+  std::vector<std::uint8_t> answers;
+};
+
+inline void check_tolerance(double tolerance) {
+  if (tolerance > 0 && std::isfinite(tolerance)) return;
+  std::ostringstream words;
+  words << "tolerance must be a positive length in m, not " << tolerance;
+  throw CallError(words.str());
+}
+
+inline void check_precise(MotionAnswer answer, const char* what, std::size_t row, double tolerance) {
+  if (answer != MotionAnswer::kImprecise) return;
+  std::ostringstream words;
+  words << what << ' ' << row << ": lengths and angles are so large that rounding is no small part of the tolerance of "
+        << tolerance << " m; choose a larger tolerance, or smaller numbers";
+  throw CallError(words.str());
+}
+
+inline const ChainedTable& chained(const PreparedCell& cell, Table table) {
+  return table == Table::kAll && cell.has_limits ? cell.all : cell.within_limits;
+}
+
+[[noreturn]] inline void refuse_range(const PreparedCell& cell, const char* what, std::size_t row, std::size_t column) {
+  throw CallError(what + (' ' + std::to_string(row)) + ": column " + std::to_string(column) + " leaves " +
+                  listed(std::array{cell.usual_low[column], cell.usual_high[column]}) +
+                  ", in which the cell's bound of rounding holds: take whole turns off, or check it in Python");
+}
+
 struct Checker::Impl {
   const Level& level;
   std::unique_ptr<const Engine> made;
@@ -91,15 +124,9 @@ struct Checker::Impl {
                         table_of(end, row) == Table::kWithinLimits;
     for (std::size_t k = 0; k < width(); ++k) {
       const double least = std::min({start[k], given[k], end[k]}), largest = std::max({start[k], given[k], end[k]});
-      if (least < cell->usual_low[k] || largest > cell->usual_high[k]) refuse_range(row, k);
+      if (least < cell->usual_low[k] || largest > cell->usual_high[k]) refuse_range(*cell, "motion", row, k);
     }
     return within ? Table::kWithinLimits : Table::kAll;
-  }
-
-  [[noreturn]] void refuse_range(std::size_t row, std::size_t column) const {
-    throw CallError("motion " + std::to_string(row) + ": column " + std::to_string(column) + " leaves " +
-                    listed(std::array{cell->usual_low[column], cell->usual_high[column]}) +
-                    ", in which the cell's bound of rounding holds: take whole turns off, or check it in Python");
   }
 
   // The ends of motions, whose angles take the shorter turn: the given ones, or those that are written to `ends`.

@@ -12,24 +12,29 @@
 namespace plannercheck {
 namespace {
 
-// The bodies of some pairs, and the place of each of a cell's bodies among these.
-struct SomeBodies {
+// Some of a cell's pairs, their bodies, and the place of each of the cell's bodies among these.
+struct CellPairs {
   std::vector<GeometryObject> objects;
   std::vector<std::int32_t> place;
-};
+  std::vector<std::array<std::int32_t, 2>> pairs;
+  std::int32_t link_count;
 
-SomeBodies bodies_of(const PreparedCell& cell, const std::vector<std::int32_t>& rows) {
-  SomeBodies out;
-  std::vector<bool> used(cell.bodies.size(), false);
-  for (const std::int32_t row : rows) {
-    for (const std::int32_t body : cell.pairs[at(row)]) used[at(body)] = true;
+  CellPairs(const PreparedCell& cell, const std::vector<std::int32_t>& rows)
+      : link_count(static_cast<std::int32_t>(cell.links.size())) {
+    std::vector<bool> used(cell.bodies.size(), false);
+    for (const std::int32_t row : rows) {
+      for (const std::int32_t body : cell.pairs[at(row)]) used[at(body)] = true;
+    }
+    for (std::size_t k = 0; k < used.size(); ++k) {
+      place.push_back(used[k] ? static_cast<std::int32_t>(objects.size()) : -1);
+      if (used[k]) objects.push_back(cell.bodies[k]);
+    }
+    for (const std::int32_t row : rows) {
+      const auto& [a, b] = cell.pairs[at(row)];
+      pairs.push_back({place[at(a)], place[at(b)]});
+    }
   }
-  for (std::size_t k = 0; k < used.size(); ++k) {
-    out.place.push_back(used[k] ? static_cast<std::int32_t>(out.objects.size()) : -1);
-    if (used[k]) out.objects.push_back(cell.bodies[k]);
-  }
-  return out;
-}
+};
 
 // Made when first asked for; what `make` throws is thrown by each call.
 template <class T>
@@ -61,7 +66,7 @@ class CompiledTable {
   const MotionCertifier& certifier() const {
     return certifier_.get([this] {
       MotionModel model = cell_->motion;
-      const SomeBodies bodies = bodies_of(*cell_, rows_);
+      const CellPairs bodies(*cell_, rows_);
       model.bodies = bodies.objects, model.chains = chained_.chains, model.pairs = chained_.pairs;
       for (CertifiedPair& pair : model.pairs) pair.a = bodies.place[at(pair.a)], pair.b = bodies.place[at(pair.b)];
       return std::make_shared<const MotionCertifier>(std::move(model), Tuning(), shared_checker());
@@ -78,16 +83,11 @@ class CompiledTable {
 
   const std::shared_ptr<const CheckerCore>& shared_checker() const {
     return checker_.get([this] {
-      const SomeBodies bodies = bodies_of(*cell_, rows_);
-      std::vector<std::array<std::int32_t, 2>> pairs;
-      for (const std::int32_t row : rows_) {
-        const auto& [a, b] = cell_->pairs[at(row)];
-        pairs.push_back({bodies.place[at(a)], bodies.place[at(b)]});
-      }
+      const CellPairs some(*cell_, rows_);
       using Cells = std::vector<PairsInCells>;
-      return std::make_shared<std::shared_ptr<const CheckerCore>>(std::make_shared<const CheckerCore>(
-          bodies.objects, std::move(pairs), static_cast<std::int32_t>(cell_->links.size()), Tuning(), cell_->sampled,
-          is_within_limits_ ? cell_->in_cells : Cells()));
+      return std::make_shared<std::shared_ptr<const CheckerCore>>(
+          std::make_shared<const CheckerCore>(some.objects, some.pairs, some.link_count, Tuning(), cell_->sampled,
+                                              is_within_limits_ ? cell_->in_cells : Cells()));
     });
   }
 };
@@ -97,8 +97,20 @@ struct TableScratch {
   std::shared_ptr<MotionCertifier::Workspace> motions;
 };
 
+// What measures distances up to a limit, which takes a while to prepare.
+struct PreparedLimit {
+  std::shared_ptr<const DistanceCore> core;
+  double limit = 0;
+};
+
+struct Measuring {
+  PreparedLimit prepared;
+  std::shared_ptr<DistanceCore::Workspace> workspace;
+};
+
 struct LevelScratch final : Engine::Scratch {
   TableScratch within_limits, all;
+  Measuring measuring;
   std::vector<double> poses;
 };
 
@@ -135,27 +147,59 @@ class LevelEngine final : public Engine {
     pairs.checker().all_collisions(poses.data(), 1, colliding, states(pairs, scratch));
   }
 
-  void check_motions(Table table, const double* starts, const double* ends, std::size_t n, double tolerance,
-                     std::uint8_t* answers, Scratch& scratch) const override {
+  void check_motions(Table table, const Segments& motions, std::size_t n, double tolerance, std::uint8_t* answers,
+                     Scratch& scratch) const override {
     const CompiledTable& pairs = compiled(table);
-    const Segments motions{starts, ends, cell_->width()};
     pairs.certifier().check(kinematics_, motions, n, tolerance, cell_->kinematic_error, answers,
                             certifying(pairs, scratch));
   }
 
-  MotionReport explain_motion(Table table, const double* start, const double* end, double tolerance,
-                              Scratch& scratch) const override {
+  MotionReport explain_motion(Table table, const Segment& motion, double tolerance, Scratch& scratch) const override {
     const CompiledTable& pairs = compiled(table);
-    MotionReport report = pairs.certifier().explain(kinematics_, {start, end}, tolerance, cell_->kinematic_error,
-                                                    nullptr, certifying(pairs, scratch));
+    MotionReport report = pairs.certifier().explain(kinematics_, motion, tolerance, cell_->kinematic_error, nullptr,
+                                                    certifying(pairs, scratch));
     if (report.answer == MotionAnswer::kRefused) report.pair = pairs.chained().rows[at(report.pair)];
     return report;
+  }
+
+  DistanceTable distances(const double* q, std::size_t n, double limit, std::size_t nearest,
+                          Scratch& scratch) const override {
+    Measuring& own = static_cast<LevelScratch&>(scratch).measuring;
+    if (own.prepared.core == nullptr || own.prepared.limit != limit) {
+      own.prepared = prepared_for(limit);
+      own.workspace = own.prepared.core->new_workspace();
+    }
+    const GivenStates states{&kinematics_, q, 0, n};
+    std::vector<DistanceTable> table(1);
+    if (nearest > 0) {
+      own.prepared.core->nearest(states, &cell_->tangent, nearest, 0, table[0], *own.workspace);
+    } else {
+      own.prepared.core->measure(states, &cell_->tangent, table[0], *own.workspace);
+    }
+    return in_order(table, cell_->tangent.width);
   }
 
  private:
   std::shared_ptr<const PreparedCell> cell_;
   Kinematics kinematics_;
   CompiledTable within_limits_, all_;
+  mutable std::mutex measuring_;
+  mutable PreparedLimit last_limit_;
+
+  PreparedLimit prepared_for(double limit) const {
+    const std::lock_guard lock(measuring_);
+    if (last_limit_.core == nullptr || last_limit_.limit != limit) {
+      const CellPairs all(*cell_, rows_of(*cell_, Table::kAll));
+      std::vector<double> paddings;
+      for (std::size_t k = 0; k < all.place.size(); ++k) {
+        if (all.place[k] >= 0) paddings.push_back(cell_->paddings[k]);
+      }
+      last_limit_ = {std::make_shared<const DistanceCore>(without_padding(all.objects, paddings), all.pairs,
+                                                          all.link_count, limit, Tuning(), cell_->sampled),
+                     limit};
+    }
+    return last_limit_;
+  }
 
   // The same where no pair is left out within the limits.
   const CompiledTable& compiled(Table table) const {

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 
+#include "distances/distance_core.hpp"
 #include "library/cell_edits.hpp"
 #include "library/prepared_cell.hpp"
 #include "motions/motion_report.hpp"
@@ -35,12 +36,15 @@ class Engine {
                             Scratch& scratch) const = 0;
   // Which pairs collide at a configuration.
   virtual void colliding_pairs(const double* q, std::uint8_t* colliding, Scratch& scratch) const = 0;
-  // The MotionAnswer of each of n motions, rows from starts to ends.
-  virtual void check_motions(Table table, const double* starts, const double* ends, std::size_t n, double tolerance,
+  // The MotionAnswer of each of n motions.
+  virtual void check_motions(Table table, const Segments& motions, std::size_t n, double tolerance,
                              std::uint8_t* answers, Scratch& scratch) const = 0;
   // Its pair is a row of the cell's.
-  virtual MotionReport explain_motion(Table table, const double* start, const double* end, double tolerance,
-                                      Scratch& scratch) const = 0;
+  virtual MotionReport explain_motion(Table table, const Segment& motion, double tolerance, Scratch& scratch) const = 0;
+  // The pairs that are nearer than the limit at n configurations, by the cell's rows; if `nearest` is not 0, so many of
+  // each.
+  virtual DistanceTable distances(const double* q, std::size_t n, double limit, std::size_t nearest,
+                                  Scratch& scratch) const = 0;
 };
 
 // Makes the engine of a file's content; `name` is the file's in errors. Throws std::runtime_error.

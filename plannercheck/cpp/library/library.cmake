@@ -11,27 +11,19 @@ include(CMakePackageConfigHelpers)
 option(BUILD_SHARED_LIBS "a shared library" ON)
 
 set(folder "${CMAKE_CURRENT_SOURCE_DIR}/library")
-list(FILTER common_sources EXCLUDE REGEX "^planar/")
-list(FILTER level_sources EXCLUDE REGEX "^(bindings|planar)/")
 file(STRINGS "${CMAKE_CURRENT_SOURCE_DIR}/../../pyproject.toml" version REGEX "^version = ")
 string(REGEX REPLACE "^version = \"(.*)\"$" "\\1" version "${version}")
 
-add_library(common OBJECT ${common_sources} library/cell_file.cpp library/cell_bodies.cpp library/cell_motions.cpp
-  library/cell_edits.cpp library/prepared_cell.cpp)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(settings INTERFACE -fno-gnu-unique)  # such symbols can't be made local
 endif()
-add_library(face OBJECT library/dispatch.cpp library/checker.cpp library/checker_scenes.cpp)
+add_library(face OBJECT library/dispatch.cpp library/checker.cpp library/checker_scenes.cpp
+  library/checker_trajectories.cpp)
 target_include_directories(face PRIVATE "${folder}/include")
-foreach(target common face)
-  compile_for_all_levels(${target})
-endforeach()
+compile_for_all_levels(face)
 set(objects $<TARGET_OBJECTS:face>)
 
 foreach(level IN LISTS levels)
-  add_library(level_${level} OBJECT ${level_sources} library/engine.cpp)
-  compile_for_level(level_${level} ${level})
-  set_target_properties(level_${level} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden)
   target_compile_definitions(level_${level} PRIVATE PLANNERCHECK_ENGINE=plannercheck_engine_${level})
   target_compile_definitions(face PRIVATE PLANNERCHECK_HAS_${level})
   if(level STREQUAL "plain")

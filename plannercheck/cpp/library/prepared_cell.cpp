@@ -38,12 +38,23 @@ void read_names(CellFile& file, PreparedCell& cell) {
   cell.body_names = file.texts("body names");
 }
 
+// As ConfigurationMap.tangent_places in plannercheck/robots/configurations.py has it.
+Tangent tangent_of(const PreparedCell& cell) {
+  Tangent out;
+  std::vector<bool> is_counted(cell.width(), true);
+  for (const auto& [first, past] : cell.unit_parts) is_counted[past - 1] = false;
+  for (const bool is : is_counted) out.places.push_back(static_cast<std::int32_t>(is ? ++out.width : out.width) - 1);
+  for (const auto& [first, past] : cell.unit_parts) out.places[past - 1] = past - first == 2 ? out.places[first] : -1;
+  return out;
+}
+
 void read_unit_parts(CellFile& file, PreparedCell& cell) {
   const auto columns = file.integers("unit columns", 2);
   for (std::size_t k = 0; k < columns.size(); k += 2) {
     require_sound(columns[k] >= 0 && columns[k] < columns[k + 1] && at(columns[k + 1]) <= cell.width(), "unit columns");
     cell.unit_parts.emplace_back(at(columns[k]), at(columns[k + 1]));
   }
+  cell.tangent = tangent_of(cell);
   cell.unit_tolerance = file.number("unit tolerance");
   require_sound(cell.unit_tolerance >= 0 && cell.unit_tolerance < 1, "unit tolerance");
 }

@@ -16,6 +16,7 @@
 #include "broad_phase/apart_cells.hpp"
 #include "broad_phase/geometry_object.hpp"
 #include "broad_phase/sampled_poses.hpp"
+#include "distances/point_rates.hpp"
 #include "library/cell_file.hpp"
 #include "motions/motion_certifier.hpp"
 #include "robots/kinematics.hpp"
@@ -42,6 +43,7 @@ struct PreparedCell {
   double largest_value = 0;                                     // of a configuration's numbers
   std::vector<std::pair<std::size_t, std::size_t>> unit_parts;  // first and past columns of unit vectors
   double unit_tolerance = 0;
+  Tangent tangent;
   std::vector<std::size_t> turning_columns;  // whose whole turns change no pose
   // Between these, the poses of motions err by at most `kinematic_error`, m.
   std::vector<double> usual_low, usual_high;
@@ -51,6 +53,7 @@ struct PreparedCell {
   std::vector<LinkSpec> links;
   std::shared_ptr<const SampledPoses> sampled;
 
+  std::vector<double> paddings;               // of each body, m: the part of its inflation radius
   std::vector<GeometryObject> bodies;         // without a body where no pair needs it
   std::vector<std::uint8_t> meets_obstacles;  // of the robot's bodies, which come first: those that are added
   double obstacle_padding = 0;                // of obstacles that are added, m

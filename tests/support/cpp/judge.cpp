@@ -1,12 +1,15 @@
 // Judges configurations and motions of a prepared cell, for comparison with Python: judge CELL STATES STARTS ENDS OUT.
 // Inputs are files of doubles. OUT gets a byte for each state and one for each motion; then the same of the first
-// kEdited ones after each of some edits of the scene. Prints processor times.
+// kEdited ones after each of some edits of the scene; then of the cell, and with the first edit, trajectories and
+// distances. Prints processor times.
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <plannercheck/checker.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,7 +17,7 @@ namespace {
 
 using plannercheck::Checker;
 
-constexpr std::size_t kEdited = 2000;
+constexpr std::size_t kEdited = 2000, kMeasured = 500;
 
 std::vector<double> doubles(const char* path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
@@ -71,6 +74,52 @@ std::vector<Checker> edited(const Checker& checker) {
   return out;
 }
 
+// Verdicts of trajectories from the start of a motion to its end and back: straight, cubic and quintic in turns, every
+// other one with a tube. The same are in tests/benchmarks/cpp_library.py.
+void judge_trajectories(const Checker& checker, const Inputs& given, std::vector<std::uint8_t>& out) {
+  const std::size_t nq = checker.nq(), count = std::min(kEdited, given.starts.size() / nq);
+  const std::array<double, 3> times{0, 1, 2.5};
+  const std::vector<double> tube(nq, 0x1p-10);
+  plannercheck::Workspace workspace;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::vector<double> q(3 * nq), v(3 * nq), a(3 * nq);
+    for (std::size_t c = 0; c < nq; ++c) {
+      const double start = given.starts[i * nq + c], end = given.ends[i * nq + c];
+      q[c] = q[2 * nq + c] = start, q[nq + c] = end;
+      v[nq + c] = 0.5 * (end - start), a[nq + c] = 0.25 * (end - start);
+    }
+    if (i % 3 == 0) v.clear();
+    if (i % 3 != 2) a.clear();
+    const auto executed = plannercheck::Trajectory::executed(times, q, v, a).value();
+    const auto around = i % 2 == 0 ? std::span<const double>() : tube;
+    const bool free = checker.check_trajectory(executed, workspace, around).value();
+    if (checker.explain_trajectory(executed, workspace, around).value().free != free) std::abort();
+    out.push_back(free ? 1 : 0);
+  }
+}
+
+// The numbers of the tables of distances within a limit, and of the nearest two pairs, of some states.
+void measure(const Checker& checker, const Inputs& given, std::vector<std::uint8_t>& out) {
+  const std::size_t nq = checker.nq(), count = std::min<std::size_t>(kMeasured, given.states.size() / nq);
+  const std::span<const double> states(given.states.data(), count * nq);
+  plannercheck::Workspace workspace;
+  for (const std::size_t nearest : {std::size_t{0}, std::size_t{2}}) {
+    const std::clock_t begin = std::clock();
+    const auto table = checker.distances(states, workspace, 0.125, nearest).value();
+    std::printf("%zu distances of %zu states, %.2f us each\n", table.size(), count,
+                1e6 * seconds(begin) / static_cast<double>(table.size()));
+    for (const plannercheck::Distance& row : table) {
+      std::vector<double> numbers{static_cast<double>(row.state), row.distance, row.lower, row.gap,
+                                  row.unique ? 1.0 : 0.0};
+      for (const auto& vector : {row.on_first, row.on_second, row.normal})
+        numbers.insert(numbers.end(), vector.begin(), vector.end());
+      numbers.insert(numbers.end(), row.gradient.begin(), row.gradient.end());
+      const auto bytes = std::as_bytes(std::span(numbers));
+      for (const std::byte byte : bytes) out.push_back(std::to_integer<std::uint8_t>(byte));
+    }
+  }
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -94,6 +143,10 @@ int main(int count, char** arguments) {
   const std::vector<Checker> others = edited(checker);
   std::printf("an edit takes %.2f ms\n", 1e3 * seconds(begin) / static_cast<double>(others.size()));
   for (const Checker& other : others) judge(other, given, kEdited, verdicts, false);
+  for (const Checker& each : {checker, others.front()}) {
+    judge_trajectories(each, given, verdicts);
+    measure(each, given, verdicts);
+  }
   std::ofstream out(arguments[5], std::ios::binary);
   out.write(reinterpret_cast<const char*>(verdicts.data()), static_cast<std::streamsize>(verdicts.size()));
   return 0;

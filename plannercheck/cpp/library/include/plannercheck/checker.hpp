@@ -78,12 +78,40 @@ struct Verdict {
   std::vector<NamedPair> collisions;
 };
 
-// How far a motion is proved free, by its parameter from 0 to 1; if it is not free, which pair comes within the
-// tolerance, and where (−1 if no state was found: bodies that never move relative to each other touch).
+// How far a motion is proved free, by its parameter from 0 to 1, of a trajectory by its time, s; if it is not free,
+// which pair comes within the tolerance, and where (−1 if no state was found: bodies that never move relative to each
+// other touch).
 struct MotionVerdict {
   bool free = true;
   double free_until = 1, near_at = -1;
   NamedPair pair;
+};
+
+// A pair that is near at a configuration, without the padding.
+struct Distance {
+  std::size_t state = 0;  // which configuration
+  NamedPair pair;
+  double distance = 0;  // m; negative where the bodies overlap: so far along the normal, the first is off the second
+  double lower = 0;     // a proved lower bound, m: of two hulls that are apart, along the normal
+  std::array<double, 3> on_first{}, on_second{};  // nearest points in the world, m
+  std::array<double, 3> normal{};                 // of length 1, in the world, from the second to the first
+  double gap = 0;       // all nearest pairs of points are this near to each other, m; infinite if that is not proved
+  bool unique = false;  // whether there is one such pair, so that the distance has the gradient
+  std::vector<double> gradient;  // by the configuration, a number for each of Pinocchio's tangent, m/rad and m/m
+};
+
+// A trajectory: polynomials in time, one after the other.
+struct Trajectory {
+  std::vector<double> breaks;        // (m + 1) s, growing
+  std::vector<std::size_t> degrees;  // (m) from 1 to 20
+  std::vector<double> points;  // the Bernstein coefficients of each, degree + 1 rows of nq numbers; all pieces meet
+  std::vector<double> error;   // (nq) how far these are at most from the polynomials that are meant
+
+  // What joint_trajectory_controller runs between points: times (n) s, positions (n · nq), then velocities, and
+  // accelerations beside velocities, of all points or of none.
+  PLANNERCHECK_API static Result<Trajectory> executed(std::span<const double> times, std::span<const double> positions,
+                                                      std::span<const double> velocities = {},
+                                                      std::span<const double> accelerations = {}) noexcept;
 };
 
 // The scratch of one thread, of any checker; it also keeps what earlier calls have learnt, which no verdict depends on.
@@ -149,11 +177,23 @@ class PLANNERCHECK_API Checker {
   Result<std::size_t> check_motions(std::span<const double> q0, std::span<const double> q1,
                                     std::span<std::uint8_t> free, Workspace& workspace,
                                     double tolerance = kDefaultTolerance) const noexcept;
+  // Whether a trajectory is proved free at every instant, for joints of one number each. `tube`: (nq) by how much each
+  // number may be off at every instant, all at once; none if empty.
+  Result<bool> check_trajectory(const Trajectory& trajectory, Workspace& workspace, std::span<const double> tube = {},
+                                double tolerance = kDefaultTolerance) const noexcept;
   // All pairs that collide at q, by name.
   Result<Verdict> explain(std::span<const double> q, Workspace& workspace) const noexcept;
   // How far a motion is free, and what stops it.
   Result<MotionVerdict> explain_motion(std::span<const double> q0, std::span<const double> q1, Workspace& workspace,
                                        double tolerance = kDefaultTolerance) const noexcept;
+  Result<MotionVerdict> explain_trajectory(const Trajectory& trajectory, Workspace& workspace,
+                                           std::span<const double> tube = {},
+                                           double tolerance = kDefaultTolerance) const noexcept;
+  // The pairs that are nearer than the limit, m, at each of some configurations; or so many nearest ones of each. Rows
+  // are in the order of the configurations, the nearest pair first. A limit is prepared when first asked for; it may be
+  // infinite.
+  Result<std::vector<Distance>> distances(std::span<const double> q, Workspace& workspace, double limit = 0.1,
+                                          std::size_t nearest = 0) const noexcept;
 
   // The same checker in another scene: with an obstacle that is added or, if it has that name, replaces one. It is
   // tested against all that such an obstacle of Python's scene would be. A pose is a matrix (4, 4), row by row, m.

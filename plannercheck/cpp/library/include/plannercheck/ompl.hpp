@@ -1,22 +1,25 @@
-// plannercheck for OMPL (1.5 or later), header only: exact validity of states, and motions that are proved free.
+// plannercheck for OMPL (1.5 or later), header only: exact validity and clearance of states, and motions that are
+// proved free.
 //
 // In: a checker whose joints are all bounded, an ompl::base::SpaceInformation of a RealVectorStateSpace. Out: its state
-// validity checker and motion validator. OMPL may call both from several threads. What goes wrong throws
-// ompl::Exception.
+// validity checker, motion validator, and objective of clearance. OMPL may call all from several threads. What goes
+// wrong throws ompl::Exception.
 //
 //   auto space = plannercheck::ompl::space_of(checker);
 //   ::ompl::geometric::SimpleSetup setup(space);
-//   plannercheck::ompl::prepare(*setup.getSpaceInformation(), checker);
+//   plannercheck::ompl::allocate(*setup.getSpaceInformation(), checker);
 #pragma once
 
 #include <ompl/base/MotionValidator.h>
 #include <ompl/base/SpaceInformation.h>
 #include <ompl/base/StateValidityChecker.h>
+#include <ompl/base/objectives/MaximizeMinClearanceObjective.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/util/Exception.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <plannercheck/checker.hpp>
@@ -103,6 +106,7 @@ class StateValidityChecker : public base::StateValidityChecker {
   StateValidityChecker(base::SpaceInformation* information, std::shared_ptr<const SharedChecker> checker)
       : base::StateValidityChecker(information), checker_(std::move(checker)) {
     check_has_real_space(*information, checker_->checker());
+    specs_.clearanceComputationType = base::StateValidityCheckerSpecs::EXACT;
   }
 
   bool isValid(const base::State* state) const override {
@@ -111,6 +115,14 @@ class StateValidityChecker : public base::StateValidityChecker {
       if (!std::isfinite(number)) return false;
     }
     return checker_->value_of([&](const Checker& checker, Workspace& w) { return checker.is_valid(q, w); });
+  }
+
+  // The least distance of all pairs, m, negative where bodies overlap; infinite if there are no pairs.
+  double clearance(const base::State* state) const override {
+    const auto nearest = checker_->value_of([&](const Checker& checker, Workspace& w) {
+      return checker.distances(numbers_of(state, checker), w, std::numeric_limits<double>::infinity(), 1);
+    });
+    return nearest.empty() ? std::numeric_limits<double>::infinity() : nearest[0].distance;
   }
 
  private:
@@ -152,8 +164,14 @@ class MotionValidator : public base::MotionValidator {
   double tolerance_;
 };
 
-// Sets both in a space information.
-inline void prepare(base::SpaceInformation& information, const Checker& checker, double tolerance = kDefaultTolerance) {
+// Prefers paths whose least clearance, at the states that OMPL's resolution chooses on a motion, is largest.
+inline base::OptimizationObjectivePtr clearance_objective(const base::SpaceInformationPtr& information) {
+  return std::make_shared<base::MaximizeMinClearanceObjective>(information);
+}
+
+// Gives a space information its state validity checker and motion validator.
+inline void allocate(base::SpaceInformation& information, const Checker& checker,
+                     double tolerance = kDefaultTolerance) {
   const auto shared = std::make_shared<const SharedChecker>(checker);
   information.setStateValidityChecker(std::make_shared<StateValidityChecker>(&information, shared));
   information.setMotionValidator(std::make_shared<MotionValidator>(&information, shared, tolerance));

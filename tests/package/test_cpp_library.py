@@ -1,0 +1,37 @@
+"""The C++ library, not optimised: built, installed, and used by a project in a folder of its own, shared and static.
+
+`tests/benchmarks/cpp_library.py` does so, and compares verdicts, trajectories and distances with Python's.
+"""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = Path(__file__).parents[1] / "benchmarks" / "cpp_library.py"
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory):
+    """What the script prints: of the shared library, then of the static one from the same objects."""
+    missing = [name for name in ("cmake", "ninja", "c++", "objcopy") if shutil.which(name) is None]
+    if missing:
+        pytest.skip(f"there is no {', '.join(missing)}")
+    folder = tmp_path_factory.mktemp("library")
+    sizes = ["--levels", "v2", "--quick", "--states", "2000", "--motions", "200", "--folder", str(folder)]
+    out = []
+    for kind in ([], ["--static"]):
+        done = subprocess.run([sys.executable, SCRIPT, *sizes, *kind], capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+        out.append(done.stdout)
+    return out
+
+
+@pytest.mark.parametrize("kind", [0, 1], ids=["shared", "static"])
+def test_a_project_of_its_own_gets_the_bits_of_python(told, kind):
+    assert told[kind].startswith(("libplannercheck.so", "libplannercheck.a")[kind])
+    assert "2000 states, 200 motions and the rest: the same bits" in told[kind]
+    assert "thread 3: " in told[kind]
+    assert "check: panda in bookshelf" in told[kind]
