@@ -1,9 +1,9 @@
-"""The filters and stages that may be turned off, in one record. Verdicts, pairs and proofs depend on none of them, but
-on `halves` where a curve comes within the tolerance.
+"""The filters and stages that may be turned off, in one record. Verdicts, pairs and proofs depend on none of them.
 
-In: fields by name. Out: `Tuning`, whose table (name, type, default, purpose) is all that the core, `bench switches`,
-`inspect`, the documentation and the test of independence know of the fields: a new field is a line here, a member of
-`Tuning` in cpp/checking/checker.hpp and a line in cpp/bindings/bind_tuning.cpp.
+But where a curve comes within the tolerance, its verdict may depend on `halves`. In: fields by name. Out: `Tuning`,
+whose table (name, type, default, purpose) is all that the core, `bench switches`, `inspect`, the documentation and the
+test of independence know of the fields: a new field is a line here, a member of `Tuning` in cpp/checking/checker.hpp
+and a line in cpp/bindings/bind_tuning.cpp.
 """
 
 from __future__ import annotations
