@@ -116,7 +116,9 @@ def confirm_pairs(
         columns |= confirm_limits(model, limits, each.urdf, each.file.mended, place)
     if columns != set(range(model.columns)):
         raise UnprovedError(f"columns {sorted(columns ^ set(range(model.columns)))} are of no joint with limits")
-    known = space_model(LinkPairs(decider, [(pair.link_a, pair.link_b) for pair in proofs.pairs]))
+    ends = ((model.bodies[a].link, model.bodies[b].link) for a, b in model.pairs)
+    links = {(model.links[a].name, model.links[b].name) for a, b in ends}  # more than are proved where none was found
+    known = space_model(LinkPairs(decider, sorted(links | {(pair.link_a, pair.link_b) for pair in proofs.pairs})))
     _compare_columns(model, known)
     _compare_bodies(model, known)
     loaded_from = str(description.urdf)

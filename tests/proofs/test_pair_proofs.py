@@ -260,6 +260,17 @@ def test_the_model_and_the_limits_are_those_of_the_files(never, tmp_path):
     assert "may go beyond" in pair_model_confirmed(short, path).fault
 
 
+def test_pairs_without_a_proof_are_left_out(tmp_path):
+    decider = PairDecider(arm(tmp_path, 2e-5))
+    free = replace(decider.decide("pointer", "flag", 5), answer="collides", example=np.zeros(decider.robot.nq))
+    proofs = pair_proofs(decider, [free, decider.decide("post", "pointer", 5)], 60)
+    assert [pair.link_a for pair in proofs.pairs] == ["post"]
+    assert fault_of(proofs) is None
+    assert pair_model_confirmed(proofs, str(tmp_path / "arm.urdf"))
+    fewer = with_model(proofs, pairs=proofs.model.pairs[:1])
+    assert "not in the proof" in pair_model_confirmed(fewer, str(tmp_path / "arm.urdf")).fault
+
+
 def test_commands_write_and_verify(tmp_path, capsys):
     arm(tmp_path, 2e-5)
     robot, srdf, proofs = (str(tmp_path / name) for name in ("arm.urdf", "arm.srdf", "arm.pairs.npz"))
