@@ -10,7 +10,8 @@ import plannercheck as pc
 from plannercheck.bodies.tuning import tuning_table
 
 TOLERANCES = (1e-6, 1e-4, 2e-2)
-SWITCHES = tuple(row.name for row in tuning_table() if row.type == "bool")
+# On `halves` a refusal within the tolerance may depend; it has a test of its own.
+SWITCHES = tuple(row.name for row in tuning_table() if row.type == "bool" and row.name != "halves")
 
 
 ROBOTS = {
@@ -106,6 +107,28 @@ def test_switches_change_no_verdict(name, obstacles):
                 assert (other.check_trajectories(made, around, tolerance) == free).all()
             kinds.append(free.mean())
     assert any(0 < kind < 1 for kind in kinds)
+
+
+@pytest.mark.parametrize("name", ["panda", "ur5", "pr2"])
+def test_curves_in_halves_and_whole_ones_agree_beyond_the_tolerance(name):
+    """Cubics that swing widely: whole ones take finer grids; nothing that collides is free, nothing clear refused."""
+    generator = np.random.default_rng(len(name))
+    robot = ROBOTS[name]()
+    scene = scattered(generator, 5, 0.2)
+    halved, whole = (pc.Checker(robot, scene, tuning=tuning) for tuning in (pc.Tuning(), pc.Tuning(halves=False)))
+    starts, ends = motions(halved, generator, 150)
+    made, _ = curves(robot, starts, ends, generator)
+    found = []
+    for tolerance in TOLERANCES:
+        free, plain = (checker.check_trajectories(made, tolerance=tolerance) for checker in (halved, whole))
+        for k in np.flatnonzero(free != plain).tolist():
+            assert halved.clearances(made[k].position(np.linspace(0, 1, 2000))).min() < 1.1 * tolerance
+        for k in np.flatnonzero(free | plain)[:20].tolist():
+            assert halved.check_states(made[k].position(np.linspace(0, 1, 200))).all()
+        found += free.tolist()
+    assert 0.1 < np.mean(found) < 0.95
+    states = [checker.certifier_of("slerp").statistics()["states"] for checker in (halved, whole)]
+    assert states[0] != states[1]
 
 
 def test_batches_order_and_threads_do_not_matter():

@@ -35,7 +35,8 @@ void bind_tuning(nb::module_& m) {
       .def_rw("sorted_states", &Tuning::sorted_states)
       .def_rw("float_poses", &Tuning::float_poses)
       .def_rw("thin_tubes", &Tuning::thin_tubes)
-      .def_rw("hollows", &Tuning::hollows);
+      .def_rw("hollows", &Tuning::hollows)
+      .def_rw("halves", &Tuning::halves);
 }
 
 }  // namespace plannercheck

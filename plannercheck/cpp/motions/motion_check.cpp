@@ -96,7 +96,7 @@ class MotionRun : private MotionPairs {
       bound_chains();
     }
     const int intervals = intervals_for(w_.bounds.largest().curvature * length * length);
-    if (w_.path.is_curve() && intervals > kIntervalsAtOnce && length > kShortestCut) {
+    if (tuning_.halves && w_.path.is_curve() && intervals > kIntervalsAtOnce && length > kShortestCut) {
       const double middle = (from + to) / 2;
       return judge(from, middle) && judge(middle, to);
     }
