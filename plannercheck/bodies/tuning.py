@@ -1,9 +1,9 @@
 """The filters and stages that may be turned off, in one record. Verdicts, pairs and proofs depend on none of them.
 
-But where a curve comes within the tolerance, its verdict may depend on `halves`. In: fields by name. Out: `Tuning`,
-whose table (name, type, default, purpose) is all that the core, `bench switches`, `inspect`, the documentation and the
-test of independence know of the fields: a new field is a line here, a member of `Tuning` in cpp/checking/checker.hpp
-and a line in cpp/bindings/bind_tuning.cpp.
+In: fields by name. Out: `Tuning`, whose table (name, type, default, purpose) is all that the core, `bench switches`,
+`inspect`, the documentation and the test of independence know of the fields: a new field is a line here, a member of
+`Tuning` in cpp/checking/checker.hpp and a line in cpp/bindings/bind_tuning.cpp. The core's record alone has `halves`,
+which cuts curves: a verdict may depend on it where a curve comes within the tolerance, so only its test turns it off.
 """
 
 from __future__ import annotations
@@ -92,10 +92,6 @@ class Tuning:
     hollows: bool = _switch(
         "Along motions, sets of parts in the hollow of a solid are settled where they are further from all of it than "
         "they go; off, on intervals on which they go less far than the tolerance."
-    )
-    halves: bool = _switch(
-        "Curves are cut in halves where one grid of few states would be too coarse; where bodies come within the "
-        "tolerance, a verdict may depend on it."
     )
     reach: bool = _switch("Pairs that can't meet within the limits are left out there.", compiled=False)
     static_poses: bool = _switch(

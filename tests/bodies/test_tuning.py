@@ -10,11 +10,12 @@ from plannercheck.common.core import core
 
 SWITCHES = [row.name for row in tuning_table() if row.type == "bool"]
 OF_PYTHON = {"reach", "static_poses", "middle_states", "apart_cells"}
+OF_CORE = "halves"  # a verdict within the tolerance may depend on it
 
 
 def test_the_core_has_a_member_for_each_field_but_those_of_python():
     members = {name for name in dir(core.Tuning) if not name.startswith("_")}
-    assert members == {row.name for row in tuning_table()} - OF_PYTHON
+    assert members - {OF_CORE} == {row.name for row in tuning_table()} - OF_PYTHON
 
 
 @pytest.mark.parametrize("name", sorted(set(SWITCHES) - OF_PYTHON))

@@ -33,8 +33,8 @@ _TURNED, _OFF = 0.5, 0.5
 _AT_KNOTS = 0.5
 # Merged states are where the robots' own are up to this, per largest number.
 _SAME_STATE = 1e-9
-# Switches of what saves work, without the one on which a refusal within the tolerance may depend.
-_SWITCHES = [row.name for row in tuning_table() if row.type == "bool" and row.name != "halves"]
+# Switches of what saves work.
+_SWITCHES = [row.name for row in tuning_table() if row.type == "bool"]
 
 
 def cell_relatives(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.random.Generator) -> None:
