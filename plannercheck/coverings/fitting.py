@@ -18,6 +18,7 @@ import numpy as np
 
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Floats, Ints64
+from plannercheck.common.arrays import distinct_rows, grouped
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.coverings.audits import surface_of, surface_triangles
 from plannercheck.coverings.excess import apart, greatest_excess, surface_points
@@ -64,7 +65,7 @@ class _Link:
         axes = [np.arange(a + step / 2, b, step) for a, b in zip(low.tolist(), high.tolist(), strict=True)]
         lattice = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
         inside = lattice[apart(regions, lattice) == 0] if len(lattice) else lattice
-        return cls(regions, np.unique(np.concatenate([*corners, surface, inside]), axis=0))
+        return cls(regions, distinct_rows(np.concatenate([*corners, surface, inside]))[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,7 +225,8 @@ def _balls(points: Floats, owner: Ints64, centres: Floats) -> tuple[Floats, Floa
     """
     order = np.argsort(owner, kind="stable")
     points, owner = points[order], owner[order]
-    present, first = np.unique(owner, return_index=True)
+    first = grouped(owner).first
+    present = owner[first]
     sizes = np.diff(np.append(first, len(points)))
     low, high = np.minimum.reduceat(points, first), np.maximum.reduceat(points, first)
     middles = (low + high) / 2
