@@ -70,7 +70,7 @@ class MotionResult(NamedTuple):
         pair: If not free: row of the checker's pairs; else -1.
         proofs: If asked for, the proofs of all pairs up to `proved_until`.
         proved_until: `free_until`, or less where a pair that can't meet within the limits is so near that rounding
-            prevents a proof.
+            prevents a proof, or where the planes would be too many.
     """
 
     free: bool

@@ -30,6 +30,9 @@ inline constexpr int kCut = 3;
 // The shortest interval that is cut, as a part of the motion: in shorter ones doubles have few parameters or none.
 inline constexpr double kShortestInterval = 0x1p-48;
 
+// A proof that needs more planes than this is given up there: pairs that nearly touch on fast curves would fill memory.
+inline constexpr std::size_t kMostProofs = std::size_t{1} << 20;
+
 // The smallest first grid on which no point leaves its chords by more than `coarse`, m; `curvature`: a bound of |p''|.
 inline int first_intervals(double curvature, double coarse) {
   for (const int n : kIntervals) {
@@ -164,6 +167,9 @@ class AdaptiveSubdivision {
 
   // Whether all pairs are settled on the current grid; if not, the report says where the motion is refused.
   bool judge_grid(const std::vector<std::int32_t>& candidates) {
+    if (proofs_ != nullptr && proofs_->size() > kMostProofs) {
+      return refuse_at(w_.grid.parameter(0), candidates.front());
+    }
     const std::size_t base = w_.failures.size();
     const unsigned all = (1U << w_.grid.intervals()) - 1;
     w_.near.clear();

@@ -29,12 +29,14 @@ from plannercheck.proofs import Proof, load_proofs, save_proofs
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.trajectory import Trajectory
 
+# What bodies move in the time by which an instant of the clock is rounded, m.
+_INSTANT = 1e-9
+
 
 class CellSubject(Subject):
     """A checker of a cell; rows are those of `cell_numbers`."""
 
     checker: Checker
-    rounded = 1e-9
 
     def __init__(self, recipe: CellRecipe, cell: Robot | None = None, tuning: Tuning = DEFAULT_TUNING) -> None:
         """Builds a new checker; `cell` if it was built already."""
@@ -129,9 +131,16 @@ class CellSubject(Subject):
         if not q1.any():
             return 0.0
         checker, judged = self._on_clock(q0)
-        tube = np.append(q1, np.zeros(checker.robot.nq - len(q1)))
-        sizes = np.abs(np.concatenate(judged.curve.pieces)).max(axis=0)
-        return self._reach.largest_shift(sizes, tube)
+        return self._shift(judged, np.append(q1, np.zeros(checker.robot.nq - len(q1))))
+
+    def rounding(self, q0: Floats) -> float:
+        """See `Subject`: lever arms by the curve's own error, and what an instant that is rounded once more adds."""
+        _, judged = self._on_clock(q0)
+        return _INSTANT + self._shift(judged, judged.curve.error)
+
+    def _shift(self, judged: Trajectory, tube: Floats) -> float:
+        """How far a tube moves any body against another at most, m."""
+        return self._reach.largest_shift(np.abs(np.concatenate(judged.curve.pieces)).max(axis=0), tube)
 
     def _motion(self, q0: Floats, q1: Floats) -> tuple[Floats, ...]:
         return q0, q1

@@ -72,9 +72,8 @@ def reasons(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np
         verdict = used.explain(draw.motions.q0[row], draw.motions.q1[row], draw.tolerance)
         if verdict.collides_at is not None:
             state = states_on(draw, used, row, np.array([verdict.collides_at]))
-            apart = valid(used, state)[0] and (
-                not used.rounded or used.clearances(state)[0] - used.padding > used.rounded
-            )
+            rounding = used.rounding(draw.motions.q0[row])
+            apart = valid(used, state)[0] and (not rounding or used.clearances(state)[0] - used.padding > rounding)
             if apart or verdict.collides_at < verdict.free_until:
                 judged.add(UNREASONED, row, "the state that is said to collide does not, or lies in the free part")
 

@@ -41,7 +41,6 @@ class Subject(ABC):
     """A checker, asked about motions between configurations (n, nq)."""
 
     padding = 0.0
-    rounded = 0.0  # by how much bodies may be off where a verdict says that they are, since its instant was rounded, m
 
     def __init__(self, checker: Any, how: Mapping[str, Any]) -> None:
         """Takes a new checker, and how its robot moves, as the checker's methods take it."""
@@ -103,6 +102,10 @@ class Subject(ABC):
 
     def slack(self, q0: Floats, q1: Floats) -> float:
         """How far beyond the tolerance a motion may be refused, m: what pieces of curves may be off, or by its tube."""
+        return 0.0
+
+    def rounding(self, q0: Floats) -> float:
+        """By how much bodies may be off where a verdict says that they are, m: a clock cuts and rounds curves."""
         return 0.0
 
     @abstractmethod
