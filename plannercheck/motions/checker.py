@@ -309,7 +309,7 @@ class Checker(StateChecker):
         Returns:
             One for each motion. None where the motion is not free, and where it is free but rounding takes nearly all
             of the part of the tolerance that it may take: a proof covers all pairs, those that a verdict leaves out
-            included. None also where it would take more than a million planes.
+            included. None also where the proof would take more than a million planes.
 
         Raises:
             PlannercheckError: If Pinocchio itself poses, or python-flint is not installed; or no proof is found of a

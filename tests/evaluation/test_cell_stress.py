@@ -1,5 +1,7 @@
 """A sample of the stress of cells, and what it finds when answers, the clock or what moves are wrong."""
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,25 @@ from plannercheck.trajectories.one_clock import on_one_clock
 
 SAMPLE = 200  # trajectories of cells
 
+# Planes after which a proof is given up, and what one more grid may add: kMostProofs of adaptive_subdivision.hpp.
+MOST_PLANES, OF_A_GRID = 2**20, 10_000
+
+# In a process of its own with 4 GB: without the limit, this takes 23 GB.
+ENDLESS = """
+import resource
+import numpy as np
+from plannercheck.evaluation.stress_motions.cell_draws import cell_draw
+from plannercheck.evaluation.stress_motions.cell_subject import CellSubject
+from plannercheck.evaluation.stress_motions import campaign as stress
+
+resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
+suite = stress.campaign(4819, stress.families_of(False, False, True))
+drawn = cell_draw(suite.family_of(41), np.random.default_rng([4819, 41, stress._DRAWN, stress._JUDGED]))
+motion = drawn.motions.q0[33], drawn.motions.q1[33]
+found = CellSubject(drawn.recipe).motion_result(*motion, drawn.tolerance, proofs=True)
+print(len(found.proofs), found.free_until, found.proved_until)
+"""
+
 
 def test_nothing_fails_on_a_sample() -> None:
     suite = campaign(48, families_of(False, False, True), verified=0.02)
@@ -30,6 +51,15 @@ def test_nothing_fails_on_a_sample() -> None:
     assert counted["free"] > SAMPLE / 10
     assert counted["sharp"] > SAMPLE / 20
     assert counted["verified"] > 0
+
+
+def test_a_proof_without_end_is_given_up() -> None:
+    """Of draw 41 one pair nearly touches on a fast curve: its proof is listed up to the limit, and says how far."""
+    ran = subprocess.run([sys.executable, "-W", "ignore", "-c", ENDLESS], capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+    count, free_until, proved_until = map(float, ran.stdout.split())
+    assert MOST_PLANES / 2 < count < MOST_PLANES + OF_A_GRID
+    assert 0 < proved_until < free_until
 
 
 @pytest.mark.parametrize("number", [51, 117])
