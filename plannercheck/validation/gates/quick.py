@@ -7,8 +7,8 @@ sure, or fails for sure; where nothing is known, or all but the stop, the plain 
 2. One straight motion from the start to the middle of the stop. Its tube is so wide that it covers the chunk and the
    stop: their difference from it is linear between waypoints, so it is largest at one of them. With it some states of
    the chunk are judged: where one is refused, so is the chunk.
-3. A few straight motions whose tubes cover the chunk likewise, or the pieces as they are; and the stop as a straight
-   motion with a tube. If only this is not proved, some states of the stop.
+3. The pieces as they are, and the stop as a straight motion with a tube. If only this is not proved, some states of
+   the stop: where one is refused, so is the chunk.
 
 In a stop, joint j gets by d = v T / 2 further, of which the part 1 − (1 − t/T)² is done at t. The straight motion does
 for all joints what the joint does that takes longest, M. With r = T/M, joint j is ahead of it by d (1 − t/M)² − d (1 −
@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Floats, Ints64
-from plannercheck.common.arrays import distinct, named_numbers
+from plannercheck.common.arrays import named_numbers
 from plannercheck.trajectories.rounding import UNIT, hermite_error
 from plannercheck.trajectories.stamps import durations
 from plannercheck.validation.gates.chunks import REMEMBERED, Chunk, even_times
@@ -42,9 +42,6 @@ _ERRORS = 36
 
 # Instants of a stop, as parts of its time, at which its states are judged before its pieces are, (n, 1).
 _LOOKS = np.array([[1.0], [0.6], [0.3]])
-
-# The chunk is covered by so many straight motions where one is too wide.
-_MOTIONS = 4
 
 # In place of the longest time of a stop where all joints rest, s.
 _NO_TIME = 1e-300
@@ -64,10 +61,6 @@ class _Even:
         last: The last step, s.
         least: The least step, s.
         looks: Rows that are judged as states.
-        cuts: Rows at which the few motions begin.
-        ends: Rows at which they end.
-        motion: (n + 1,) the motion of each row.
-        along: (n + 1, 1) the part of its motion that is done there.
     """
 
     times: Floats
@@ -76,10 +69,6 @@ class _Even:
     last: float
     least: float
     looks: Ints64
-    cuts: Ints64
-    ends: Ints64
-    motion: Ints64
-    along: Floats
 
 
 @lru_cache(REMEMBERED)
@@ -88,12 +77,8 @@ def _even(count: int, rate: float) -> _Even:
     whole = np.concatenate(([0.0], times))
     steps = durations(whole)
     looks = np.array([0, count // 2, count])
-    corners = distinct(np.linspace(0, count, _MOTIONS + 1).round().astype(np.int64))
-    cuts, ends, rows = corners[:-1], corners[1:], np.arange(count + 1)
-    motion = np.searchsorted(cuts, rows, side="right") - 1
-    along = ((rows - cuts[motion]) / (ends - cuts)[motion])[:, None]
     shares = (whole / times[-1])[:, None]
-    return _Even(times, shares, float(steps[0]), float(steps[-1]), float(steps.min()), looks, cuts, ends, motion, along)
+    return _Even(times, shares, float(steps[0]), float(steps[-1]), float(steps.min()), looks)
 
 
 class QuickJudge:
@@ -154,7 +139,7 @@ class QuickJudge:
             return chunk, covered
         share = lasts / max(lasts.max(), _NO_TIME)
         aside = half * ((1 - share) / (1 + share))
-        known = self._is_free(rows, aside, rest + aside, np.abs(aside) + late, at)
+        known = self._is_free(rows, aside, rest + aside, np.abs(aside) + late)
         if known is None and not self._may_stop(rows[-1], velocity, lasts):
             known = False
         return chunk, known
@@ -203,20 +188,18 @@ class QuickJudge:
         tubes[:] = self._around
         return tubes
 
-    def _is_free(self, rows: Floats, aside: Floats, end: Floats, off: Floats, at: _Even) -> bool | None:
-        """Whether the chunk is proved, and the stop as a straight motion; None if only the stop is not.
+    def _is_free(self, rows: Floats, aside: Floats, end: Floats, off: Floats) -> bool | None:
+        """Whether the pieces are proved, and the stop as a straight motion; None if only the stop is not.
 
         The stop's motion begins aside of the last waypoint.
         """
-        begins, past = rows[at.cuts], rows[at.ends]
-        lines = begins[at.motion] + at.along * (past - begins)[at.motion]
-        tubes = self._tubes(len(begins) + 1)
-        tubes[:-1, :-1] += np.maximum.reduceat(np.abs(rows - lines), at.cuts)
+        ends = np.empty((len(rows), 2, self._nq))
+        ends[:, 0], ends[:-1, 1], ends[-1, 1] = rows, rows[1:], end
+        ends[-1, 0] += aside
+        tubes = self._tubes(len(rows))
         tubes[-1, :-1] += off
-        ends = np.empty((len(tubes), 2, self._nq))
-        ends[:-1, 0], ends[:-1, 1], ends[-1, 0], ends[-1, 1] = begins, past, rows[-1] + aside, end
         free = self._free(ends, tubes)
-        if not free[:-1].all() and not self._free(np.stack((rows[:-1], rows[1:]), 1), self._tubes(len(rows) - 1)).all():
+        if not free[:-1].all():
             return False
         return True if free[-1] else None
 
