@@ -6,6 +6,7 @@
 // double-double continues from the same vertices. Hulls that overlap are left to penetration_depth.hpp.
 #pragma once
 
+#include <functional>
 #include <limits>
 
 #include "narrow_phase/intersection.hpp"
@@ -28,9 +29,14 @@ struct PairDistance {
   double measured() const { return overlap ? lower : upper; }
 };
 
+// Is shown two convex bodies or parts and their distance; over a half-space, A is always the other body.
+using PartVisitor = std::function<void(const PosedPolytope& a, const PosedPolytope& b, const PairDistance& found)>;
+
 // `limit`: the search ends once the lower bound exceeds it. Of solids that overlap, the depth is that of their hulls.
+// `visit`: is shown the pairs of convex parts (a solid's are its triangles) that are measured, if the bodies are apart:
+// all at least that are no further apart than the bodies.
 PairDistance pair_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
-                           PairCounters& counters);
+                           PairCounters& counters, const PartVisitor* visit = nullptr);
 
 // The same for the hulls of bodies.
 PairDistance convex_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,

@@ -95,7 +95,7 @@ struct Distance {
   double lower = 0;     // a proved lower bound, m: of two hulls that are apart, along the normal
   std::array<double, 3> on_first{}, on_second{};  // nearest points in the world, m
   std::array<double, 3> normal{};                 // of length 1, in the world, from the second to the first
-  double gap = 0;       // all nearest pairs of points are this near to each other, m; infinite if that is not proved
+  double gap = 0;       // all nearest pairs of points are this near to the given one, m; infinite if not proved
   bool unique = false;  // whether there is one such pair, so that the distance has the gradient
   std::vector<double> gradient;  // by the configuration, a number for each of Pinocchio's tangent, m/rad and m/m
 };
