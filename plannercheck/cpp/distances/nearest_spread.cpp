@@ -12,7 +12,7 @@ namespace plannercheck {
 namespace {
 
 // Edges at a smaller angle leave their crossing too open, and faces at a larger turn are too large, rad.
-constexpr double kLeastAngle = 1e-3, kMostTurn = 0.1;
+constexpr double kLeastAngle = 1e-3, kWidestTurn = 0.1;
 
 // The rounding of a height and of the direction turned into a body's frame, as in gjk.cpp, of both bodies' sizes;
 // twice.
@@ -145,7 +145,7 @@ NearestFaces nearest_faces(const PosedPolytope& a, const HullEdges& edges_a, con
                            const HullEdges& edges_b, const PairDistance& found, PairCounters& counters) {
   const ConvexPair pair(a, b, found, counters);
   const double turn = pair.turn();
-  if (!(turn < kMostTurn)) return {};
+  if (!(turn < kWidestTurn)) return {};
   NearestFaces out{pair.face_of_a(edges_a, turn), pair.face_of_b(edges_b, turn)};
   out.spread = pair.spread(out.a, out.b, turn);
   return out;
