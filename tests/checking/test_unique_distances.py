@@ -130,7 +130,8 @@ def test_unique_rows_have_the_derivatives_of_brute_force(tmp_path, obstacle, sha
     elif obstacle != "floor":
         assert not table.unique[~apart].any()
     for row in np.flatnonzero(table.unique):
-        curvature = 0 if table.state[row] < 10 else 1 / abs(table.distance[row])  # on a lattice, both sides differ in it
+        # On a lattice, both sides may differ in their curvature.
+        curvature = 0 if table.state[row] < 10 else 1 / abs(table.distance[row])
         judge_row(robot, checker, oracle, q[table.state[row]], table, row, 1e-8 + curvature * STEP)
 
 
