@@ -185,9 +185,9 @@ def answers(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray
     for other in others:
         yield other.check_states(given[0][:EDITED])
         yield other.check_motions(given[1][:EDITED], given[2][:EDITED])
+    for q in given[0][:EXPLAINED]:
+        yield from (found.certificate.point for found in checker.explain(q).collisions)
     for each in (checker, others[0]):  # of a box that C++ has made, distances differ by rounding
-        for q in given[0][:EXPLAINED]:
-            yield from (found.certificate.point for found in each.explain(q).collisions)
         yield from of_trajectories(each, given)
         for nearest in (None, 2):
             table = each.distances(given[0][:MEASURED], 0.125, nearest)

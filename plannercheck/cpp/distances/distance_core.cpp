@@ -19,8 +19,6 @@ constexpr std::size_t kPoseNumbersGiven = 16;
 // Nearest points that are all within this part of the bodies' sizes count as one.
 constexpr double kOnePoint = 1e-8;
 
-double extent(const Polytope& body) { return body.radius + body.inflation_radius; }
-
 std::vector<GeometryObject> inflated(std::vector<GeometryObject> objects, double by) {
   for (GeometryObject& object : objects) {
     auto body = std::make_shared<Polytope>(*object.body);

@@ -25,7 +25,7 @@ constexpr double kNormalError = 1e-8;
 // facets that are little deeper count as nearest.
 constexpr double kDeeper = 1.0 / 256;
 
-using Face = std::vector<std::int32_t>;
+using VertexSet = std::vector<std::int32_t>;
 
 class ConvexPair {
  public:
@@ -47,10 +47,10 @@ class ConvexPair {
     return slack < kNormalError * upper_ ? std::sqrt(2 * slack / upper_) : kNoLimit;
   }
 
-  Face face_of_a(const HullEdges& edges, double turn) const { return face(a_, edges, found_.direction, turn); }
-  Face face_of_b(const HullEdges& edges, double turn) const { return face(b_, edges, -found_.direction, turn); }
+  VertexSet face_of_a(const HullEdges& edges, double turn) const { return face(a_, edges, found_.direction, turn); }
+  VertexSet face_of_b(const HullEdges& edges, double turn) const { return face(b_, edges, -found_.direction, turn); }
 
-  double spread(const Face& face_a, const Face& face_b, double turn) const {
+  double spread(const VertexSet& face_a, const VertexSet& face_b, double turn) const {
     const Vec3 n = found_.direction;
     const double off_a = off(a_, face_a, found_.on_body_a + a_.body->inflation_radius * n);
     const double off_b = off(b_, face_b, found_.on_body_b - b_.body->inflation_radius * n);
@@ -86,11 +86,11 @@ class ConvexPair {
   }
 
   // The set of vertices that holds the face, of equal ones one; of a half-space none.
-  Face face(const PosedPolytope& posed, const HullEdges& edges, Vec3 normal, double turn) const {
+  VertexSet face(const PosedPolytope& posed, const HullEdges& edges, Vec3 normal, double turn) const {
     if (!posed.body->traits().is_bounded) return {};
     const std::vector<Vec3>& points = posed.body->inner.points;
     const Vec3 along = posed.pose.rotate_back(normal);
-    Face out{extreme(posed.body->inner, -along, counters_.queries)};
+    VertexSet out{extreme(posed.body->inner, -along, counters_.queries)};
     for (std::size_t k = 0; k < out.size(); ++k) {
       for (std::int32_t e = edges.starts[at(out[k])]; e < edges.starts[at(out[k]) + 1]; ++e) {
         const Vec3 end = points[at(edges.ends[at(e)])], step = end - points[at(out[k])];
@@ -105,14 +105,14 @@ class ConvexPair {
   static Vec3 vertex(const PosedPolytope& posed, std::int32_t v) {
     return posed.pose.apply(posed.body->inner.points[at(v)]);
   }
-  static Vec3 edge(const PosedPolytope& posed, const Face& face) {
+  static Vec3 edge(const PosedPolytope& posed, const VertexSet& face) {
     return unit(vertex(posed, face[1]) - vertex(posed, face[0]));
   }
   // Of two directions of either sense.
   static double apart(Vec3 d, Vec3 e) { return smaller(norm(d - e), norm(d + e)); }
 
   // How far a point is from a vertex or an edge's line, beyond rounding.
-  double off(const PosedPolytope& posed, const Face& face, Vec3 point) const {
+  double off(const PosedPolytope& posed, const VertexSet& face, Vec3 point) const {
     if (face.empty() || face.size() > 2) return 0;
     const Vec3 from = point - vertex(posed, face[0]);
     return larger(norm(face.size() == 1 ? from : cross(edge(posed, face), from)) - rounding_, 0);
@@ -120,7 +120,7 @@ class ConvexPair {
 
   // How far the normals of a hull's facets, of which all vertices are in a set, are from the normal: of those within
   // the turn, which frames change by far less than once more. Infinite if there are none.
-  double tilt(const PosedPolytope& posed, const Face& of, double turn) const {
+  double tilt(const PosedPolytope& posed, const VertexSet& of, double turn) const {
     const std::vector<Vec3>& points = posed.body->inner.points;
     const Vec3 along = unit(posed.pose.rotate_back(found_.direction));
     const auto holds = [&](auto v) {
@@ -137,7 +137,7 @@ class ConvexPair {
 };
 
 struct NearestFaces {
-  Face a, b;
+  VertexSet a, b;
   double spread = kNoLimit;
 };
 
@@ -151,7 +151,7 @@ NearestFaces nearest_faces(const PosedPolytope& a, const HullEdges& edges_a, con
   return out;
 }
 
-std::vector<Vec3> sorted_points(const PosedPolytope& posed, const Face& face) {
+std::vector<Vec3> sorted_points(const PosedPolytope& posed, const VertexSet& face) {
   std::vector<Vec3> out;
   for (const std::int32_t v : face) out.push_back(posed.body->inner.points[at(v)]);
   std::sort(out.begin(), out.end(), [](Vec3 a, Vec3 b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); });

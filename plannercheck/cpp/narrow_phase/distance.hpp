@@ -15,6 +15,9 @@ namespace plannercheck {
 
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
+// The radius of a body's ball about its centre.
+inline double extent(const Polytope& body) { return body.radius + body.inflation_radius; }
+
 // Distances are promised up to 1e-9 of max(distance, 1e-3 of the larger body's size): how far apart their bounds may
 // be.
 inline constexpr double kDistanceError = 2.5e-10, kLeastOfSize = 1e-3;

@@ -1,7 +1,7 @@
 // Judges configurations and motions of a prepared cell, for comparison with Python: judge CELL STATES STARTS ENDS OUT.
 // Inputs are files of doubles. OUT gets a byte for each state and one for each motion; then the same of the first
-// kEdited ones after each of some edits of the scene; then of the cell, and with the first edit, common points of what
-// collides, trajectories and distances. Prints processor times.
+// kEdited ones after each of some edits of the scene; then common points of what collides in the cell; then of the
+// cell, and with the first edit, trajectories and distances. Prints processor times.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -157,8 +157,8 @@ int main(int count, char** arguments) {
   const std::vector<Checker> others = edited(checker);
   std::printf("an edit takes %.2f ms\n", 1e3 * seconds(begin) / static_cast<double>(others.size()));
   for (const Checker& other : others) judge(other, given, kEdited, verdicts, false);
+  explain(checker, given, verdicts);
   for (const Checker& each : {checker, others.front()}) {
-    explain(each, given, verdicts);
     judge_trajectories(each, given, verdicts);
     measure(each, given, verdicts);
   }
