@@ -300,11 +300,7 @@ def _checked_matrix(pose: ArrayLike, what: str, tolerance: float) -> Points:
 
 
 def checked_poses(poses: ArrayLike, what: str) -> Points:
-    """Validates rigid transforms (n, 4, 4), m, as `checked_pose` does; an error names the first row that is wrong.
-
-    Returns:
-        A float64 copy (n, 4, 4) in C order.
-    """
+    """A float64 copy of rigid transforms (n, 4, 4), m, as of `checked_pose`; errors name the first wrong row."""
     rows = [checked_pose(row, f"{what}[{i}]") for i, row in enumerate(array_of(poses, f"poses of {what}"))]
     return np.array(rows, dtype=np.float64, order="C").reshape(-1, 4, 4)
 

@@ -156,12 +156,7 @@ def winding_about(point: PosedBody, around: PosedSurface) -> int | None:
 
 
 def winding_number(points: NDArray[np.object_], triangles: Ints) -> int | None:
-    """How often closed triangles (k, 3) wind around the origin; None if it is on one of them.
-
-    Args:
-        points: (n, 3) Python's integers.
-        triangles: Indices of points.
-    """
+    """How often closed triangles (k, 3) of points (n, 3) of integers wind around the origin; None if it is on one."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
     is_flat = ~_cross(b - a, c - a).astype(bool).any(axis=1)  # a segment or a point: nothing crosses its inside
     a, b, c = a[~is_flat], b[~is_flat], c[~is_flat]

@@ -27,16 +27,9 @@ _START = (
 def run_isolated(
     module: str, arguments: Sequence[str] = (), content: bytes = b"", time_limit: float | None = None
 ) -> subprocess.CompletedProcess[bytes]:
-    """Runs a module as a program.
+    """Runs a module, e.g. "plannercheck.bodies.coacd_worker", as a program, and returns its code, output and messages.
 
-    Args:
-        module: Full name, e.g. "plannercheck.bodies.coacd_worker".
-        arguments: What it is called with.
-        content: Content of its standard input.
-        time_limit: s; None waits for ever.
-
-    Returns:
-        Its exit code, output and messages.
+    `content` is its standard input; the time limit is in s, None waits for ever.
 
     Raises:
         subprocess.TimeoutExpired: After the time limit; the process is gone then.

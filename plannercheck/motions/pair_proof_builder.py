@@ -227,8 +227,7 @@ def surface_around_0(
 ) -> tuple[tuple[tuple[int, int], ...], tuple[tuple[int, int, int], ...]] | None:
     """A hull of differences of vertices (n, 3) and (m, 3) whose faces have 0 further behind them than needed, m.
 
-    Returns:
-        Its corners, as a vertex of each, and its triangles; None if there is none, or it has too many corners.
+    Its corners, as a vertex of each, and its triangles; None if there is none, or it has too many corners.
     """
     known: dict[tuple[int, int], None] = {}
 

@@ -96,18 +96,7 @@ def encloses_origin(differences: Floats, rounding: Floats) -> bool:
 
 
 def proves_inside(normals: Floats, offsets: Floats, pose: Affine, point: Floats, error: Floats) -> bool:
-    """Whether every point within an error of a given one certainly is in a posed body of halfspaces.
-
-    Args:
-        normals: (m, d).
-        offsets: (m,).
-        pose: Pose of the body.
-        point: (d,) in the world.
-        error: (d,), at least 0.
-
-    Returns:
-        True if it is proved.
-    """
+    """Whether all within an error (d,) of a point (d,) of the world certainly is in a posed body of halfspaces."""
     inverse, inside_error = inverse_of(pose, np.abs(point) + np.abs(pose.shift) + error, error)
     if not np.isfinite(inside_error):
         return False

@@ -138,14 +138,7 @@ class Tree:
         return found
 
     def extreme(self, normal: Floats) -> tuple[int, int, int]:
-        """A vertex furthest along a normal, by one walk from the root to a leaf.
-
-        Args:
-            normal: (d,).
-
-        Returns:
-            Its index, nodes visited, vertices visited.
-        """
+        """A vertex furthest along a normal (d,), by one walk from the root to a leaf; nodes and vertices visited."""
         number, best, height, nodes, visited = 0, -1, -np.inf, 0, 0
         while True:
             node = self.nodes[number]

@@ -18,13 +18,7 @@ from plannercheck.common.user_warnings import warn
 
 
 def check_objects(objects: Sequence[SceneObject], links: Sequence[str], bodies: Sequence[GeometryObject]) -> None:
-    """Raises for unknown links and for names that are taken; warns of touch links that do not exist.
-
-    Args:
-        objects: Attached objects.
-        links: The robot's links.
-        bodies: The robot's own bodies.
-    """
+    """Raises for unknown links and for names that the robot's bodies have; warns of touch links that do not exist."""
     taken = {*links, *(body.name for body in bodies)}
     names = {item.name for item in objects}
     for item in objects:

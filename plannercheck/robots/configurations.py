@@ -117,14 +117,7 @@ class ConfigurationMap(OwnsArrays):
         return full
 
     def checked(self, q: ArrayLike) -> Floats:
-        """Validates configurations.
-
-        Args:
-            q: (nq,) or (n, nq), rad and m.
-
-        Returns:
-            (n, nq) float64 in C order, n = 1 for a single one.
-        """
+        """Validates configurations (nq,) or (n, nq), rad and m: (n, nq) float64 in C order, n = 1 for a single one."""
         try:
             array = contiguous(q)
         except (TypeError, ValueError, OverflowError):

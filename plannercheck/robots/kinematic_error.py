@@ -266,14 +266,7 @@ def _placement(matrix: Floats) -> Placement:
 
 
 def _sums_passed(present: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """How many additions of (first + second) + third each term passes in which both sides may be other than 0.
-
-    Args:
-        present: (3, n), which terms may be.
-
-    Returns:
-        (3, n).
-    """
+    """How many additions of (first + second) + third each term (3, n) passes whose both sides may be other than 0."""
     first, second, third = present.astype(np.int64)
     return np.array([second + third, first + third, first | second])
 

@@ -115,10 +115,9 @@ def _check_numbers(table: JointTable, model: pin.Model) -> None:
 def compiled_kinematics(
     model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]
 ) -> core.Kinematics | None:
-    """Builds the compiled kinematics of a group; arguments as of `joint_table`.
+    """The compiled kinematics of a group; None if the model has a joint that the kernel does not know.
 
-    Returns:
-        A `core.Kinematics`, or None if the model has a joint that the kernel does not know.
+    Arguments as of `joint_table`.
     """
     table = joint_table(model, configurations, frames)
     return None if table is None else core.Kinematics(*table)
@@ -160,14 +159,9 @@ def _posed_by_joints(model: pin.Model, frames: Sequence[int], rows: Floats) -> I
 
 
 def joint_placements(model: pin.Model, q: Floats) -> list[Any]:
-    """Pinocchio's poses of the joints, for a model of any size.
+    """Pinocchio's poses in the world (pin.SE3) of the joints at a configuration (nq,), for a model of any size.
 
-    Args:
-        model: Pinocchio's.
-        q: Its configuration (nq,).
-
-    Returns:
-        A placement in the world (pin.SE3) for each of its joints, the universe first; the same bits as `Data.oMi`.
+    The universe is first; the bits are those of `Data.oMi`.
     """
     placed = [pin.SE3.Identity()]
     for joint, parent, placement in list(zip(model.joints, model.parents, model.jointPlacements, strict=True))[1:]:

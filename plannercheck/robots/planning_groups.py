@@ -56,18 +56,7 @@ def explicit_group(model: pin.Model, joints: Sequence[str], mimics: Mapping[str,
 def srdf_group(
     model: pin.Model, srdf: Element | None, name: str, tree: LinkTree, mimics: Mapping[str, Mimic]
 ) -> tuple[str, ...]:
-    """The moving joints of an SRDF group, in document order.
-
-    Args:
-        model: Pinocchio's.
-        srdf: The SRDF, None if there is none.
-        name: The group's name.
-        tree: Links and joints of the URDF.
-        mimics: Joints that follow others.
-
-    Returns:
-        Names of joints.
-    """
+    """The moving joints of an SRDF group, in document order; the tree is the URDF's, `mimics` follow others."""
     moving = list(model.names)[1:]
     joints = group_joints(srdf, name, tree)
     resting = set(tree.joints.values()) | (virtual_joints(srdf) if srdf is not None else set())

@@ -50,10 +50,6 @@ _FOREIGN = ("gazebo", "sensor", "plugin")
 def check_robot(root: Element, path: Path) -> None:
     """Raises for links and joints that can't be read as they are written.
 
-    Args:
-        root: The <robot>.
-        path: The file, for errors.
-
     Raises:
         PlannercheckError: It names the file and the first faulty element.
     """

@@ -24,11 +24,7 @@ class FilesBeside:
     """The files of one scene."""
 
     def __init__(self, scene: Path) -> None:
-        """Starts without files.
-
-        Args:
-            scene: The scene's file.
-        """
+        """Starts without files, for a scene's file."""
         self.folder = scene.resolve().parent
         self._stem = scene.stem
         self._waiting: dict[Path, Callable[[Path], object]] = {}

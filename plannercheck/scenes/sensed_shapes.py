@@ -108,13 +108,7 @@ def _arrays_of(kind: str, path: Path) -> Node:
 
 
 def sensed_node(shape: PartSet, owner: str, beside: FilesBeside) -> Node:
-    """The mapping of a shape that no file gave.
-
-    Args:
-        shape: The shape.
-        owner: The name of its object.
-        beside: Takes the file that the mapping names.
-    """
+    """The mapping of an object's shape that no file gave; `beside` takes the file that the mapping names."""
     kind = sensed_kind(shape)
     if isinstance(shape, Octree):
         keys, sizes = shape.keys.astype(np.int64), shape.sizes.astype(np.int64)

@@ -95,12 +95,7 @@ def has_many_parts(shape: Shape) -> bool:
 
 
 def parts_of(shape: Shape, where: dict[str, Any]) -> DrawnParts | None:
-    """A cloud or a map as it is drawn; None if it is empty.
-
-    Args:
-        shape: The shape.
-        where: name, owner, poses and colliding of `DrawnParts`.
-    """
+    """A cloud or a map as it is drawn; None if it is empty. `where` is the rest of `DrawnParts`."""
     if isinstance(shape, PointCloud) and shape.count:
         return drawn_balls(shape.points, shape.radius, **where)
     if isinstance(shape, LatticeCells) and shape.count:
@@ -109,13 +104,7 @@ def parts_of(shape: Shape, where: dict[str, Any]) -> DrawnParts | None:
 
 
 def drawn_balls(points: Floats, radii: Floats, **where: Any) -> DrawnParts:
-    """A cloud as it is drawn.
-
-    Args:
-        points: (n, 3) m, at least one.
-        radii: (n,) or (1,) m.
-        where: name, owner, poses and colliding of `DrawnParts`.
-    """
+    """A cloud of points (n, 3), m, n > 0, of radii (n,) or (1,), m, as it is drawn; `where` as for `parts_of`."""
     rows = np.linspace(0, len(points) - 1, min(len(points), MOST_DRAWN)).astype(np.int64)
     shown, radius = points[rows], np.broadcast_to(radii, len(points))[rows]
     corner = shown.min(axis=0)

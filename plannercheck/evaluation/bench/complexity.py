@@ -119,14 +119,7 @@ def measure(
 
 
 def growth(rows: Sequence[ComplexityRow]) -> list[GrowthRow]:
-    """Fits the growth of each method on each family.
-
-    Args:
-        rows: Rows of `measure`.
-
-    Returns:
-        A row for each that was measured at two sizes or more.
-    """
+    """Fits the growth of each method on each family: a row for each that was measured at two sizes or more."""
     curves: dict[tuple[str, str, str], list[ComplexityRow]] = {}
     for row in rows:
         curves.setdefault((row.where, row.family, row.method), []).append(row)

@@ -63,12 +63,7 @@ class Nearest:
 
 
 def nearest_of_few(first: Floats, second: Floats) -> Nearest:
-    """The nearest points of the hulls of few points.
-
-    Args:
-        first: (n, 3), m.
-        second: (k, 3), m.
-    """
+    """The nearest points of the hulls of few points, (n, 3) and (k, 3), m."""
     weights = _weights((first[:, None] - second[None]).reshape(-1, 3)).reshape(len(first), len(second))
     of_first, of_second = weights.sum(axis=1), weights.sum(axis=0)
     return Nearest(of_first @ first, of_second @ second, np.flatnonzero(of_first), np.flatnonzero(of_second))

@@ -59,15 +59,7 @@ class Times(NamedTuple):
 
 
 def measured(contenders: Mapping[str, Contender], rounds: int) -> Times:
-    """Times contenders by turns.
-
-    Args:
-        contenders: What to time, by name.
-        rounds: See `least_seconds`; two turns at least.
-
-    Returns:
-        The times.
-    """
+    """Times contenders by turns, two turns at least; `rounds` as for `least_seconds`."""
     off = {f"{name}, taken off": each.overheads for name, each in contenders.items() if each.overheads}
     halves = _least_of_halves({**{name: each.works for name, each in contenders.items()}, **off}, max(2, rounds))
     spent = {name: _least(each) for name, each in halves.items()}
@@ -125,10 +117,6 @@ def one_by_one(judge: Callable[..., bool], *arguments: Iterable[Any]) -> Bools:
     """Verdicts of calls from Python, with nothing else of Python's between two of them.
 
     A comprehension and NumPy's array of its list would add a tenth to a single state's time.
-
-    Args:
-        judge: The function.
-        arguments: Its first arguments, its second ones, ...
     """
     return np.frombuffer(bytes(map(judge, *arguments)), dtype=bool)
 

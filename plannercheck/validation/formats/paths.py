@@ -103,15 +103,7 @@ def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathF
 
 
 def read_robot_path(path: str | Path, robot: AnyRobot) -> PathFile:
-    """Reads a path of a robot, see `read_path`; one without a group may be given by one number a joint.
-
-    Args:
-        path: The file.
-        robot: Whose it is.
-
-    Returns:
-        The path, its states as the robot takes them.
-    """
+    """Reads a robot's path, see `read_path`; that of a robot without a group may have one number a joint."""
     fewer = robot.joint_values.maps if isinstance(robot, Robot) else ()
     if fewer and Path(path).suffix.lower() in _TABLES:
         _check_exists(Path(path))
