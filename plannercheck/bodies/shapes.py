@@ -269,15 +269,9 @@ class GeometryObject:
 
 
 def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOLERANCE) -> Points:
-    """Validates a rigid transform; its doubles do not change.
+    """A read-only float64 copy of a rigid transform (4, 4), m, whose doubles do not change; None is the identity.
 
-    Args:
-        pose: (4, 4) homogeneous matrix, translation in m; None is the identity.
-        what: What is posed, for the error message, e.g. "body 'shelf'".
-        tolerance: The largest ||M^T M - 1|| of its rotation.
-
-    Returns:
-        A read-only float64 copy (4, 4).
+    `what` is posed, e.g. "body 'shelf'", for errors; `tolerance` is the largest ||M^T M - 1|| of its rotation.
     """
     if pose is None:
         return _frozen(identity())

@@ -74,14 +74,7 @@ class Enclosure(OwnsArrays):
 
 
 def contact_certificate(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> SharedPoint | Enclosure | None:
-    """What proves that two bodies share a point of which at least one is a solid; None if they share none.
-
-    Args:
-        p: The first body.
-        r: The second body.
-        pose_p: Pose (4, 4) of the first body in the world, m.
-        pose_r: That of the second body.
-    """
+    """What proves that two posed bodies share a point of which at least one is a solid; None if they share none."""
     kind, on_p, on_r, _ = core.solids_contact(p.core, pose_p, r.core, pose_r)
     if kind == "apart":
         return None

@@ -70,10 +70,7 @@ class LinkPairs:
 def pair_proofs(decider: PairDecider, decisions: Sequence[PairDecision], seconds: float) -> PairProofs:
     """Builds the proofs of decisions; of those that are open, and of others for which none is found, there is none.
 
-    Args:
-        decider: Who decided.
-        decisions: About pairs of links, at least one that is not open.
-        seconds: Processor time for each, at most.
+    Each takes at most so many seconds of processor time.
 
     Raises:
         PlannercheckError: If python-flint is not installed, or all decisions are open.

@@ -18,15 +18,9 @@ PosedPolytope = tuple[Polytope, Affine]
 
 
 def proves_shared(hint: Hint, mixed: PosedPolytope, body_b: PosedPolytope) -> bool:
-    """Whether the hint's point certainly is in both bodies.
+    """Whether the hint's point certainly is in both bodies, the second given by halfspaces.
 
-    Args:
-        hint: With the point, and weights if the first body is given by vertices.
-        mixed: The first body, given either way.
-        body_b: The second body, given by halfspaces.
-
-    Returns:
-        True if it is proved.
+    The hint has weights if the first body is given by vertices.
     """
     body, pose = mixed
     if body.vertices is None:

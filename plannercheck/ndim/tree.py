@@ -121,15 +121,9 @@ class Tree:
         return max(len(node.net) for node in self.nodes if node.is_leaf)
 
     def child(self, number: int, position: int, normal: Floats) -> int:
-        """The child to walk to when a hyperplane is tangent to a node's net.
+        """The child of a node to walk to when a hyperplane of outward normal (d,) is tangent to the node's net.
 
-        Args:
-            number: The node's.
-            position: Position of the tangent vertex in the node's net.
-            normal: Outward normal (d,) of the hyperplane.
-
-        Returns:
-            The child's number.
+        `position` is that of the tangent vertex in the net.
         """
         found = self.nodes[number].children[position]
         if isinstance(found, Cones):

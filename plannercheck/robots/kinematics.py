@@ -64,15 +64,9 @@ class JointTable(NamedTuple):
 
 
 def joint_table(model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]) -> JointTable | None:
-    """The kernel's table of a group.
+    """The kernel's table of a group, or None if the model has a joint that the kernel does not know.
 
-    Args:
-        model: Pinocchio's.
-        configurations: Where the numbers in Pinocchio's q come from.
-        frames: Pinocchio's frames of the links.
-
-    Returns:
-        The table, or None if the model has a joint that the kernel does not know.
+    `configurations` says where the numbers in Pinocchio's q come from; `frames` are Pinocchio's of the links.
     """
     joints = [_joint_row(model, model.joints[i], configurations) for i in range(1, model.njoints)]
     if any(row is None for row in joints):
@@ -124,16 +118,9 @@ def compiled_kinematics(
 
 
 def pinocchio_poses(model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int], q: Floats) -> Floats:
-    """World poses of the links by Pinocchio itself.
+    """World poses (n, links, 4, 4), m, of the links at group configurations (n, nq), by Pinocchio itself.
 
-    Args:
-        model: Pinocchio's.
-        configurations: Where the numbers in Pinocchio's q come from.
-        frames: Pinocchio's frames of the links.
-        q: (n, nq) group configurations.
-
-    Returns:
-        (n, links, 4, 4), m.
+    Other arguments as of `joint_table`.
     """
     poser = _posed_with_data if model.nv <= _MOST_FOR_DATA else _posed_by_joints
     poses = np.empty((len(q), len(frames), 4, 4))

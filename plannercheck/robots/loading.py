@@ -129,14 +129,9 @@ def urdf_description(
 
 
 def robot_parts(description: RobotDescription, reference: Reference) -> RobotParts:
-    """Reads the parts of a robot.
+    """Reads the parts of a robot, by its YAML as read, or the arguments of `Robot.from_urdf`.
 
-    Args:
-        description: The robot's YAML as read, or the arguments of `Robot.from_urdf`.
-        reference: As for `Robot.from_urdf`; values in the description take precedence.
-
-    Returns:
-        The parts.
+    The reference is as for `Robot.from_urdf`; values in the description take precedence.
     """
     urdf = description.file
     mjcf = _mjcf_robot(description) if urdf.kind == MJCF_ROOT else None

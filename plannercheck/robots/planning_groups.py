@@ -32,16 +32,7 @@ def usable_mimics(model: pin.Model, urdf: Path | UrdfFile) -> dict[str, Mimic]:
 
 
 def explicit_group(model: pin.Model, joints: Sequence[str], mimics: Mapping[str, Mimic]) -> tuple[str, ...]:
-    """Joints as listed, checked.
-
-    Args:
-        model: Pinocchio's model.
-        joints: Names in order.
-        mimics: Joints that follow others; they may not be listed.
-
-    Returns:
-        The same names.
-    """
+    """The names of joints as listed, checked; joints that follow others may not be listed."""
     for name in joints:
         joint_by_name(model, name)
         if name in mimics:

@@ -238,16 +238,7 @@ def virtual_joints(root: Element) -> set[str]:
 
 
 def group_state(root: Element | None, name: str, joints: Container[str]) -> dict[str, list[float]]:
-    """A named state.
-
-    Args:
-        root: The SRDF, None if there is none.
-        name: The name of the group state.
-        joints: The joints of the model; others, such as virtual ones, are ignored.
-
-    Returns:
-        Joint values by joint name, rad or m.
-    """
+    """Joint values, rad or m, of a named state by joint name, without those of joints that the model lacks."""
     if root is None:
         raise PlannercheckError(f"group state {name!r}: there is no SRDF to take it from")
     states = root.findall("group_state")

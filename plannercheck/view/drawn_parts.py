@@ -123,14 +123,9 @@ def drawn_balls(points: Floats, radii: Floats, **where: Any) -> DrawnParts:
 
 
 def drawn_cells(keys: NDArray[Any], sizes: NDArray[Any], resolution: float, origin: Floats, **where: Any) -> DrawnParts:
-    """A map as it is drawn.
+    """A map of n > 0 cells as it is drawn; `where` as for `parts_of`.
 
-    Args:
-        keys: (n, 3) low corners in steps of the lattice, at least one.
-        sizes: (n,) edges in steps, powers of two.
-        resolution: The step, m.
-        origin: (3,) where the lattice's corner 0, 0, 0 is, m.
-        where: name, owner, poses and colliding of `DrawnParts`.
+    Low corners (n, 3) and edges (n,), powers of two, are in steps of the resolution, m, from the origin (3,), m, on.
     """
     largest = int(sizes.max())
     low = keys.min(axis=0).astype(np.int64) // largest * largest  # so that octree cells stay in their lattices

@@ -95,17 +95,7 @@ class GrowthRow:
 def measure(
     most: int, queries: int, seed: int = 0, progress: Callable[[str], None] = lambda text: None
 ) -> Iterator[ComplexityRow]:
-    """Counts everything.
-
-    Args:
-        most: The largest n.
-        queries: Number of queries for each body and size.
-        seed: Seed of bodies and poses.
-        progress: Told what comes next.
-
-    Yields:
-        Rows, as they are measured.
-    """
+    """Counts everything for up to `most` vertices, with so many queries of each body and size."""
     sizes = [n for n in SIZES if n <= most] or [most]
     for n in sizes:
         for name in SPACE_FAMILIES:
@@ -199,14 +189,9 @@ def _gjk(body: Polytope, pose_p: Floats, pose_r: Floats) -> tuple[bool, Count]:
 
 
 def polygon(name: str, n: int) -> Floats:
-    """A convex polygon about 2 m across, counter-clockwise.
+    """A convex polygon (n, 2) about 2 m across, counter-clockwise.
 
-    Args:
-        name: "ellipse", or "crowded": nearly all vertices of a circle in a narrow angle.
-        n: Number of vertices.
-
-    Returns:
-        (n, 2), m.
+    "ellipse", or "crowded": nearly all vertices of a circle in a narrow angle.
     """
     if name == "ellipse":
         angles = 2 * np.pi * np.arange(n) / n

@@ -58,17 +58,7 @@ def measure(
     skipped: Callable[[str], None] = lambda reason: None,
     methods: Sequence[MotionMethod] = METHODS,
 ) -> list[MotionRow]:
-    """Times all methods by turns.
-
-    Args:
-        motions: Motions to judge.
-        rounds: Number of turns of each method.
-        skipped: Function that is told why a method is left out.
-        methods: The first is what others' ratios are to.
-
-    Returns:
-        A row for each method that could be built.
-    """
+    """Times all methods by turns; ratios are to the first one. A row for each that could be built."""
     ready: dict[str, Ready] = {}
     counts: dict[str, list[int]] = {}
     for method in methods:

@@ -86,18 +86,7 @@ def measure(
     rounds: int,
     skipped: Callable[[str], None] = lambda reason: None,
 ) -> list[SolidSizeRow]:
-    """Times all methods by turns, shape by shape and size by size.
-
-    Args:
-        sizes: About how many triangles.
-        shapes: Names in `SHAPES`.
-        pairs: Pairs of each shape, size and gap.
-        rounds: How often each method runs.
-        skipped: Is told why coal is left out.
-
-    Returns:
-        The rows, by shape, size and gap.
-    """
+    """Times all methods by turns, on so many pairs of each shape, of about these numbers of triangles, and gap."""
     with suppress(PlannercheckError):  # which coal's judge raises again
         library()  # compiled now, not while building is timed
     rows = []

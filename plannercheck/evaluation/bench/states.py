@@ -109,18 +109,9 @@ def measure(
     skipped: Report = lambda reason: None,
     which: str = "random",
 ) -> list[StateRow]:
-    """Times all methods by turns.
+    """Times all methods by turns on configurations (n, nq): a row for each that could be built, ratios to the first.
 
-    Args:
-        checker: The exact one.
-        methods: Methods to compare; ratios are to the first one.
-        q: Configurations (n, nq); slow methods judge the first of them.
-        rounds: How often each runs.
-        skipped: Is told why a method is left out: a library is not installed, or has no shape for a body.
-        which: Kind of the configurations, for the rows.
-
-    Returns:
-        A row for each method that could be built.
+    Slow methods judge the first of the configurations. `which` names these in the rows.
     """
     ready = [found for method in methods if (found := _ready(method, q, skipped)) is not None]
     times = measured({item.method.name: Contender(item.works, item.states, item.overheads) for item in ready}, rounds)

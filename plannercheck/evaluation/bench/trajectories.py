@@ -75,15 +75,7 @@ def free_trajectories(checker: Checker, n: int, seed: int) -> list[Trajectory]:
 def measure(
     checker: Checker, n: int, rounds: int, seed: int, skipped: Callable[[str], None] = lambda reason: None
 ) -> list[TrajectoryRow]:
-    """Times all methods by turns.
-
-    Args:
-        checker: The exact one, of a robot whose joints take one number each.
-        n: Number of trajectories.
-        rounds: Number of turns of each method.
-        seed: Seed of the random numbers.
-        skipped: Function that is told why a method is left out.
-    """
+    """Times all methods by turns on n trajectories; the robot's joints take one number each."""
     drawn = free_trajectories(checker, n, seed)
     chords = [(points[:-1].copy(), points[1:].copy()) for points in map(_points, drawn)]
     starts, ends = (np.concatenate(parts) for parts in zip(*chords, strict=True))

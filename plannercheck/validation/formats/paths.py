@@ -70,15 +70,9 @@ class PathFile(OwnsArrays):
 
 
 def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathFile:
-    """Reads a path.
+    """Reads a path, whose suffix and content tell the format, of configurations of `width` numbers.
 
-    Args:
-        path: The file; its suffix and content tell the format.
-        joint_names: Joint names of the group, for files that name joints.
-        width: Numbers a configuration must have, nq.
-
-    Returns:
-        The path.
+    The names of the group's joints are for files that name joints.
 
     Raises:
         PlannercheckError: If the file can't be read, lacks a joint, moves one outside the group, or has no states.
