@@ -18,7 +18,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.build_cost import built
 from plannercheck.evaluation.bench.methods import Method
 from plannercheck.evaluation.bench.solid_checkers import has_solids, nested_pairs
-from plannercheck.evaluation.bench.timing import Contender, Times, measured, seconds_of
+from plannercheck.evaluation.bench.timing import Contender, TimedRow, Times, measured, seconds_of
 from plannercheck.motions.checker import Checker
 
 Report = Callable[[str], None]
@@ -29,7 +29,7 @@ _MOST_PARTS = 32
 
 
 @dataclass(frozen=True)
-class StateRow:
+class StateRow(TimedRow):
     """What one method did on one robot in one scene.
 
     Attributes:
@@ -37,13 +37,9 @@ class StateRow:
         scene: Its name.
         pairs: Pairs of bodies a state.
         which: "random" states, or states "along motions".
-        method: Its name.
         kind: The kind of method (methods.py).
         states: States judged in a round.
         valid: Part of them that is valid, exactly.
-        microseconds: The least time a state.
-        ratio: The time over that of `check_states`.
-        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
         false_free: Part of the states that it calls free though they collide.
         false_collision: Part of the states that it calls colliding though they are free.
         false_free_inside: Those of the false free ones in which bodies collide only by one being inside the other, so
@@ -58,13 +54,9 @@ class StateRow:
     scene: str
     pairs: int
     which: str
-    method: str
     kind: str
     states: int
     valid: float
-    microseconds: float
-    ratio: float
-    noise: float
     false_free: float
     false_collision: float
     false_free_inside: float | None
@@ -169,21 +161,17 @@ def _row(
     inside: _OnlyInside | None,
     times: Times,
 ) -> StateRow:
-    right, seconds = truth[: item.states], times.seconds[item.method.name]
-    first = next(iter(times.seconds))
+    right = truth[: item.states]
     missed = item.verdicts & ~right
     return StateRow(
+        *times.row(item.method.name),
         checker.robot.name,
         checker.scene.name,
         len(checker.pairs),
         which,
-        item.method.name,
         item.method.kind,
         item.states,
         float(right.mean()),
-        1e6 * seconds,
-        seconds / times.seconds[first],
-        times.noise(first, item.method.name),
         float(missed.mean()),
         float((~item.verdicts & right).mean()),
         None if inside is None else inside.share(missed),

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from statistics import median
 from typing import Any, NamedTuple
 
@@ -56,6 +57,29 @@ class Times(NamedTuple):
     def noise(self, *names: str) -> float:
         """The least ratio of these contenders' times that says anything: by their turns, and most contenders'."""
         return max(median(self.differ.values()), *(self.differ[name] for name in names))
+
+    def row(self, name: str) -> tuple[str, float, float, float]:
+        """The fields of a contender's `TimedRow`."""
+        first = next(iter(self.seconds))
+        spent = self.seconds[name]
+        return name, 1e6 * spent, spent / self.seconds[first], self.noise(first, name)
+
+
+@dataclass(frozen=True)
+class TimedRow:
+    """The time of one contender; rows of measurements add what else they found.
+
+    Attributes:
+        method: Its name.
+        microseconds: The least time a piece: a state, a motion, a pair, a trajectory.
+        ratio: That time over that of the first contender.
+        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
+    """
+
+    method: str
+    microseconds: float
+    ratio: float
+    noise: float
 
 
 def measured(contenders: Mapping[str, Contender], rounds: int) -> Times:
