@@ -182,14 +182,9 @@ Certificate: TypeAlias = Separation | SharedPoint
 
 
 def separation(direction: Point, bodies: Bodies) -> Separation | None:
-    """The plane halfway between two bodies along a direction.
+    """The plane halfway between two bodies along a direction of the world, of any length, from the second to the first.
 
-    Args:
-        direction: In the world, any length, from the second body to the first.
-        bodies: The two bodies.
-
-    Returns:
-        The plane, or None if the bodies' extents along the direction meet.
+    None if the bodies' extents along the direction meet.
     """
     plane = plane_between(direction, bodies)
     if plane is None:
@@ -201,13 +196,8 @@ def separation(direction: Point, bodies: Bodies) -> Separation | None:
 def shared_point(first: dict[int, Fraction], second: dict[int, Fraction], bodies: Bodies) -> SharedPoint:
     """The common point of two mixtures of vertices, which must be no further apart than the sum of the inflation radii.
 
-    Args:
-        first: Weights of vertices of the first body, of sum 1.
-        second: The same for the second body.
-        bodies: The two bodies.
-
-    Returns:
-        The point that divides the segment from one mixture to the other in the ratio of the inflation radii.
+    Weights are of sum 1. The point divides the segment from one mixture to the other in the ratio of the inflation
+    radii.
     """
     one, two = bodies
     assert isinstance(one, PosedBody)

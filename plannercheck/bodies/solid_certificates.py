@@ -74,14 +74,7 @@ class Enclosure(OwnsArrays):
 
 
 def contact_certificate(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> SharedPoint | Enclosure | None:
-    """What proves that two bodies share a point of which at least one is a solid; None if they share none.
-
-    Args:
-        p: The first body.
-        r: The second body.
-        pose_p: Pose (4, 4) of the first body in the world, m.
-        pose_r: That of the second body.
-    """
+    """What proves that two posed bodies share a point of which at least one is a solid; None if they share none."""
     kind, on_p, on_r, _ = core.solids_contact(p.core, pose_p, r.core, pose_r)
     if kind == "apart":
         return None
@@ -156,12 +149,7 @@ def winding_about(point: PosedBody, around: PosedSurface) -> int | None:
 
 
 def winding_number(points: NDArray[np.object_], triangles: Ints) -> int | None:
-    """How often closed triangles (k, 3) wind around the origin; None if it is on one of them.
-
-    Args:
-        points: (n, 3) Python's integers.
-        triangles: Indices of points.
-    """
+    """How often closed triangles (k, 3) of points (n, 3) of integers wind around the origin; None if it is on one."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
     is_flat = ~_cross(b - a, c - a).astype(bool).any(axis=1)  # a segment or a point: nothing crosses its inside
     a, b, c = a[~is_flat], b[~is_flat], c[~is_flat]

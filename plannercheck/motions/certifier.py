@@ -157,16 +157,7 @@ class MotionCertifier:
         return cast(Callable[..., int], core.chunk_judge(part.core, *kinematics, limits, tube, tolerance, ask))
 
     def check(self, motions: Motions | Curves, tolerance: float, threads: int) -> Bools:
-        """Whether each of n motions is free.
-
-        Args:
-            motions: Validated.
-            tolerance: m.
-            threads: Number of threads to use.
-
-        Returns:
-            (n,) True means proved free, False that a pair comes within the tolerance.
-        """
+        """Whether each of n validated motions is free: (n,), False if a pair comes within the tolerance, m."""
         check_tolerance(tolerance)
         ranges = motions.ranges()
         if isinstance(motions, Motions) and self._errors.are_usual(*ranges):
