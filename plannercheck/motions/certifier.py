@@ -54,6 +54,9 @@ DEFAULT_TOLERANCE = 1e-4
 # it. Their distance exceeds `unreachable_pairs.MARGIN`, a hundredth of the default tolerance.
 _FINER = (1.0, 1e-2, 1e-4)
 
+# The core's answer about a chunk of waypoints of which it knows nothing.
+_UNKNOWN_CHUNK = 3
+
 
 class MotionCertifier:
     """Judges motions of one robot among given pairs of bodies. Immutable, so threads may share it.
@@ -112,6 +115,10 @@ class MotionCertifier:
         within = self._pairs_within_limits
         return (within,) if self._all_pairs is within else (within, self._all_pairs)
 
+    def levers(self) -> Floats:
+        """(nq,) how far a number moves the bodies of a pair against each other, roughly, in m/rad and m/m."""
+        return self._all_pairs.levers()
+
     def rounding(self) -> RoundingBounds:
         """The bounds of the kinematics' rounding."""
         return self._errors
@@ -133,31 +140,24 @@ class MotionCertifier:
                 return np.asarray(known).view(bool)
         return self.check(curves, tolerance, threads)
 
-    def curve_judge(self, tolerance: float) -> Callable[[Floats, Floats], Bools]:
-        """`check_curves` with room by one thread, as a function of control points and tubes, without checks."""
+    def chunk_judge(self, limits: Floats, tube: Floats, tolerance: float, ask: Any = None) -> Callable[..., int]:
+        """The core's `chunk_judge`, which takes chunks of waypoints with a stop behind them.
+
+        Args:
+            limits: (5, nq) rows of positions from and to, speeds, accelerations, and decelerations in a stop.
+            tube: (nq + 1,) of all motions, then how far bodies stay apart, m.
+            tolerance: m.
+            ask: For tests: whether a motion (2, nq) with a tube (nq + 1,) is free, in place of the core.
+        """
         check_tolerance(tolerance)
         part, errors = self._all_pairs, self._errors
         if part.touching:
-            return lambda points, tubes: np.zeros(len(points), dtype=bool)
-        ask, kernel = core.curve_validity, self._kernel
-
-        def judge(points: Floats, tubes: Floats) -> Bools:
-            known = ask(part.core, kernel, errors.low, errors.high, errors.usual, points, tubes, tolerance, 1)
-            return self.check(Curves(points, tubes), tolerance, 1) if known is None else np.asarray(known).view(bool)
-
-        return judge
+            return lambda *_: _UNKNOWN_CHUNK
+        kinematics = self._kernel, errors.low, errors.high, errors.usual
+        return cast(Callable[..., int], core.chunk_judge(part.core, *kinematics, limits, tube, tolerance, ask))
 
     def check(self, motions: Motions | Curves, tolerance: float, threads: int) -> Bools:
-        """Whether each of n motions is free.
-
-        Args:
-            motions: Validated.
-            tolerance: m.
-            threads: Number of threads to use.
-
-        Returns:
-            (n,) True means proved free, False that a pair comes within the tolerance.
-        """
+        """Whether each of n validated motions is free: (n,), False if a pair comes within the tolerance, m."""
         check_tolerance(tolerance)
         ranges = motions.ranges()
         if isinstance(motions, Motions) and self._errors.are_usual(*ranges):

@@ -241,15 +241,7 @@ def motion_validator(
     resolution: float | None = None,
     tolerance: float = DEFAULT_TOLERANCE,
 ) -> ProvedMotions | ProvedPoses | ProvedPlanarMotions | SampledMotions:
-    """The validator for a checker.
-
-    Args:
-        information: OMPL's SpaceInformation.
-        checker: The checker that judges motions.
-        space: The space of the checker's robot.
-        resolution: None to prove motions free; else they are sampled, as for `check_motion`, m.
-        tolerance: The tolerance of proofs, as for `Checker.check_motion`, m.
-    """
+    """The validator for a checker: motions are proved free within a tolerance, m, or sampled with a resolution, m."""
     if resolution is None and isinstance(checker, Checker) and isinstance(space, PoseSpace):
         return ProvedPoses(information, checker, space, tolerance)
     if resolution is None and isinstance(checker, Checker):

@@ -45,13 +45,7 @@ class PlanarSpace(NumberedSpace):
     """
 
     def __init__(self, robot: Robot, curve: Curve = "straight", turning_radius: float | None = None) -> None:
-        """Reads the robot.
-
-        Args:
-            robot: The robot, with limits of x and y if its root is free.
-            curve: How the root moves.
-            turning_radius: Turning radius of curves, m.
-        """
+        """Reads the robot, which has limits of x and y if its root is free, and how the root moves."""
         _check(robot, curve, turning_radius)
         self._curve, self._radius = curve, turning_radius
         self.is_straight = curve == "straight"
