@@ -115,6 +115,10 @@ class MotionCertifier:
         within = self._pairs_within_limits
         return (within,) if self._all_pairs is within else (within, self._all_pairs)
 
+    def levers(self) -> Floats:
+        """(nq,) how far a number moves the bodies of a pair against each other, roughly, in m/rad and m/m."""
+        return self._all_pairs.levers()
+
     def rounding(self) -> RoundingBounds:
         """The bounds of the kinematics' rounding."""
         return self._errors
