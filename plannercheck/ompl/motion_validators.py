@@ -18,8 +18,9 @@ from plannercheck.common.core import core
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.sampling import coarse_to_fine
+from plannercheck.ompl.curved_space import sampled_curve
 from plannercheck.ompl.joint_space import JointSpace
-from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
+from plannercheck.ompl.planar_space import PlanarSpace
 from plannercheck.ompl.pose_space import PoseSpace
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.motion_certifier import STRAIGHT
