@@ -54,6 +54,9 @@ DEFAULT_TOLERANCE = 1e-4
 # it. Their distance exceeds `unreachable_pairs.MARGIN`, a hundredth of the default tolerance.
 _FINER = (1.0, 1e-2, 1e-4)
 
+# The core's answer about a chunk of waypoints of which it knows nothing.
+_UNKNOWN_CHUNK = 3
+
 
 class MotionCertifier:
     """Judges motions of one robot among given pairs of bodies. Immutable, so threads may share it.
@@ -133,19 +136,21 @@ class MotionCertifier:
                 return np.asarray(known).view(bool)
         return self.check(curves, tolerance, threads)
 
-    def curve_judge(self, tolerance: float) -> Callable[[Floats, Floats], Bools]:
-        """`check_curves` with room by one thread, as a function of control points and tubes, without checks."""
+    def chunk_judge(self, limits: Floats, tube: Floats, tolerance: float, ask: Any = None) -> Callable[..., int]:
+        """The core's `chunk_judge`, which takes chunks of waypoints with a stop behind them.
+
+        Args:
+            limits: (5, nq) rows of positions from and to, speeds, accelerations, and decelerations in a stop.
+            tube: (nq + 1,) of all motions, then how far bodies stay apart, m.
+            tolerance: m.
+            ask: For tests: whether a motion (2, nq) with a tube (nq + 1,) is free, in place of the core.
+        """
         check_tolerance(tolerance)
         part, errors = self._all_pairs, self._errors
         if part.touching:
-            return lambda points, tubes: np.zeros(len(points), dtype=bool)
-        ask, kernel = core.curve_validity, self._kernel
-
-        def judge(points: Floats, tubes: Floats) -> Bools:
-            known = ask(part.core, kernel, errors.low, errors.high, errors.usual, points, tubes, tolerance, 1)
-            return self.check(Curves(points, tubes), tolerance, 1) if known is None else np.asarray(known).view(bool)
-
-        return judge
+            return lambda *_: _UNKNOWN_CHUNK
+        kinematics = self._kernel, errors.low, errors.high, errors.usual
+        return cast(Callable[..., int], core.chunk_judge(part.core, *kinematics, limits, tube, tolerance, ask))
 
     def check(self, motions: Motions | Curves, tolerance: float, threads: int) -> Bools:
         """Whether each of n motions is free.
@@ -173,8 +178,8 @@ class MotionCertifier:
                     free[rows] = False
                     continue
                 taken = _rows(points, rows), _rows(tubes, rows)
-                usual = self._errors.low, self._errors.high
-                answers = np.asarray(part.core.check(self._kernel, *usual, error, *taken, tolerance, threads))
+                low, high = self._errors.low, self._errors.high
+                answers = np.asarray(part.core.check(self._kernel, low, high, error, *taken, tolerance, threads))
                 free[rows] = verdicts(answers, tolerance, rows, isinstance(motions, Curves))
         return free
 

@@ -1,12 +1,12 @@
-"""Straight motions that cover several pieces of a trajectory: contacts by construction, and the verdicts without them."""
+"""Straight motions that cover several pieces of a trajectory: contacts by construction, verdicts without them."""
 
 import numpy as np
 import pytest
+from test_curves import slider, through
 
 import plannercheck as pc
 from plannercheck.evaluation.bench.trajectories import free_trajectories
 from plannercheck.evaluation.stress_motions.relatives import cut
-from test_curves import slider, through
 
 PLAIN = pc.Tuning(covers=False)
 
@@ -47,7 +47,8 @@ def test_verdicts_are_those_without_covers():
     on, off = pc.Checker(robot, scene), pc.Checker(robot, scene, tuning=PLAIN)
     some = free_trajectories(on, 12, 2)
     before = judged(on), judged(off)
-    assert on.check_trajectories(some).all() and off.check_trajectories(some).all()
+    assert on.check_trajectories(some).all()
+    assert off.check_trajectories(some).all()
     assert 4 * (judged(on) - before[0]) < judged(off) - before[1] == 12 * 30
     rng, run = np.random.default_rng(5), []
     for each in some:

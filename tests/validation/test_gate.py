@@ -12,6 +12,7 @@ from long_runs.memory import resident
 
 import plannercheck as pc
 from plannercheck.motions.trajectory_checks import TrajectoryChecks
+from plannercheck.validation.gates.quick import QuickJudge
 from plannercheck.validation.gates.replay import differences, parse_record
 
 TUBE, MARGIN, BRAKE, SPEED = 0.01, 0.005, 5.0, 2.0
@@ -228,95 +229,49 @@ def test_a_stop_into_a_wall_does_not_pass(checker, home):
         assert verdict.reasons[0].kind == "collision"
 
 
-def are_states(points):
-    """(n,) which motions stand still."""
-    return (points[:, 0] == points[:, 1]).all(axis=1)
+def meets(ends, reach, state):
+    """Whether a state (nq,) is within reach (nq,) of a straight motion (2, nq), to 1e-9."""
+    begin, way, off = ends[0], ends[1] - ends[0], reach + 1e-9
+    still = way == 0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        parts = np.sort([(state - off - begin) / way, (state + off - begin) / way], axis=0)
+    inside = np.abs(state - begin)[still] <= off[still]
+    return inside.all() and parts[0, ~still].max(initial=0) <= parts[1, ~still].min(initial=1)
 
 
-def asked_quickly(gate, rows, dq, answer=None):
-    """The motions and tubes that the fast path asks for, and its verdict.
+def judged_quickly(gate, rows, dq, refused):
+    """The verdict of the fast path, and what it asks for, where each motion is refused whose tube holds a state."""
+    asked, tools = [], gate._tools
 
-    Only states are proved, unless `answer` says otherwise of a call's number and its motions.
-    """
-    quick, seen = gate.of(gate.checker)._quick, []
+    def is_free(ends, tube):
+        asked.append((ends, tube))
+        return not meets(ends, tube[:-1], refused)
 
-    def judge(points, tubes):
-        seen.append((points.copy(), tubes.copy()))
-        return are_states(points) if answer is None else answer(len(seen), points)
-
-    quick._free = judge
-    return seen, quick.judge(rows, dq, 50.0)[1]
+    return QuickJudge(tools.settings, tools.limits, tools.proofs, is_free).judge(rows, dq, 50.0)[1], asked
 
 
-def but_the_cover(call, points):
-    """All is proved but the one motion that covers all, so that pieces are asked."""
-    return are_states(points) | (call > 1)
+BRAKES = np.array([5.0, 1.5, 3.0, 5.0, 5.0, 5.0, 5.0])
 
 
-@pytest.mark.parametrize("slow", [0.1, 0.3, 0.7])
-def test_the_fast_path_covers_the_stop(checker, home, slow):
-    """In a stop, the quick joint is ahead of the straight motion by just what the bound says, at T / (1 + r)."""
-    gate = pc.Gate(checker, velocity=SPEED, brake=[5.0] * 6 + [5.0 * slow])
-    dq = np.array([1.0, 0, 0, 0, 0, 0, -1.0])
-    rows = home + dq * np.arange(4)[:, None] / 50
-    ((cover, wide), (pieces, tubes), *_), _ = asked_quickly(gate, rows, dq)
-    at, lasts = stop_by_hand(rows[-1], dq, np.array([5.0] * 6 + [5.0 * slow]))
-    times = np.linspace(0, lasts, 1001)
-    states = np.array([at(t) for t in times])
-    assert (np.abs(states - cover[0, 1]) <= wide[0, :-1] - TUBE + 1e-9).all()
-    share = 1 - (1 - times[:, None] / lasts) ** 2
-    off = np.abs(states - (pieces[-1, 0] + share * (pieces[-1, 1] - pieces[-1, 0]))).max(axis=0)
-    assert (off <= tubes[-1, :-1] - TUBE + 1e-9).all()
-    assert off[0] >= 0.999 * (tubes[-1, 0] - TUBE) - 1e-8
-
-
-@pytest.mark.parametrize("count", [1, 3, 16, 17])
-def test_the_fast_path_covers_all_waypoints(gate, home, count):
-    rows = home + 0.006 * count * np.sin(np.arange(count + 1)[:, None] / count * 3) * np.array([1, -0.5, 0, 0, 0, 0, 0])
-    ((cover, wide), _), _ = asked_quickly(gate, rows, np.zeros(7))
-    part = np.linspace(0, count, 401)
-    states = np.array([np.interp(part, np.arange(count + 1), column) for column in rows.T]).T
-    line = cover[0, 0] + part[:, None] / count * (cover[0, 1] - cover[0, 0])
-    assert (np.abs(states - line) <= wide[0, :-1] - TUBE + 1e-9).all()
-    assert (wide[:, -1] == MARGIN).all()
-
-
-@pytest.mark.parametrize("count", [1, 2, 3, 4, 16])
-def test_the_fast_path_judges_each_piece_once_and_the_stop(gate, home, count):
-    rows = home + 0.002 * np.arange(count + 1)[:, None]
-    (_, (pieces, _)), passes = asked_quickly(gate, rows, np.zeros(7), but_the_cover)
-    assert passes is True
-    assert (pieces[:-1] == np.stack([rows[:-1], rows[1:]], axis=1)).all()
-
-
-def test_the_fast_path_looks_at_states_of_the_stop(gate, home):
-    dq = np.array([1.0, -0.5, 0, 0, 0, 0, 0.1])
-    rows = home + dq * np.arange(4)[:, None] / 50
-
-    def but_the_stop(call, points):
-        last = np.arange(len(points)) == len(points) - 1
-        return are_states(points) if call == 1 else ~last if call == 2 else ~last | is_free
-
-    is_free = True
-    asked, passes = asked_quickly(gate, rows, dq, but_the_stop)
-    assert passes is None
-    at, lasts = stop_by_hand(rows[-1], dq)
-    expected = np.array([at(lasts * part) for part in (1.0, 0.6, 0.3)])
-    np.testing.assert_allclose(asked[-1][0], np.stack([expected, expected], axis=1), atol=1e-12)
-    is_free = False
-    assert asked_quickly(gate, rows, dq, but_the_stop)[1] is False
-
-
-@pytest.mark.parametrize("refused", [0, 7, 8, 15, 3])
-def test_the_fast_path_refuses_for_any_piece_and_some_states(gate, home, refused):
-    rows = home + 0.002 * np.arange(17)[:, None]
-
-    def but_one(call, points):
-        return but_the_cover(call, points) & ~(points[:, 0] == rows[refused]).all(axis=1)
-
-    asked, passes = asked_quickly(gate, rows, np.zeros(7), but_one)
-    assert passes is False
-    assert len(asked) == (1 if refused in (0, 8) else 2)
+@pytest.mark.parametrize("count", [1, 2, 3, 16, 50])
+def test_the_fast_path_covers_the_chunk_and_the_stop(checker, home, count):
+    """A chunk does not pass where one state of it, or of its stop, with the tube, is refused; else it does."""
+    gate, rng = pc.Gate(checker, velocity=SPEED, tube=TUBE, margin=MARGIN, brake=BRAKES), np.random.default_rng(count)
+    for k in range(200):
+        dq = rng.uniform(-0.4, 0.4, 7) * (np.arange(7) != 5)
+        rows = home + dq * np.arange(count + 1)[:, None] / 50
+        rows[1:-1] += 0.003 * rng.normal(size=rows[1:-1].shape) * (np.arange(7) != 5)
+        on_stop, part = k % 2 == 0, rng.uniform(0, count)
+        at, lasts = stop_by_hand(rows[-1], (rows[-1] - rows[-2]) * 50, BRAKES)
+        state = np.array([np.interp(part, np.arange(count + 1), column) for column in rows.T])
+        state = at(rng.uniform(0, lasts)) if on_stop else state
+        corner = rng.choice([-TUBE, TUBE], 7)
+        passes, asked = judged_quickly(gate, rows, dq, state + corner)
+        assert not passes
+        assert on_stop or passes is False
+        assert {float(tube[-1]) for _, tube in asked} <= {MARGIN, MARGIN + 1e-4}
+        apart = state + corner * (1 + 0.01 * (np.arange(7) == 5))  # of a joint that stands
+        assert judged_quickly(gate, rows, dq, apart)[0] is True
 
 
 def test_judgements_leave_nothing_behind(gate, chunks):

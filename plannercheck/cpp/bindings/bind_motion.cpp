@@ -20,6 +20,7 @@
 #include "bindings/plain_floats.hpp"
 #include "bindings/verdict_dicts.hpp"
 #include "bindings/workspace_pool.hpp"
+#include "motions/chunk_judge.hpp"
 #include "motions/motion_certifier.hpp"
 
 namespace nb = nanobind;
@@ -250,6 +251,60 @@ nb::object motion_set_validity(nb::object certifier, nb::object kinematics, Inpu
                           nb::arg("threads"), plain_floats);
 }
 
+// For tests: asks a function of a motion's ends (2, width) and its tube (width + 1,) whether it is free.
+MotionJudge judge_in_python(nb::object function, std::size_t width) {
+  return [function, width](const Segment& motion) {
+    std::vector<double> ends(motion.start, motion.start + width);
+    ends.insert(ends.end(), motion.end, motion.end + width);
+    const std::vector<double> tube(motion.tube, motion.tube + width + 1);
+    const nb::object found = function(output_array(ends, {2, width}), output_array(tube, {width + 1}));
+    return nb::cast<bool>(found) ? MotionAnswer::kFree : MotionAnswer::kRefused;
+  };
+}
+
+// A function of the rows (n + 1, width) of a chunk, which nobody changes, its velocities at the start, and its first,
+// last and least step: the ChunkAnswer as a number. `ask`, if it is not None, judges motions in place of the certifier.
+nb::object chunk_judge(nb::object certifier, nb::object kinematics, InputArray<double, -1> low,
+                       InputArray<double, -1> high, double kinematic_error, InputArray<double, 5, -1> limits,
+                       InputArray<double, -1> tube, double tolerance, nb::object ask) {
+  const std::size_t width = limits.shape(1);
+  const auto row = [&](std::size_t k) {
+    return std::vector<double>(limits.data() + k * width, limits.data() + (k + 1) * width);
+  };
+  auto* bound = nb::cast<BoundCertifier*>(certifier);
+  const auto* kernel = nb::cast<const Kinematics*>(kinematics);
+  return nb::cpp_function(
+      [certifier, kinematics, bound, kernel, width, known = known_motions(low, high, kinematic_error, {}, 0),
+       numbers =
+           GateNumbers{row(0), row(1), row(2), row(3), row(4), {tube.data(), tube.data() + tube.shape(0)}, tolerance},
+       ask = ask.is_none() ? MotionJudge() : judge_in_python(ask, width)](
+          InputArray<double, -1, -1> rows, InputArray<double, -1> dq, double first, double last, double least) {
+        if (rows.shape(0) < 2 || rows.shape(1) != width || dq.shape(0) != width) {
+          throw std::invalid_argument("rows of a chunk have another width");
+        }
+        const auto judged = [&](const MotionJudge& judge) {
+          return judged_chunk(numbers, rows.data(), rows.shape(0) - 1, dq.data(), {first, last, least}, judge);
+        };
+        ChunkAnswer answer = ChunkAnswer::kUnknown;
+        if (ask) {
+          answer = judged(ask);
+        } else {
+          const GilReleasedWhenLong gil;
+          bound->with_workspace([&](MotionCertifier::Workspace& w) {
+            answer = judged([&](const Segment& motion) {
+              if (!known.hold(motion)) return MotionAnswer::kImprecise;
+              std::uint8_t found = 0;
+              const Segments one{motion.start, motion.end, width, 1, motion.tube, width + 1};
+              bound->core().check(*kernel, one, 1, numbers.tolerance, known.error, &found, w);
+              return static_cast<MotionAnswer>(found);
+            });
+          });
+        }
+        return static_cast<int>(answer);
+      },
+      plain_floats);
+}
+
 // See `explained_motion`, of the first motion; with proofs if wanted.
 nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, ControlPoints points,
                          Configurations tubes, double tolerance, double kinematic_error, bool proved) {
@@ -310,6 +365,9 @@ void bind_motion(nb::module_& m) {
   m.def("motion_row_validity", &motion_row_validity, plain_floats);
   m.def("motion_set_validity", &motion_set_validity, plain_floats);
   m.def("curve_validity", &curve_validity, plain_floats);
+  m.def("chunk_judge", &chunk_judge, nb::arg("certifier"), nb::arg("kinematics"), nb::arg("low"), nb::arg("high"),
+        nb::arg("kinematic_error"), nb::arg("limits"), nb::arg("tube"), nb::arg("tolerance"),
+        nb::arg("ask").none() = nb::none(), plain_floats);
   m.def("motion_validity", &motion_validity, nb::arg("certifier"), nb::arg("kinematics"), nb::arg("low"),
         nb::arg("high"), nb::arg("tolerance"), nb::arg("kinematic_error"), nb::arg("elsewhere"), nb::arg("counts"),
         nb::arg("states").none() = nb::none(), nb::arg("angles") = std::vector<std::size_t>(),

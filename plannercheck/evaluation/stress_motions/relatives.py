@@ -1,5 +1,4 @@
-"""Checks of curves by others through the same states: of higher degree, cut once and into short pieces, straight, and
-the part that is free.
+"""Checks of curves by others through the same states: of higher degree, cut, straight, and the part that is free.
 
 In: a draw of curves with the answers to them. Out: faults. Verdicts of the same states may differ within the tolerance
 only.
