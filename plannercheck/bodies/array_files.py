@@ -17,11 +17,7 @@ from plannercheck.common.package_data import is_file
 
 
 def array_of_file(path: Path, what: str) -> NDArray[Any]:
-    """The array of an npy file.
-
-    Args:
-        path: The file.
-        what: What it should be, e.g. "voxel file".
+    """The array of an npy file; `what` it should be, e.g. "voxel file", is for errors.
 
     Raises:
         PlannercheckError: If it is missing, broken, cut short, or holds objects of Python or several arrays.

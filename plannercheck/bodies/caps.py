@@ -69,21 +69,12 @@ class Caps:
 
 
 def open_edges(triangles: Ints | Ints64) -> Ints64:
-    """Directed edges (k, 2) that occur more often than their reverses, each as often as it has a surplus.
-
-    Args:
-        triangles: (m, 3) indices of points that are distinct.
-    """
+    """Directed edges (k, 2) of triangles (m, 3) that occur more often than their reverses, as often as the surplus."""
     return _uncancelled(_edges(triangles))
 
 
 def closing(points: Floats, edges: Ints64) -> tuple[Ints, Caps]:
-    """The triangles (k, 3) that close a mesh, and what they close.
-
-    Args:
-        points: (n, 3) m, distinct.
-        edges: The open ones of its triangles, by `open_edges`.
-    """
+    """The triangles (k, 3) that close a mesh of distinct points (n, 3) with such `open_edges`, and what they close."""
     joined = _representatives(points, edges)[edges]
     is_seam = (joined != edges).any(axis=1)
     seams = _seam_triangles(edges[is_seam], joined[is_seam])

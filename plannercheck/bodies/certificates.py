@@ -11,10 +11,10 @@ vertices. A rational upper bound of the normal's length is enough to check that,
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -32,7 +32,7 @@ from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.exact_numbers import is_unit_normal, rounded, rounded_down
+from plannercheck.common.exact_numbers import exact_number, is_unit_normal, rounded, rounded_down
 from plannercheck.common.public_names import set_module
 
 # More vertices than these are never needed (Carathéodory).
@@ -182,14 +182,9 @@ Certificate: TypeAlias = Separation | SharedPoint
 
 
 def separation(direction: Point, bodies: Bodies) -> Separation | None:
-    """The plane halfway between two bodies along a direction.
+    """The plane halfway between two bodies along a direction of the world, of any length, from the second to the first.
 
-    Args:
-        direction: In the world, any length, from the second body to the first.
-        bodies: The two bodies.
-
-    Returns:
-        The plane, or None if the bodies' extents along the direction meet.
+    None if the bodies' extents along the direction meet.
     """
     plane = plane_between(direction, bodies)
     if plane is None:
@@ -198,16 +193,25 @@ def separation(direction: Point, bodies: Bodies) -> Separation | None:
     return Separation(normal, rounded(plane.offset / plane.length), rounded_down(plane.gap), plane, bodies)
 
 
+def mixed_point(found: dict[str, Any], bodies: Bodies) -> SharedPoint:
+    """The common point that the core's `certify_pair` found of two bodies, which have the core's vertices."""
+    weights = [exact_number(weight) for weight in found["exact_weights"]]
+    return shared_point(_merged(found["vertices_a"], weights), _merged(found["vertices_b"], weights), bodies)
+
+
+def _merged(vertices: Sequence[int], weights: Sequence[Fraction]) -> dict[int, Fraction]:
+    """Weights of sum 1 by vertex; a vertex may come more than once."""
+    total, merged = sum(weights), dict.fromkeys(map(int, vertices), Fraction(0))
+    for vertex, weight in zip(vertices, weights, strict=True):
+        merged[int(vertex)] += weight / total
+    return merged
+
+
 def shared_point(first: dict[int, Fraction], second: dict[int, Fraction], bodies: Bodies) -> SharedPoint:
     """The common point of two mixtures of vertices, which must be no further apart than the sum of the inflation radii.
 
-    Args:
-        first: Weights of vertices of the first body, of sum 1.
-        second: The same for the second body.
-        bodies: The two bodies.
-
-    Returns:
-        The point that divides the segment from one mixture to the other in the ratio of the inflation radii.
+    Weights are of sum 1. The point divides the segment from one mixture to the other in the ratio of the inflation
+    radii.
     """
     one, two = bodies
     assert isinstance(one, PosedBody)

@@ -72,15 +72,7 @@ class Decomposition:
 
 
 def pieces_of(mesh: TriangleMesh, options: Decomposition, name: str = "mesh") -> Pieces | None:
-    """Decomposes a mesh, unless its pieces are known.
-
-    Args:
-        mesh: The mesh.
-        options: How to decompose it.
-        name: Its name in errors.
-
-    Returns:
-        The repaired pieces; None, with a warning, if CoACD takes longer than the options allow.
+    """Decomposes a mesh, unless its pieces are known; None, with a warning, if CoACD exceeds the options' time.
 
     Raises:
         PlannercheckError: If CoACD is needed but not installed, or fails.

@@ -30,15 +30,7 @@ def core_polytope(
     name: str = "polytope",
     cached: bool = False,
 ) -> Any:
-    """The core's body of points (n, 3) in m, with faces or without.
-
-    Args:
-        vertices: As for `Polytope`, points alone.
-        faces: As for `Polytope`.
-        inflation_radius: As for `Polytope`.
-        name: Its name in errors.
-        cached: Whether the disk cache may have it, and gets it.
-    """
+    """The core's body of points (n, 3), m, and faces as for `Polytope`; `cached`: through the disk cache."""
     points = _checked_points(vertices, name)
     file = cache_file(points, faces, inflation_radius) if cached else None
     if file is not None and (data := read_cached(file)) is not None:

@@ -75,15 +75,9 @@ class Parts:
 
 
 def uncovered(triangles: Floats, pieces: Sequence[Floats], deepest: int) -> Ints64:
-    """The triangles that are not proved to lie in the union of convex pieces.
+    """Indices of triangles (m, 3, 3) that are not proved to lie in the union of convex pieces of vertices (n, 3), m.
 
-    Args:
-        triangles: (m, 3, 3) m.
-        pieces: Vertices (n, 3) of each piece, m.
-        deepest: How often a triangle is cut at most.
-
-    Returns:
-        Indices of triangles. Those left out lie in the union, exactly.
+    Those left out lie in the union, exactly. A triangle is cut `deepest` times at most.
     """
     hulls = [Polytope(points) for points in pieces]
     parts = Parts.of(triangles)

@@ -77,11 +77,7 @@ def intersects(
     inflation_p: float = 0.0,
     inflation_r: float = 0.0,
 ) -> bool:
-    """Decides whether two bodies share a point; arguments as for `decide`.
-
-    Returns:
-        True if they share a point, also if they only touch.
-    """
+    """Whether two bodies share a point, also if they only touch; arguments as for `decide`."""
     return isinstance(decide(vertices_p, vertices_r, pose_p, pose_r, inflation_p, inflation_r), ExactSharedPoint)
 
 
@@ -124,11 +120,7 @@ def distance(
     inflation_p: float = 0.0,
     inflation_r: float = 0.0,
 ) -> float:
-    """Measures the distance of two bodies; arguments as for `decide`.
-
-    Returns:
-        The distance in m, rounded once or twice from the exact one; 0 if they share a point.
-    """
+    """The distance of two bodies, m, rounded once or twice from the exact one; arguments as for `decide`."""
     p, r = in_common_unit(IntegerHull(vertices_p, pose_p, inflation_p), IntegerHull(vertices_r, pose_r, inflation_r))
     inflation_radius = p.inflation_radius + r.inflation_radius
     for state in _rounds(p, r):
@@ -149,11 +141,7 @@ def holds(
     inflation_p: float = 0.0,
     inflation_r: float = 0.0,
 ) -> bool:
-    """Checks a certificate of `decide` by its definition, exactly, with every vertex.
-
-    Returns:
-        True if the certificate proves its verdict on these bodies and poses; other arguments as for `decide`.
-    """
+    """Whether a certificate of `decide` proves its verdict, by its definition, exactly, with every vertex."""
     p, r = _posed_fractions(vertices_p, pose_p), _posed_fractions(vertices_r, pose_r)
     inflation_radius = Fraction(inflation_p) + Fraction(inflation_r)
     if isinstance(certificate, ExactSeparation):

@@ -52,14 +52,9 @@ def is_geometry(value: object) -> bool:
 
 
 def given_shape(value: GivenShape, what: str) -> PlacedShape:
-    """One of our shapes for a body as users give it.
+    """One of our shapes for a body as users give it, and its pose (4, 4) in the given frame, m; None for the identity.
 
-    Args:
-        value: The body.
-        what: Its name in errors, e.g. "object 'can'".
-
-    Returns:
-        The shape, and its pose (4, 4) in the frame in which it was given, m; None for the identity.
+    `what` is its name in errors, e.g. "object 'can'".
 
     Raises:
         PlannercheckError: If it is no body, or one whose points its library does not give.
@@ -73,10 +68,6 @@ def given_shape(value: GivenShape, what: str) -> PlacedShape:
 
 def points_of_geometry(value: GivenShape, what: str) -> tuple[Floats, float]:
     """The points (n, 3) whose hull a body of another library is, in m, and how far around it the body reaches, m.
-
-    Args:
-        value: What `is_geometry` says yes to.
-        what: Its name in errors.
 
     Raises:
         PlannercheckError: If it is no body, or one with a pose of its own.

@@ -105,14 +105,7 @@ class HalfSpace:
 
 
 def check_stands_still(name: str, link: str | None, shapes: Sequence[Any], moves: bool = False) -> None:
-    """Raises if a link carries one of these shapes that is a half-space, or one moves.
-
-    Args:
-        name: Whose shapes they are, for the error.
-        link: The link; None for obstacles.
-        shapes: The shapes.
-        moves: Whether they move by themselves.
-    """
+    """Raises if a link carries a half-space among these shapes, or one moves by itself; no link means obstacles."""
     if not any(isinstance(shape, HalfSpace) for shape in shapes):
         return
     if moves:

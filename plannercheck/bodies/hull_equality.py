@@ -34,16 +34,10 @@ _FEW_POINTS = 32
 
 
 def is_hull(points: Floats, triangles: Ints, is_closed: bool) -> bool:
-    """Whether a mesh, with what it encloses, is its convex hull.
+    """Whether a mesh, with what it encloses, is its convex hull; each point (n, 3), m, occurs once and is used.
 
-    Args:
-        points: (n, 3) m, each once and each used.
-        triangles: (k, 3) indices of points.
-        is_closed: Whether the triangles' directed edges cancel.
-
-    Returns:
-        True only if it is. False for a mesh with a volume only if it is not; flat meshes are their hulls if one
-        triangle has all the hull's vertices.
+    True only if it is. False for a mesh with a volume only if it is not; flat meshes are their hulls if one triangle
+    has all the hull's vertices.
     """
     hull = core_polytope(points, cached=len(points) > _FEW_POINTS)
     source = hull.source()

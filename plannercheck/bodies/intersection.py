@@ -7,13 +7,12 @@ cpp/narrow_phase/intersection: cached plane, centre axis, the coupled walk or th
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.certificates import Certificate, SharedPoint, UnprovedVerdictError, separation, shared_point
+from plannercheck.bodies.certificates import Certificate, UnprovedVerdictError, mixed_point, separation
 from plannercheck.bodies.exact_planes import Bodies, Point, direction_of
 from plannercheck.bodies.given_bodies import GivenBody, are_poses, given_polytope, given_polytope_at_poses
 from plannercheck.bodies.half_space_certificates import certified_body, certify_half_space
@@ -28,6 +27,7 @@ from plannercheck.bodies.tuning import METHODS, Method, pair_options
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.exact_numbers import exact_number
 from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import MOST_THREADS, checked_threads
 
@@ -147,7 +147,7 @@ def _certify_hulls(P: Polytope, R: Polytope, pose_p: Floats, pose_r: Floats, met
     bodies = certified_body(P, pose_p), certified_body(R, pose_r)
     for stage in (method, METHODS[-1]):
         found = core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(stage), True)
-        certificate = _shared_point(found, bodies) if found["shared"] else _separation(found, bodies)
+        certificate = mixed_point(found, bodies) if found["shared"] else _separation(found, bodies)
         # A filter's plane is rounded when it is mapped to the world, so close calls use the exact plane.
         if certificate is not None:
             return certificate
@@ -186,25 +186,6 @@ def _separation(found: dict[str, Any], bodies: Bodies) -> Certificate | None:
     return certificate
 
 
-def _shared_point(found: dict[str, Any], bodies: Bodies) -> SharedPoint:
-    weights = [_number(weight) for weight in found["exact_weights"]]
-    return shared_point(_merged(found["vertices_a"], weights), _merged(found["vertices_b"], weights), bodies)
-
-
-def _merged(vertices: Sequence[int], weights: Sequence[Fraction]) -> dict[int, Fraction]:
-    """Weights of sum 1 by vertex; a vertex may come more than once."""
-    total, merged = sum(weights), dict.fromkeys(map(int, vertices), Fraction(0))
-    for vertex, weight in zip(vertices, weights, strict=True):
-        merged[int(vertex)] += weight / total
-    return merged
-
-
 def _vector(numbers: Sequence[tuple[str, int]]) -> Point:
-    x, y, z = (_number(number) for number in numbers)
+    x, y, z = (exact_number(number) for number in numbers)
     return x, y, z
-
-
-def _number(number: tuple[str, int]) -> Fraction:
-    """A hexadecimal integer times a power of two."""
-    digits, exponent = number
-    return int(digits, 16) * Fraction(2) ** exponent

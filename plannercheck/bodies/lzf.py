@@ -14,11 +14,7 @@ _LONG = 7
 
 
 def unpacked(packed: bytes, size: int) -> bytes:
-    """The unpacked bytes.
-
-    Args:
-        packed: What `lzf_compress` has made.
-        size: How many bytes they must be.
+    """The `size` bytes that `lzf_compress` has packed.
 
     Raises:
         PlannercheckError: If they are not as many, or the packed bytes end within a copy or copy what is not there.

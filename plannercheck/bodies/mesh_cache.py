@@ -28,13 +28,7 @@ Read = tuple[list[RawObject], list[Any]]
 
 
 def known_objects(ending: str, content: bytes, read: Callable[[bytes], Read]) -> Read:
-    """What a reader gives for a content.
-
-    Args:
-        ending: The ending of the file's name, which tells the reader.
-        content: The file's content; the objects depend on nothing else.
-        read: The reader.
-    """
+    """What a reader, known by the ending of the file's name, gives for a content, on which alone it depends."""
     folder = cache_folder() if len(content) >= _LARGE else None
     if folder is None:
         return read(content)

@@ -153,11 +153,7 @@ def mesh_hint(points: Floats) -> str:
 def warn_of_mesh(mesh: MeshFile, units: MeshUnits | None, more: Sequence[str] = (), stacklevel: int = 1) -> None:
     """Warns of a mesh that is unusually large, or whose unit or axes nobody has asked to convert.
 
-    Args:
-        mesh: The mesh, of a scene or alone.
-        units: What the caller asked for; None if nothing.
-        more: Other words about it.
-        stacklevel: Who is warned.
+    `more` are other words about it; `stacklevel` says who is warned.
     """
     said = [hint] if (hint := mesh_hint(mesh.points)) else []
     if mesh.conversion and units is None:

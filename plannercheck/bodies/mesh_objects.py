@@ -53,14 +53,7 @@ def fan_triangles(fan: Ints64) -> Ints64:
 
 
 def check_indices(indices: Ints64, points: int, what: str, first: int = 0) -> None:
-    """Raises for an index that names no point.
-
-    Args:
-        indices: Of points, counted from 0.
-        points: How many there are.
-        what: What names them, e.g. "element 'face'".
-        first: What the file counts from.
-    """
+    """Raises for an index, counted from 0, that names no point; the error counts from `first`, as the file does."""
     wrong = (indices < 0) | (indices >= points)
     if wrong.any():
         index = int(indices[int(np.argmax(wrong))]) + first

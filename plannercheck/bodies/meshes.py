@@ -9,11 +9,7 @@ from plannercheck.common.errors import PlannercheckError
 
 
 def hull_of_triangles(points: Floats, triangles: Ints64) -> Hull:
-    """The hull of the points that a mesh's triangles use, or of all points if there are no triangles.
-
-    Args:
-        points: (n, 3) m.
-        triangles: (m, 3) indices of points.
+    """The hull of the points (n, 3), m, that triangles (m, 3) use, or of all points if there are no triangles.
 
     Raises:
         PlannercheckError: If an index is beyond the points, or there is no hull.

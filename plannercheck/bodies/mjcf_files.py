@@ -170,12 +170,6 @@ FIELDS = tuple(each.name for each in fields(MjcfFile) if each.name not in _OWN)
 def read_mjcf(path: Path) -> MjcfFile:
     """Compiles an MJCF file.
 
-    Args:
-        path: The file.
-
-    Returns:
-        The compiled model.
-
     Raises:
         PlannercheckError: If MuJoCo is not installed or refuses the file; the message is MuJoCo's.
     """

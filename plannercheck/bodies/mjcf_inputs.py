@@ -38,9 +38,7 @@ _MODELS = (".xml", ".mjcf", ".urdf")
 def compiled_file(path: Path, fields: str) -> Path | None:
     """Where a file's compiled model is cached; None if the cache is off, or if it is not sure which files go in.
 
-    Args:
-        path: The MJCF file.
-        fields: What is taken of the compiled model.
+    `fields` says what is taken of the model.
     """
     folder = cache_folder()
     if folder is None:

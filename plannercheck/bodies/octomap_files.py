@@ -97,13 +97,10 @@ def read_octomap(content: bytes) -> OctomapLeaves:
 
 
 def leaves_of_data(data: bytes, kind: str, is_binary: bool, resolution: float) -> OctomapLeaves:
-    """The leaves of the data of an octomap message, which has no header.
+    """The leaves of the data of an octomap message, which has no header; nothing is no leaves.
 
-    Args:
-        data: The tree; nothing is no leaves.
-        kind: The tree's id, e.g. "OcTree".
-        is_binary: Whether it is a binary tree (.bt), not a full one (.ot).
-        resolution: Edge of the smallest cells, m.
+    The kind is the tree's id, e.g. "OcTree"; it is binary (.bt) or full (.ot). The resolution is the edge of the
+    smallest cells, m.
     """
     _check_resolution(resolution)
     nodes = tree_of_data(data, kind, is_binary) if data else _no_nodes()
@@ -284,13 +281,10 @@ def _ends(degrees: Ints64) -> Ints64:
 
 
 def binary_file(keys: Ints64, sizes: Ints64, occupied: Bools, resolution: float) -> bytes:
-    """The content of a .bt file of disjoint cells; the same cells as OctoMap reads from it.
+    """The content of a .bt file of disjoint cells; OctoMap reads the same cells from it.
 
-    Args:
-        keys: (n, 3) low corners in steps.
-        sizes: (n,) in steps, powers of two.
-        occupied: (n,) whether a cell is occupied; else it is free.
-        resolution: Edge of the smallest cells, m.
+    Low corners (n, 3) and sizes (n,), powers of two, are in steps of the resolution, m; cells that are not occupied are
+    free.
     """
     if len(sizes) == 1 and sizes[0] == ROOT_SIZE:  # the format has no leaf as its root
         keys = keys + _corners() * (ROOT_SIZE // 2)

@@ -99,12 +99,7 @@ def compiled_part_set() -> Any:
 
 
 def checked_rows(values: ArrayLike, what: str) -> Floats:
-    """A copy of rows (n, 3) of numbers, which need not be finite; an empty list is no rows.
-
-    Args:
-        values: As users give them.
-        what: What the rows are, for errors.
-    """
+    """A copy of rows (n, 3) of numbers, which need not be finite; an empty list is no rows."""
     try:
         given = real_numbers(values)
         rows = np.array(given, dtype=np.float64, order="C") if given.size else np.zeros((0, 3))

@@ -77,13 +77,6 @@ def repaired(mesh: TriangleMesh, pieces: Sequence[Floats], slack: float) -> Piec
     return Pieces(grown, excess, growth, protrusion(grown, mesh), mesh.volume, hull_volume(mesh.points), volume)
 
 
-def hull_alone(mesh: TriangleMesh) -> Pieces:
-    """A mesh's hull as its only piece."""
-    points = extreme([mesh.points])
-    volume = hull_volume(points)
-    return Pieces((points,), 0.0, 0.0, protrusion([points], mesh), mesh.volume, volume, volume)
-
-
 def _holding(points: Floats, owned: Sequence[Parts]) -> Floats:
     """A piece (n, 3), m, grown a little until it holds its parts exactly."""
     middle = points.mean(axis=0)

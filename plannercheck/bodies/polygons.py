@@ -16,15 +16,9 @@ _MOST_EARS = 2000
 
 
 def triangles_of_polygons(points: Floats, counts: Ints64, corners: Ints64) -> Ints64:
-    """Cuts polygons into triangles.
+    """Cuts polygons of counts (m,) >= 3 corners into triangles (sum of counts - 2 m, 3) of indices of points.
 
-    Args:
-        points: (n, 3).
-        counts: (m,) how many corners each polygon has, at least 3.
-        corners: (sum of counts,) indices of points, one polygon after the other.
-
-    Returns:
-        (sum of counts - 2 m, 3) indices of points.
+    Corners (sum of counts,) are indices of points (n, 3), one polygon after the other.
     """
     if (counts == 3).all():
         return np.asarray(corners.reshape(-1, 3))

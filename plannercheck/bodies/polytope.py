@@ -306,14 +306,9 @@ _ROWS: dict[Kind, _Row] = {
 
 
 def polytopes_of_boxes(sizes: Floats, inflation_radii: Floats) -> list[Polytope | None]:
-    """The polytopes of boxes, without looking at their corners and faces one by one.
+    """The polytopes of boxes of sizes (n, 3) and inflation radii (n,), m, without looking at their corners one by one.
 
-    Args:
-        sizes: (n, 3) full edge lengths of boxes, m.
-        inflation_radii: (n,) m.
-
-    Returns:
-        The same as `Polytope` gives for each; None where that may refuse the box, or where the box has no volume.
+    The same as `Polytope` gives for each; None where that may refuse the box, or where the box has no volume.
     """
     out: list[Polytope | None] = [None] * len(sizes)
     largest = np.maximum(sizes.max(axis=1, initial=0.0) / 2, inflation_radii)

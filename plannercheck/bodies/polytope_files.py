@@ -32,11 +32,7 @@ def _header() -> bytes:
 
 
 def write(path: Path, data: bytes) -> None:
-    """Writes data with header and hash; the file appears whole or not at all.
-
-    Args:
-        path: The file; its folder must exist.
-        data: A serialised body.
+    """Writes data with header and hash into a folder that exists; the file appears whole or not at all.
 
     Raises:
         PlannercheckError: If the folder can't be written to.
@@ -46,13 +42,7 @@ def write(path: Path, data: bytes) -> None:
 
 
 def read(path: Path) -> bytes:
-    """Reads the data of a file and verifies its hash.
-
-    Args:
-        path: A file written by `write`.
-
-    Returns:
-        The serialised body.
+    """Reads the data of a file that `write` wrote, and verifies its hash.
 
     Raises:
         PlannercheckError: If it is missing, of another kind or version, cut short or changed.

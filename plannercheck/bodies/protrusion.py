@@ -42,14 +42,9 @@ _PLANE_ERROR = 256 * 2.0**-53
 
 
 def protrusion(pieces: Sequence[Floats], mesh: TriangleMesh) -> float:
-    """How far points of pieces are from a mesh and what it encloses, at most.
+    """A proved bound, m, on how far points of pieces, given by vertices (n, 3), are from a mesh and what it encloses.
 
-    Args:
-        pieces: Vertices (n, 3) of each piece, m.
-        mesh: The mesh; of an open one, the holes are filled.
-
-    Returns:
-        A proved upper bound, m.
+    Of an open mesh the holes are filled.
     """
     solid = SolidDistances(filled(mesh))
     known, bound = float(solid.apart(_samples(pieces)).max(initial=0.0)), 0.0

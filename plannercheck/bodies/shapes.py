@@ -269,15 +269,9 @@ class GeometryObject:
 
 
 def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOLERANCE) -> Points:
-    """Validates a rigid transform; its doubles do not change.
+    """A read-only float64 copy of a rigid transform (4, 4), m, whose doubles do not change; None is the identity.
 
-    Args:
-        pose: (4, 4) homogeneous matrix, translation in m; None is the identity.
-        what: What is posed, for the error message, e.g. "body 'shelf'".
-        tolerance: The largest ||M^T M - 1|| of its rotation.
-
-    Returns:
-        A read-only float64 copy (4, 4).
+    `what` is posed, e.g. "body 'shelf'", for errors; `tolerance` is the largest ||M^T M - 1|| of its rotation.
     """
     if pose is None:
         return _frozen(identity())
@@ -300,11 +294,7 @@ def _checked_matrix(pose: ArrayLike, what: str, tolerance: float) -> Points:
 
 
 def checked_poses(poses: ArrayLike, what: str) -> Points:
-    """Validates rigid transforms (n, 4, 4), m, as `checked_pose` does; an error names the first row that is wrong.
-
-    Returns:
-        A float64 copy (n, 4, 4) in C order.
-    """
+    """A float64 copy of rigid transforms (n, 4, 4), m, as of `checked_pose`; errors name the first wrong row."""
     rows = [checked_pose(row, f"{what}[{i}]") for i, row in enumerate(array_of(poses, f"poses of {what}"))]
     return np.array(rows, dtype=np.float64, order="C").reshape(-1, 4, 4)
 

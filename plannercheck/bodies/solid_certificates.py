@@ -15,11 +15,11 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies import exact_reference
-from plannercheck.bodies.certificates import SharedPoint, shared_point
+from plannercheck.bodies.certificates import SharedPoint, mixed_point
 from plannercheck.bodies.exact_planes import Point, PosedBody
 from plannercheck.bodies.integers import IntegerHull, in_common_unit
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.core import core
@@ -74,14 +74,7 @@ class Enclosure(OwnsArrays):
 
 
 def contact_certificate(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> SharedPoint | Enclosure | None:
-    """What proves that two bodies share a point of which at least one is a solid; None if they share none.
-
-    Args:
-        p: The first body.
-        r: The second body.
-        pose_p: Pose (4, 4) of the first body in the world, m.
-        pose_r: That of the second body.
-    """
+    """What proves that two posed bodies share a point of which at least one is a solid; None if they share none."""
     kind, on_p, on_r, _ = core.solids_contact(p.core, pose_p, r.core, pose_r)
     if kind == "apart":
         return None
@@ -101,18 +94,13 @@ def contact_certificate(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats
     return _enclosure(first_is_inside, inner, outer)
 
 
-def _of_triangles(first: PosedBody, second: PosedBody) -> SharedPoint | None:
+def _of_triangles(*triangles: PosedBody) -> SharedPoint | None:
     """A common point of two triangles, which are the bodies of the certificate."""
-    found = exact_reference.decide(
-        first.vertices, second.vertices, first.pose, second.pose, first.inflation_radius, second.inflation_radius
-    )
-    if not isinstance(found, exact_reference.ExactSharedPoint):
-        return None
-    total, weights = sum(found.weights), (dict[int, Fraction](), dict[int, Fraction]())
-    for vertices, of_body in zip((found.vertices_p, found.vertices_r), weights, strict=True):
-        for vertex, weight in zip(vertices, found.weights, strict=True):
-            of_body[vertex] = of_body.get(vertex, Fraction(0)) + Fraction(weight, total)
-    return shared_point(*weights, (first, second))
+    p, r = (Polytope(each.vertices, inflation_radius=each.inflation_radius) for each in triangles)
+    pose_p, pose_r = (each.pose for each in triangles)
+    found = core.certify_pair(p.core, pose_p, r.core, pose_r, pair_options(), True)
+    bodies = PosedBody(p.vertices, pose_p, p.inflation_radius), PosedBody(r.vertices, pose_r, r.inflation_radius)
+    return mixed_point(found, bodies) if found["shared"] else None
 
 
 def _enclosure(first_is_inside: bool, inner: tuple[Polytope, int, Floats], outer: tuple[Polytope, Floats]) -> Enclosure:
@@ -156,12 +144,7 @@ def winding_about(point: PosedBody, around: PosedSurface) -> int | None:
 
 
 def winding_number(points: NDArray[np.object_], triangles: Ints) -> int | None:
-    """How often closed triangles (k, 3) wind around the origin; None if it is on one of them.
-
-    Args:
-        points: (n, 3) Python's integers.
-        triangles: Indices of points.
-    """
+    """How often closed triangles (k, 3) of points (n, 3) of integers wind around the origin; None if it is on one."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
     is_flat = ~_cross(b - a, c - a).astype(bool).any(axis=1)  # a segment or a point: nothing crosses its inside
     a, b, c = a[~is_flat], b[~is_flat], c[~is_flat]

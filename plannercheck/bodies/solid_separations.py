@@ -88,17 +88,7 @@ class SolidSeparation:
 def separate_solids(
     p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats, certify_hulls: Separate
 ) -> Separation | SolidSeparation:
-    """What proves that two bodies share no point.
-
-    Args:
-        p: A body.
-        r: Another body, which shares no point with it.
-        pose_p: Pose (4, 4) of the first body in the world, m.
-        pose_r: That of the second body.
-        certify_hulls: Gives the certificate of two convex bodies.
-
-    Returns:
-        A plane if one keeps the bodies' hulls apart.
+    """What proves that two posed bodies share no point: a plane if one keeps their hulls apart, by `certify_hulls`.
 
     Raises:
         UnprovedVerdictError: If two triangles share a point after all.

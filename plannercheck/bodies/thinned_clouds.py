@@ -81,15 +81,10 @@ def _inside(points: Floats, radii: Floats, others: Ints64) -> Bools:
 
 
 def representatives(points: Floats, radii: Floats, excess: float) -> tuple[Ints64, Floats]:
-    """Rows of balls to keep, and radii (m,) so that each ball left out is inside one that is kept.
+    """Rows of balls (n, 3), m, to keep, and radii (m,) so that each ball left out is inside one that is kept.
 
-    Cells are so small that a ball grown by the excess holds all of its cell. In each cell the largest ball stands for
-    the others; those that it can't hold after all, by rounding, stay as they are.
-
-    Args:
-        points: (n, 3) in m.
-        radii: (n,) in m.
-        excess: By how much a kept ball may grow, m.
+    Cells are so small that a ball grown by the excess, m, holds all of its cell. In each cell the largest ball stands
+    for the others; those that it can't hold after all, by rounding, stay as they are.
     """
     if not (isinstance(excess, int | float | np.floating | np.integer) and math.isfinite(excess) and excess > 0):
         raise PlannercheckError(f"excess of a thinned cloud must be a length in m above 0, not {excess!r}")

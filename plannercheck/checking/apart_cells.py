@@ -187,16 +187,9 @@ def _cache_file(
 
 
 def apart_in_cells(chains: Chains, cut: Cut, pair: tuple[int, int], polytopes: Callable[[int], Polytope]) -> Bools:
-    """The cells in which a pair is apart.
+    """The cells, (cells along each column of the cut…), in which two bodies on links are apart.
 
-    Args:
-        chains: The robot's chains.
-        cut: The columns on which the pair's relative pose depends.
-        pair: Indices of two bodies on links.
-        polytopes: A function that gives a prepared body.
-
-    Returns:
-        (cells along each column of the cut…).
+    The cut has the columns on which the pair's relative pose depends; `polytopes` gives a prepared body.
     """
     counts = _CELLS[len(cut)]
     relative = _RelativePoses(chains, cut, pair)

@@ -121,10 +121,7 @@ class BuiltChecker:
     def _prepare(self, scene: Scene, earlier: BuiltChecker | None, is_same_robot: bool = True) -> None:
         """Builds everything that depends on the scene; takes over what an earlier checker has, where it still holds.
 
-        Args:
-            scene: The scene.
-            earlier: The earlier checker.
-            is_same_robot: Whether the earlier checker's robot moves by the same configurations.
+        `is_same_robot`: the earlier checker's robot moves by the same configurations.
         """
         is_same_robot = is_same_robot and (earlier is None or earlier._moving is None)
         settings, same = self._settings, earlier if is_same_robot else None
@@ -259,9 +256,8 @@ class BuiltChecker:
     def _of_new_obstacle(self) -> tuple[Bools, float]:
         """How a new obstacle that no allowed collision names would be tested.
 
-        Returns:
-            (robot's bodies,) which of them it would be tested against, none where the checker takes no other scene; and
-            its part of the padding, m.
+        (robot's bodies,) which of them it would be tested against, none where the checker takes no other scene; and its
+        part of the padding, m.
         """
         meets = np.zeros(len(self.robot.bodies), dtype=bool)
         if self._settings.bodies is not None:

@@ -271,15 +271,7 @@ class Audit:
 
 
 def audit(matrix: CollisionMatrix, declared: Iterable[DisabledPair]) -> Audit:
-    """Compares declared pairs with what was found.
-
-    Args:
-        matrix: The robot's matrix; the robot's self pairs are the tested pairs.
-        declared: Pairs that its SRDF or YAML disables.
-
-    Returns:
-        The audit.
-    """
+    """Compares pairs that a robot's SRDF or YAML disables with what its matrix of the tested pairs found."""
     found = {pair.links: pair for pair in matrix.pairs}
     unique = {frozenset((pair.link_a, pair.link_b)): pair for pair in reversed(list(declared))}
     disabled = tuple(AuditedPair(pair, found.get(links)) for links, pair in reversed(unique.items()))

@@ -48,12 +48,7 @@ def srdf_text(robot: str, pairs: Sequence[LinkPair], semantics: Element | None =
 
 
 def commented_srdf(semantics: Element, comments: Mapping[frozenset[str], str]) -> str:
-    """An SRDF as it is, with comments before its disabled pairs.
-
-    Args:
-        semantics: Its root.
-        comments: By the names of both links.
-    """
+    """An SRDF as it is, with comments, by the names of both links, before its disabled pairs."""
     root = copy.deepcopy(semantics)
     for element in root.findall("disable_collisions"):
         text = comments.get(frozenset((element.get("link1", ""), element.get("link2", ""))))

@@ -44,9 +44,10 @@ class Distances(OwnsArrays):
             Its columns are those of Pinocchio's tangent for the group: one for each number of the configuration, but
             for a joint given by cosine and sine one, for a ball joint three (turns about x, y and z of its own frame),
             and for a free or planar joint its velocity along the axes of its own frame, then its turn.
-        gap: (r,) all nearest pairs of points are proved to be within this of each other, m; infinite where nothing is
-            proved: where faces or edges are parallel, where bodies overlap, and for solids, clouds and maps.
-        unique: (r,) whether that is at most 1e-8 of the smaller body's radius: only one pair of points is nearest, and
+        gap: (r,) all nearest pairs of points are proved to be within this of the given one, m; infinite where nothing
+            is proved: where faces or edges are parallel, where two places are as near or as deep, and where solids,
+            clouds or maps overlap.
+        unique: (r,) whether that is at most 1e-8 of the smaller body's size: only one pair of points is nearest, and
             the distance has the gradient.
     """
 

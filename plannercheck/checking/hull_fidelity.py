@@ -18,13 +18,7 @@ _SURFACE_POINTS = 300
 
 
 def largest_filling(polytope: Polytope, mesh: TriangleMesh, seed: int = 0) -> float:
-    """How far a hull's surface is from the mesh at most, m, as its points show.
-
-    Args:
-        polytope: The hull.
-        mesh: In the hull's frame; an open one is its triangles alone.
-        seed: Seed of the points.
-    """
+    """How far a hull's surface is from a mesh, or the triangles of an open one, at most, m, as random points show."""
     corners = polytope.vertices[np.asarray(polytope.faces)]
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     generator = np.random.default_rng(seed)

@@ -19,15 +19,7 @@ _LEAST_CONFIGURATIONS, _SAMPLES, _SHOWN_PAIRS = 20, 200, 8
 
 
 def limits_hint(robot: AnyRobot, rows: Floats) -> str:
-    """Says what configurations look like if most of them are beyond the limits.
-
-    Args:
-        robot: The robot.
-        rows: (n, nq) its configurations.
-
-    Returns:
-        A sentence, or an empty string.
-    """
+    """Says what configurations (n, nq) look like if most of them are beyond the limits; else an empty string."""
     start = f"most configurations are beyond the limits of {robot.name!r}"
     if are_degrees(rows, robot.lower, robot.upper):
         return f"{start}, and as degrees they would not be: angles are in rad, convert them by numpy.radians"

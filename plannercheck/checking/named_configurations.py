@@ -21,11 +21,7 @@ def given_configurations(robot: AnyRobot, q: ArrayLike) -> NDArray[np.float64]:
 
 
 def named_configuration(robot: AnyRobot, values: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
-    """A configuration as a row (1, nq).
-
-    Args:
-        robot: Whose it is.
-        values: Values of each joint by its name, rad or m.
+    """A robot's configuration as a row (1, nq), from the values of each joint by its name, rad or m.
 
     Raises:
         PlannercheckError: If a joint is missing or not one of the robot's, or a value is no number.

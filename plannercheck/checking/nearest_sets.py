@@ -23,18 +23,10 @@ _ON_PLANE = 1e-9
 def nearest_points_of(
     p: Polytope, pose_p: Floats, r: Polytope, pose_r: Floats, points: Floats, normal: Floats
 ) -> Floats:
-    """Corners of the set of all nearest points of the first body.
+    """Corners (n, 3), in the world, m, of the set of all nearest points of the first of two hulls or half-spaces.
 
-    Args:
-        p: A hull or a half-space.
-        pose_p: (4, 4) its pose, m.
-        r: Another one.
-        pose_r: (4, 4) its pose, m.
-        points: (2, 3) one pair of nearest points, in the world, m.
-        normal: (3,) from r to p, of length 1.
-
-    Returns:
-        (n, 3) in the world, m, the given point among them.
+    `points` (2, 3) are one pair of nearest points, the first of which is among the corners; the normal (3,) is from r
+    to p, of length 1.
 
     Raises:
         PlannercheckError: If one of the bodies is a solid or a set of parts.

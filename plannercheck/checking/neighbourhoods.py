@@ -37,14 +37,10 @@ class Neighbourhood(NamedTuple):
 
 
 def neighbourhood(table: JointTable, wanted: Sequence[int]) -> Neighbourhood:
-    """Kinematics of some frames relative to each other.
+    """Kinematics of some links of a joint table, given in ascending order, relative to each other.
 
-    Args:
-        table: A joint table whose links are the frames.
-        wanted: Indices of frames, ascending.
-
-    Returns:
-        Kinematics of the joints that move them relative to each other, and of the last joint that they have in common.
+    They are those of the joints that move the links relative to each other, and of the last joint that they have in
+    common.
     """
     hung: list[int] = table.link_joints[list(wanted)].tolist()
     parents: list[int] = table.parents.tolist()

@@ -95,12 +95,7 @@ class SceneClock:
         return self.own is robot and same
 
     def rows(self, q: Floats, times: ArrayLike) -> Floats:
-        """Configurations of the robot that carries, from the robot's own (n, nq), or one of them, and times.
-
-        Args:
-            q: (n, nq) or (1, nq), validated.
-            times: (n,) s, or one number.
-        """
+        """Configurations of the robot that carries, of the robot's own, (n, nq) or (1, nq), at times (n,) or one, s."""
         at = self._checked(times, len(q))
         if len(at) > len(q) == 1:
             q = np.repeat(q, len(at), axis=0)

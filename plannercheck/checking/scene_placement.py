@@ -15,11 +15,7 @@ from plannercheck.scenes.scene import Scene
 
 
 def place_objects(robot: Robot, scene: Scene) -> None:
-    """Places all objects of a scene; afterwards the scene has no pose frames.
-
-    Args:
-        robot: The robot, whose links are frames.
-        scene: The scene, changed in place.
+    """Places all objects of a scene, which is changed; afterwards it has no pose frames. Frames are the robot's links.
 
     Raises:
         PlannercheckError: If a frame is unknown, if the state does not say where it is, or if the robot has a link with

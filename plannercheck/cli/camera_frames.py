@@ -23,15 +23,7 @@ _COLUMNS: dict[str, Callable[[StepRow], object]] = {
 
 
 def follow(robot: Robot, scene: Scene, frames: int, points: int, seed: int = 0) -> list[StepRow]:
-    """Goes through the frames, and prints.
-
-    Args:
-        robot: The robot.
-        scene: What the camera sees, with a start and a goal for the robot.
-        frames: How many frames.
-        points: Of each frame.
-        seed: Seed of noise, states and searches.
-    """
+    """Goes through frames of so many points, of a scene with a start and a goal for the robot, and prints."""
     found: list[Frame] = []
     for frame in moving_camera.frames(robot, scene, frames, points, seed):
         found.append(frame)

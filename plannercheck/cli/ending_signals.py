@@ -66,8 +66,7 @@ class EndingSignals:
     def ending_the_process(self, say: Callable[[KeyboardInterrupt], int]) -> Iterator[None]:
         """As long as this lasts, a signal in an import ends the process: what loads can't be stopped otherwise.
 
-        Args:
-            say: Says why, and returns the exit code.
+        `say` says why, and returns the exit code.
         """
         self._say = say
         try:

@@ -23,14 +23,9 @@ _INDENT = " " * 8
 
 
 def show_summary(checker: Checker | planar.Checker, q: Floats) -> tuple[int, dict[str, Any]]:
-    """Prints the first screen.
+    """Prints the first screen, of random configurations (n, nq) within the limits.
 
-    Args:
-        checker: The checker.
-        q: (n, nq) random configurations within the limits.
-
-    Returns:
-        How many of them are valid, and what settled their pairs, as of `Checker.statistics`.
+    How many of them are valid, and what settled their pairs, as of `Checker.statistics`.
     """
     print(f"robot   {_robot(checker.robot)}")
     scene = checker.scene

@@ -60,14 +60,7 @@ _VECTOR_OPTIONS = ("--start", "--goal", "--q")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Runs a command.
-
-    Args:
-        argv: Arguments without the program's name; None takes the process's.
-
-    Returns:
-        The exit code.
-    """
+    """Runs a command, by default of the process's arguments, and returns its exit code."""
     arguments = _joined_vectors(list(sys.argv[1:] if argv is None else argv))
     if argv is None:
         _fill_closed_streams()

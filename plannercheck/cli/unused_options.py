@@ -13,16 +13,7 @@ from plannercheck.common.errors import PlannercheckError
 
 
 def check_used(options: argparse.Namespace, names: Sequence[str], when: str) -> None:
-    """Raises if options are given that do not count.
-
-    Args:
-        options: Of the command.
-        names: The options that would be ignored, e.g. "--frames".
-        when: When they count, e.g. "with --path".
-
-    Raises:
-        PlannercheckError: It names the options, and says when they count.
-    """
+    """Raises if some of these options, e.g. "--frames", are given, which count only `when`, e.g. "with --path"."""
     given = [name for name in names if _is_given(options, name)]
     if given:
         one = len(given) == 1

@@ -55,11 +55,7 @@ Judged: TypeAlias = JudgedPath | JudgedTrajectory
 
 
 def run(options: argparse.Namespace) -> int:
-    """Judges the paths of --path.
-
-    Returns:
-        0 if all are free and within the limits, else 1.
-    """
+    """Judges the paths of --path: 0 if all are free and within the limits, else 1."""
     if is_of_cell(options.path):
         return judge_cell(options, _checker(options))
     if options.certify:

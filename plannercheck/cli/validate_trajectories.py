@@ -160,14 +160,7 @@ def _shown_tube(tube: Floats) -> str:
 def judge_trajectory(
     path: Path, robot: Robot, checker_of: Callable[[Mapping[str, float]], Checker], options: argparse.Namespace
 ) -> JudgedTrajectory:
-    """Judges the trajectory in a file.
-
-    Args:
-        path: The file.
-        robot: Whose it is.
-        checker_of: The checker for a robot that holds other joints, by their values.
-        options: Of the command.
-    """
+    """Judges the trajectory in a file; `checker_of` gives the checker of a robot that holds joints at other values."""
     held = read_robot_path(path, robot).others if path.suffix.lower() in _MESSAGES else {}
     posed = robot.holding(held) if held else robot
     trajectory = trajectory_of(path, posed, options.controller, options.start, options.message)

@@ -50,14 +50,9 @@ def unwound(angles: Numbers, turns: Numbers) -> Numbers:
 
 
 def nearest_turns(starts: Floats, ends: Floats) -> Floats:
-    """Ends less whole turns, so that they are within half a turn of the starts, as OMPL has it.
+    """Ends (rad) less whole turns, so that they are within half a turn of the starts, as OMPL has it.
 
-    Args:
-        starts: Angles, rad.
-        ends: Angles of the same shape.
-
-    Returns:
-        The ends that are there already with their bits, the others rounded once (`unwound`).
+    Ends that are there already keep their bits, the others are rounded once (`unwound`).
     """
     ways = ends - starts
     if not (np.abs(ways) > np.pi).any():

@@ -15,6 +15,12 @@ _LARGEST_DOUBLE = Fraction(sys.float_info.max)
 _NORMAL_ROUNDING = Fraction(1, 2**50)
 
 
+def exact_number(number: tuple[str, int]) -> Fraction:
+    """A hexadecimal integer times a power of two, as the core gives exact numbers."""
+    digits, exponent = number
+    return int(digits, 16) * Fraction(2) ** exponent
+
+
 def rounded(number: Fraction) -> float:
     """The nearest double; the largest one beyond it."""
     return float(max(-_LARGEST_DOUBLE, min(number, _LARGEST_DOUBLE)))

@@ -38,14 +38,7 @@ _URDF_LINK = re.compile(rb"<link\b[^>]*[^/]>|<joint\b[^>]*\btype\s*=")
 
 
 def file_kind(content: bytes) -> str:
-    """What a file is, told by how it begins.
-
-    Args:
-        content: Content of the file, or its first part.
-
-    Returns:
-        A clause; empty if nothing is known.
-    """
+    """What a file is, told by how its content begins: a clause; empty if nothing is known."""
     found = _kind_unless_xml(content)
     root = None if found else _ROOT.match(content)
     if root is None:

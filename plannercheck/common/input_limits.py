@@ -48,11 +48,7 @@ INPUT_LIMITS = InputLimits()
 
 
 def check_yaml(text: bytes | str) -> None:
-    """Raises if a YAML document is nested too deep, or repeats too much by aliases.
-
-    Args:
-        text: The document; if it is no YAML, nothing is said here.
-    """
+    """Raises if YAML is nested too deep, or repeats too much by aliases; of what is no YAML nothing is said here."""
     raw = text.encode(errors="replace") if isinstance(text, str) else text
     if not (_may_be_deep(raw) or (b"&" in raw and b"*" in raw) or raw[:2] in (b"\xff\xfe", b"\xfe\xff")):
         return

@@ -27,16 +27,9 @@ _START = (
 def run_isolated(
     module: str, arguments: Sequence[str] = (), content: bytes = b"", time_limit: float | None = None
 ) -> subprocess.CompletedProcess[bytes]:
-    """Runs a module as a program.
+    """Runs a module, e.g. "plannercheck.bodies.coacd_worker", as a program, and returns its code, output and messages.
 
-    Args:
-        module: Full name, e.g. "plannercheck.bodies.coacd_worker".
-        arguments: What it is called with.
-        content: Content of its standard input.
-        time_limit: s; None waits for ever.
-
-    Returns:
-        Its exit code, output and messages.
+    `content` is its standard input; the time limit is in s, None waits for ever.
 
     Raises:
         subprocess.TimeoutExpired: After the time limit; the process is gone then.
@@ -48,19 +41,9 @@ def run_isolated(
 def run_isolated_lines(
     lines: str, argument: str, environment: Mapping[str, str] | None = None, time_limit: float | None = None
 ) -> subprocess.CompletedProcess[str]:
-    """Runs lines of Python, whose `sys.argv[1]` is the argument.
+    """Runs lines of Python, whose `sys.argv[1]` is the argument; output and errors as of `run_isolated`.
 
-    Args:
-        lines: The program.
-        argument: What it is told.
-        environment: Variables of the process; None for those of this one.
-        time_limit: s; None waits for ever.
-
-    Returns:
-        Its exit code, output and messages.
-
-    Raises:
-        subprocess.TimeoutExpired: After the time limit; the process is gone then.
+    The environment is this process's if None.
     """
     command = [sys.executable, "-I", "-c", _FIND + lines, os.pathsep.join(_path()), argument]
     return subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=time_limit)

@@ -9,15 +9,7 @@ from plannercheck.common.errors import PlannercheckError
 
 
 def extra_module(module: str, extra: str, purpose: str) -> Any:
-    """Imports a library of an extra.
-
-    Args:
-        module: Its name, e.g. "pyarrow.parquet".
-        extra: The extra in pyproject.toml that brings it.
-        purpose: What it is needed for, e.g. "parquet files".
-
-    Returns:
-        The module.
+    """Imports a library, e.g. "pyarrow.parquet", of an extra in pyproject.toml, for a purpose, e.g. "parquet files".
 
     Raises:
         PlannercheckError: If it is not installed; the message has the command that installs it.

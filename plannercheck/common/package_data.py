@@ -13,14 +13,7 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def shipped_folder(name: str) -> Path:
-    """The folder `robots` or `configs`, from the installed wheel or from a checkout.
-
-    Args:
-        name: "robots" or "configs".
-
-    Returns:
-        The folder's path.
-    """
+    """The folder `robots` or `configs`, from the installed wheel or from a checkout."""
     installed = _PACKAGE / "data" / name
     return installed if installed.is_dir() else _PACKAGE.parent / name
 

@@ -9,14 +9,7 @@ Named = TypeVar("Named")
 
 
 def set_module(module: str) -> Callable[[Named], Named]:
-    """A decorator: errors, reprs and pickles say `module`, from which the class or function can be imported.
-
-    Args:
-        module: The public one, e.g. "plannercheck".
-
-    Returns:
-        The decorator.
-    """
+    """A decorator: errors, reprs and pickles say this module, from which the class or function can be imported."""
 
     def decorated(item: Named) -> Named:
         item.__module__ = module

@@ -9,17 +9,10 @@ MOST_THREADS = 1024
 
 
 def checked_threads(threads: int, rows: int) -> int:
-    """How many threads are useful for this many rows, at least one.
-
-    Args:
-        threads: What was asked for.
-        rows: Each thread takes at least one.
-
-    Returns:
-        1 to `threads`.
+    """How many threads are useful for this many rows: 1 to `threads`, each with a row at least.
 
     Raises:
-        PlannercheckError: If it is no whole number of at least 1.
+        PlannercheckError: If `threads` is no whole number of at least 1.
     """
     if not isinstance(threads, int) or threads < 1:
         raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")

@@ -40,14 +40,7 @@ SUFFIXES = (".yml", ".yaml", ".xrdf")
 
 
 def read(path: Path, link_names: Sequence[str]) -> dict[str, Primitives]:
-    """Reads a model.
-
-    Args:
-        path: The file.
-        link_names: The robot's links.
-
-    Returns:
-        The spheres of links that have any.
+    """Reads a model: the spheres of the robot's links that have any.
 
     Raises:
         PlannercheckError: If the file is no such model, names unknown links, or has numbers that are none.

@@ -62,12 +62,7 @@ def _primitive(shape: GeometryElement, pose: Floats) -> Primitives:
 
 
 def model_text(covers: Mapping[str, Primitives], source: UrdfFile) -> str:
-    """A robot's URDF with primitives in place of all collision elements.
-
-    Args:
-        covers: By link.
-        source: The robot's URDF.
-    """
+    """A robot's URDF with primitives, by link, in place of all collision elements."""
     root = copy.deepcopy(source.root)
     for link in root.iterfind("link"):
         for element in link.findall("collision"):

@@ -115,6 +115,10 @@ class MotionCertifier:
         within = self._pairs_within_limits
         return (within,) if self._all_pairs is within else (within, self._all_pairs)
 
+    def levers(self) -> Floats:
+        """(nq,) how far a number moves the bodies of a pair against each other, roughly, in m/rad and m/m."""
+        return self._all_pairs.levers()
+
     def rounding(self) -> RoundingBounds:
         """The bounds of the kinematics' rounding."""
         return self._errors
@@ -153,16 +157,7 @@ class MotionCertifier:
         return cast(Callable[..., int], core.chunk_judge(part.core, *kinematics, limits, tube, tolerance, ask))
 
     def check(self, motions: Motions | Curves, tolerance: float, threads: int) -> Bools:
-        """Whether each of n motions is free.
-
-        Args:
-            motions: Validated.
-            tolerance: m.
-            threads: Number of threads to use.
-
-        Returns:
-            (n,) True means proved free, False that a pair comes within the tolerance.
-        """
+        """Whether each of n validated motions is free: (n,), False if a pair comes within the tolerance, m."""
         check_tolerance(tolerance)
         ranges = motions.ranges()
         if isinstance(motions, Motions) and self._errors.are_usual(*ranges):

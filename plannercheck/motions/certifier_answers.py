@@ -84,16 +84,10 @@ class MotionResult(NamedTuple):
 def verdicts(
     answers: NDArray[np.uint8], tolerance: float, rows: NDArray[np.int64] | None = None, is_curve: bool = False
 ) -> Bools:
-    """Which answers (n,) mean free.
-
-    Args:
-        answers: The core's codes.
-        tolerance: m.
-        rows: (n,) numbers of the motions, for errors; None for 0, 1, …
-        is_curve: Whether they are pieces of trajectories.
+    """Which answers (n,), codes of the core, mean free; `rows` (n,) number the motions, or curves' pieces, for errors.
 
     Raises:
-        ImpreciseError: If rounding is too large a part of the tolerance for one of them.
+        ImpreciseError: If rounding is too large a part of the tolerance, m, for one of them.
     """
     if (answers == IMPRECISE).any():
         first = int(np.argmax(answers == IMPRECISE))

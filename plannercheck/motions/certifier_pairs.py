@@ -21,6 +21,7 @@ from plannercheck.checking.compiled_pairs import CompiledPairs
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.core import core
 from plannercheck.common.motion_paths import MotionPath
+from plannercheck.motions.joint_drives import SLIDE_DRIVE
 from plannercheck.motions.robot_chains import chains_of_robot
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.robot_memory import RobotMemory
@@ -67,6 +68,7 @@ class ChainedPairs:
             path: How planar and floating joints move.
         """
         links, placements = mounts
+        self._width = robot.nq
         table = _ordered(pairs[part.rows], links)
         moving = links[table[:, 0]] >= 0
         polytopes = part.polytopes
@@ -75,7 +77,7 @@ class ChainedPairs:
         self.touching = part.rows[~moving][~_permanently_apart(robot, table[~moving], polytopes, placements)].tolist()
         self.of_robot = of_robot = chains_of_robot(robot, bodies, links, excess, path)
         self.table = table[moving].astype(np.int64)
-        chains = of_robot.of(self.table)
+        self._chains = chains = of_robot.of(self.table)
         self.frames = chains.pairs[:, 2].tolist()
         live = sorted(polytopes)
         position = np.full(len(bodies), -1, dtype=np.int32)
@@ -106,6 +108,21 @@ class ChainedPairs:
             core_tuning(tuning),
             [part.core] if tuning.middle_states else [],
         )
+
+    def levers(self) -> Floats:
+        """(nq,) how far a number moves the bodies of a pair against each other, at most, in m/rad and m/m.
+
+        Of a pair, the levers of all its joints count; of all pairs, the largest. It is a guide, and no bound: slides
+        that lengthen arms are left out.
+        """
+        chains, (joints, factors, _) = self._chains, self.of_robot.drives
+        by_chain = np.zeros((len(chains.first_entry), self._width))  # the last one is of no joint
+        of_entry, (kinds, columns) = chains.entries[:, 0], joints.T
+        moved = np.abs(factors[:, 0])[of_entry] * np.where(kinds[of_entry] == SLIDE_DRIVE, 1.0, chains.arms)
+        chain = np.repeat(np.arange(len(by_chain) - 1), np.diff(chains.first_entry))
+        driven = columns[of_entry] >= 0
+        np.add.at(by_chain, (chain[driven], columns[of_entry][driven]), moved[driven])
+        return np.asarray(by_chain[chains.pairs[:, 3:]].sum(axis=1).max(axis=0, initial=0.0))
 
 
 def _ordered(pairs: Ints, links: Ints) -> Ints:

@@ -37,17 +37,10 @@ def explained_motion(
     tolerance: float,
     prover: Callable[[], WholeProof | None] | None = None,
 ) -> MotionVerdict:
-    """The verdict of a motion.
+    """The verdict of a motion, in space or in the plane, from the certifier's answer.
 
-    Args:
-        checker: The checker, in space or in the plane.
-        result: The certifier's answer.
-        states: A function from parameters (k,) to states (k, nq) of the motion.
-        tolerance: m.
-        prover: Returns the proof of the motion, if it is free.
-
-    Returns:
-        The verdict.
+    `states` are a function from parameters (k,) to states (k, nq); `prover` returns the proof of the motion, if it is
+    free.
     """
     named = tuple(_named(checker, proof) for proof in result.proofs)
     if result.free:

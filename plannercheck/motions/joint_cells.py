@@ -18,7 +18,7 @@ from plannercheck.motions.motion_ends import Curves
 _TOLERANCE = 1e-6
 
 # A step by which levers are measured, rad or m, and the least lever that counts, m/rad or m/m.
-_STEP, _LEAST_LEVER = 1e-6, 1e-3
+_STEP, LEAST_LEVER = 1e-6, 1e-3
 
 
 def are_free(certifier: MotionCertifier, lows: Floats, highs: Floats) -> Bools:
@@ -35,7 +35,7 @@ def levers_at(body_poses: Callable[[Floats], Floats], q: Floats) -> Floats:
     rows = np.concatenate([q[None], q + _STEP * np.eye(len(q))])
     poses = body_poses(rows)[:, :, :3]
     moved = np.nan_to_num(np.abs(poses[1:] - poses[0])).max(axis=(1, 2, 3)) / _STEP
-    return np.asarray(np.maximum(moved, _LEAST_LEVER))
+    return np.asarray(np.maximum(moved, LEAST_LEVER))
 
 
 def halved(lows: Floats, highs: Floats, levers: Floats) -> tuple[Floats, Floats]:

@@ -18,7 +18,7 @@ from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.unit_lengths import DEFECT_PARTS
 
 # DriveKind in cpp/motions/motion_bounds.hpp.
-_TURN_DRIVE, _SLIDE_DRIVE, _PART_DRIVE = 0, 1, 2
+TURN_DRIVE, SLIDE_DRIVE, PART_DRIVE = 0, 1, 2
 
 
 class Spread(NamedTuple):
@@ -69,13 +69,13 @@ def drives(table: JointTable, path: MotionPath = "screw") -> tuple[Ints, Floats,
     for joint, (number, columns) in enumerate(zip(table.kinds.tolist(), table.columns.tolist(), strict=True)):
         kind, column = KINDS[number], columns[0]
         if kind.part is None or column < 0:
-            listed.append((_SLIDE_DRIVE if kind is SLIDE else _TURN_DRIVE, column))
+            listed.append((SLIDE_DRIVE if kind is SLIDE else TURN_DRIVE, column))
             continue
         first = column + split.get(joint, 0)
-        listed.append((_PART_DRIVE, first))
+        listed.append((PART_DRIVE, first))
         parts[first] = kind.turn_part if joint in split else kind.part
     for joint, count in split.items():
-        listed += [(_SLIDE_DRIVE, int(column)) for column in table.columns[joint, :count]]
+        listed += [(SLIDE_DRIVE, int(column)) for column in table.columns[joint, :count]]
         factors.append(np.stack([table.multipliers[joint, :count], table.offsets[joint, :count]], axis=1))
     by_column = sorted(parts.items())
     return (

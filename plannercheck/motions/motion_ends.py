@@ -105,13 +105,7 @@ def shorter_turn(starts: Floats, ends: Floats, angles: NDArray[np.int64]) -> Flo
 
 
 def with_given_ends(checker: AnyChecker, free: Bools, motions: Motions) -> Bools:
-    """Which sampled motions (n,) are free, the ends as given included.
-
-    Args:
-        checker: Judges configurations.
-        free: (n,) which motions are free at their samples.
-        motions: The motions.
-    """
+    """Which motions (n,) are free at their samples, as given here, and at their ends as they were asked for."""
     turned = free & (motions.given != motions.ends).any(axis=1)
     if turned.any():
         free[turned] = checker.check_states(motions.given[turned])

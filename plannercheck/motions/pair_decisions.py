@@ -24,7 +24,7 @@ from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.certifier import MotionCertifier
-from plannercheck.motions.joint_cells import are_free, halved, levers_at
+from plannercheck.motions.joint_cells import LEAST_LEVER, are_free, halved
 from plannercheck.motions.lasting_overlaps import LastingOverlaps
 from plannercheck.robots.configurations import COSINE
 from plannercheck.robots.robot import Robot
@@ -152,7 +152,7 @@ class PairSearch:
         self.low, self.high = robot.reference.copy(), robot.reference.copy()
         self.low[self.columns], self.high[self.columns] = decider.lower[self.columns], decider.upper[self.columns]
         self.levers = np.zeros(robot.nq)
-        self.levers[self.columns] = levers_at(self.body_poses, (self.low + self.high) / 2)[self.columns]
+        self.levers[self.columns] = np.maximum(self.certifier.levers()[self.columns], LEAST_LEVER)
 
     def run(self, seconds: float) -> PairDecision:
         """Cuts the box until it is proved, a middle collides, or the time is over."""

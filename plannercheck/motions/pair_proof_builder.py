@@ -70,10 +70,7 @@ class LinkPairs:
 def pair_proofs(decider: PairDecider, decisions: Sequence[PairDecision], seconds: float) -> PairProofs:
     """Builds the proofs of decisions; of those that are open, and of others for which none is found, there is none.
 
-    Args:
-        decider: Who decided.
-        decisions: About pairs of links, at least one that is not open.
-        seconds: Processor time for each, at most.
+    Each takes at most so many seconds of processor time.
 
     Raises:
         PlannercheckError: If python-flint is not installed, or all decisions are open.
@@ -227,8 +224,7 @@ def surface_around_0(
 ) -> tuple[tuple[tuple[int, int], ...], tuple[tuple[int, int, int], ...]] | None:
     """A hull of differences of vertices (n, 3) and (m, 3) whose faces have 0 further behind them than needed, m.
 
-    Returns:
-        Its corners, as a vertex of each, and its triangles; None if there is none, or it has too many corners.
+    Its corners, as a vertex of each, and its triangles; None if there is none, or it has too many corners.
     """
     known: dict[tuple[int, int], None] = {}
 

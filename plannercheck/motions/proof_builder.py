@@ -199,14 +199,9 @@ class Builder:
 
 
 def rounding_margin(robot: Robot, model: Model, low: Floats, high: Floats, points: Floats) -> float:
-    """What covers the error of computed poses and states, m.
+    """What covers the error of computed poses and states of a robot, m.
 
-    Args:
-        robot: The robot.
-        model: Its model.
-        low: (nq,) the least numbers, rad and m.
-        high: (nq,) the largest numbers.
-        points: (n, nq) control points of a motion within them.
+    `points` (n, nq) are control points of a motion between numbers low (nq,) and high (nq,), rad and m.
     """
     error = 2 * robot.kinematic_error_within(low, high)  # of two bodies
     largest = float(np.abs(points).max(initial=0.0))  # of the states in between; the asked end's is in the error

@@ -156,10 +156,7 @@ def checked_resolution(resolution: float | None, default: float) -> float:
 def samples_are_free(checker: AnyChecker, states: Callable[[Floats], Floats], steps: int) -> bool:
     """Whether all states of one motion at the multiples of 1/steps are valid, coarse ones first.
 
-    Args:
-        checker: In space or in the plane.
-        states: A function from parameters (k,) to states (k, nq).
-        steps: Number of steps.
+    `states` is a function from parameters (k,) to states (k, nq).
     """
     parameters = coarse_to_fine(steps)
     batches = (parameters[first : first + _BATCH] for first in range(0, len(parameters), _BATCH))

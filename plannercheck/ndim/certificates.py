@@ -188,17 +188,9 @@ Certificate: TypeAlias = Separation | SharedPoint
 def certificate_of(
     found: ExactCertificate, bodies: tuple[Exact, Exact], shapes: Shapes, effort: Effort, trail: Floats
 ) -> Certificate:
-    """Brings an exact certificate into the world's coordinates.
+    """Brings an exact certificate of bodies in their common unit into the world's coordinates.
 
-    Args:
-        found: The exact certificate.
-        bodies: The bodies in integers, in their common unit.
-        shapes: The same bodies as given.
-        effort: How it was found.
-        trail: The hyperplanes or halfspaces of the walk (k, d + 1).
-
-    Returns:
-        The public certificate.
+    The effort says how it was found; the trail has the walk's hyperplanes or halfspaces (k, d + 1).
     """
     if isinstance(found, ExactSharedPoint):
         return _shared_point(found, bodies, shapes, effort, trail)

@@ -68,15 +68,9 @@ class Guess:
 
 
 def decide(p: Exact, r: Exact, guess: Guess | None = None) -> tuple[ExactCertificate, int]:
-    """Decides whether two posed bodies share a point.
+    """Decides whether two posed bodies share a point: the certificate, and how many games it took.
 
-    Args:
-        p: The first body.
-        r: The second body.
-        guess: Where to start; any guess gives the same verdict.
-
-    Returns:
-        The certificate, and how many games it took.
+    Any guess gives the same verdict.
     """
     in_common_unit(p, r)
     guess = guess or Guess(_all_if_few(p), _all_if_few(r))

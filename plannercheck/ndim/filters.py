@@ -60,15 +60,10 @@ def _terms(dimension: int) -> int:
 def encloses_origin(differences: Floats, rounding: Floats) -> bool:
     """Whether exact points near to the given ones certainly have the origin strictly inside their simplex.
 
+    The points are d + 1 rounded differences of posed vertices (d + 1, d), whose errors are relative to `rounding` (d,).
+
     The weights w solve D w = e with the differences and a row of ones in D. With an approximate inverse C and
     β = ‖1 - C D‖ < 1, D is regular and the exact w is within ‖C (e - D w̃)‖ / (1 - β) of any w̃ (Rump).
-
-    Args:
-        differences: d + 1 rounded differences of posed vertices (d + 1, d).
-        rounding: What their errors are relative to (d,).
-
-    Returns:
-        True if it is proved.
     """
     size = len(differences)
     # Posing two vertices (d + 2 roundings each) and their difference.
@@ -96,18 +91,7 @@ def encloses_origin(differences: Floats, rounding: Floats) -> bool:
 
 
 def proves_inside(normals: Floats, offsets: Floats, pose: Affine, point: Floats, error: Floats) -> bool:
-    """Whether every point within an error of a given one certainly is in a posed body of halfspaces.
-
-    Args:
-        normals: (m, d).
-        offsets: (m,).
-        pose: Pose of the body.
-        point: (d,) in the world.
-        error: (d,), at least 0.
-
-    Returns:
-        True if it is proved.
-    """
+    """Whether all within an error (d,) of a point (d,) of the world certainly is in a posed body of halfspaces."""
     inverse, inside_error = inverse_of(pose, np.abs(point) + np.abs(pose.shift) + error, error)
     if not np.isfinite(inside_error):
         return False
@@ -123,13 +107,8 @@ def inverse_of(pose: Affine, span: Floats, error: Floats) -> tuple[Floats, float
     With β ≥ ‖1 - N M‖ and z = x - t: N z - M^-1 z = (N M - 1) M^-1 z, and ‖M^-1 z‖ ≤ ‖N z‖ / (1 - β). So each entry is
     wrong by at most β / (1 - β) times the largest of |N| |z|, and |N| times the error and rounding of z.
 
-    Args:
-        pose: The map.
-        span: |x| + |t| (d,) is at most this.
-        error: Largest error of x (d,).
-
-    Returns:
-        N (d, d), and the bound; infinity if M is too close to singular for doubles.
+    |x| + |t| is at most `span` (d,), and x errs by at most `error` (d,). The bound is infinite if M is too close to
+    singular for doubles.
     """
     d = len(span)
     if pose.is_identity:

@@ -49,15 +49,7 @@ class Played:
 
 
 def play(points: Floats, polars: Floats) -> Played:
-    """Decides whether the hull of points meets all halfspaces.
-
-    Args:
-        points: (k, d), k > 0.
-        polars: (l, d), l > 0.
-
-    Returns:
-        The end of the game, at the first certificate found.
-    """
+    """Decides whether the hull of points (k, d) meets all halfspaces of polars (l, d), by the first certificate."""
     highest = int((polars @ points.mean(axis=0)).argmax())
     active_p, active_q = [int((points @ polars[highest]).argmin())], [highest]
     for rounds in range(1, _MOST_ROUNDS + 1):
@@ -79,14 +71,10 @@ def play(points: Floats, polars: Floats) -> Played:
 
 
 def matrix_game(payoffs: Floats) -> tuple[Floats, Floats]:
-    """Solves the zero-sum game in which rows minimise and columns maximise.
+    """Solves the zero-sum game (k, l) in which rows minimise and columns maximise.
 
-    Args:
-        payoffs: (k, l).
-
-    Returns:
-        Mixed strategies of the rows (k,) and columns (l,), clipped and normalised: rounding costs progress, never
-        that they are mixtures.
+    Mixed strategies of the rows (k,) and columns (l,), clipped and normalised: rounding costs progress, never that they
+    are mixtures.
     """
     rows, columns = payoffs.shape
     if rows == 1 or columns == 1:

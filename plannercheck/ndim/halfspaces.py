@@ -45,15 +45,10 @@ class Examined(OwnsArrays):
 
 
 def examine(normals: Floats, offsets: Floats, name: str) -> Examined:
-    """Looks at halfspaces normals · x ≤ offsets.
+    """Looks at halfspaces normals (m, d) · x ≤ offsets (m,): their centre and a box.
 
-    Args:
-        normals: (m, d).
-        offsets: (m,).
-        name: What errors call the body.
-
-    Returns:
-        The centre and a box; raises PlannercheckError if the body is empty or unbounded.
+    Raises:
+        PlannercheckError: If the body is empty or unbounded; the error calls it by its name.
     """
     box = _box(normals, offsets, name)
     reach = float(np.abs(box).max())

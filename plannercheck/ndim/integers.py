@@ -25,14 +25,7 @@ _FREE_PIVOTS = 200
 
 
 def integers_of(values: Floats) -> tuple[list[int], int]:
-    """Integers m and one exponent e with values = m · 2^e, exactly.
-
-    Args:
-        values: Doubles of any shape, all finite.
-
-    Returns:
-        The integers, in the order of `values.ravel()`, and e.
-    """
+    """Integers m, in the order of `values.ravel()`, and one exponent e with values = m · 2^e, exactly; all finite."""
     fractions, exponents = np.frexp(values.ravel())
     mantissas = np.ldexp(fractions, _MANTISSA_BITS).astype(np.int64)
     shifts = exponents.astype(np.int64) - _MANTISSA_BITS
@@ -59,14 +52,7 @@ def times_transposed(matrix: Matrix, vector: Sequence[int]) -> Row:
 
 
 def inverse(matrix: Matrix) -> tuple[Matrix, int] | None:
-    """N and D > 0 with M N = D · 1, or None if M is singular.
-
-    Args:
-        matrix: (d, d).
-
-    Returns:
-        The scaled inverse.
-    """
+    """N and D > 0 with M N = D · 1 for M (d, d), or None if M is singular."""
     size = len(matrix)
     rows = [[*row, *(int(k == r) for k in range(size))] for r, row in enumerate(matrix)]
     previous = 1
@@ -110,15 +96,7 @@ class Farkas:
 
 
 def solve(columns: Sequence[Sequence[int]], right: Sequence[int]) -> Mix | Farkas:
-    """Finds λ ≥ 0 with Σ λ_k columns[k] = right, or proves that there is none.
-
-    Args:
-        columns: Integer vectors, all as long as `right`.
-        right: The right-hand side.
-
-    Returns:
-        A basic solution, or the proof.
-    """
+    """Finds a basic λ ≥ 0 with Σ λ_k columns[k] = right, or proves that there is none."""
     return _Simplex(columns, right).run()
 
 

@@ -45,14 +45,7 @@ class Halfspaces:
     side: Side
 
     def violation(self, points: ArrayLike) -> Floats:
-        """How far points are beyond the worst hyperplane, in its own scale: 0 or less inside.
-
-        Args:
-            points: (n, d), or one point (d,).
-
-        Returns:
-            (n,), or a scalar array for one point.
-        """
+        """How far points (n, d), or one (d,), are beyond the worst hyperplane, in its own scale: 0 or less inside."""
         products = _floats(points) @ self.normals.T
         over = products - 1.0 if self.side == "zero" else 1.0 - products
         return np.asarray(over.max(axis=-1, initial=-np.inf))
@@ -93,38 +86,17 @@ def polar_of_hyperplane(normal: ArrayLike, offset: float = 1.0) -> Floats:
 
 
 def rho_zero(vertices: ArrayLike) -> Halfspaces:
-    """ρ₀(P) of a polytope given by its vertices: all y with y·p ≤ 1 for every p in P.
-
-    Args:
-        vertices: V(P) (n, d).
-
-    Returns:
-        ρ₀(P); bounded exactly if the origin is strictly inside P.
-    """
+    """ρ₀(P) for V(P) (n, d): all y with y·p ≤ 1 for all p in P; bounded exactly if the origin is strictly inside P."""
     return Halfspaces(_floats(vertices), "zero")
 
 
 def rho_infinity(vertices: ArrayLike) -> Halfspaces:
-    """ρ∞(P) of a polytope given by its vertices: all y with y·p ≥ 1 for every p in P.
-
-    Args:
-        vertices: V(P) (n, d).
-
-    Returns:
-        ρ∞(P); empty exactly if the origin is in P, unbounded otherwise.
-    """
+    """ρ∞(P) for V(P) (n, d): all y with y·p ≥ 1 for all p in P; empty exactly if the origin is in P, else unbounded."""
     return Halfspaces(_floats(vertices), "infinity")
 
 
 def vertices_of(halfspaces: Halfspaces) -> Floats:
-    """The vertices of a bounded ρ₀: with `rho_zero`, the polar of the polar.
-
-    Args:
-        halfspaces: Halfspaces of side "zero", bounded.
-
-    Returns:
-        (k, d).
-    """
+    """The vertices (k, d) of a bounded ρ₀: with `rho_zero`, the polar of the polar."""
     if halfspaces.side != "zero":
         raise PlannercheckError("ρ∞ is unbounded or empty, its vertices do not span it: only ρ₀ is taken")
     rows = halfspaces.normals
@@ -132,13 +104,9 @@ def vertices_of(halfspaces: Halfspaces) -> Floats:
 
 
 def facet_polars(vertices: ArrayLike) -> Floats:
-    """V(ρ₀(P)) of a polytope with the origin strictly inside: the polars of its facets.
+    """V(ρ₀(P)) (m, d) of points (n, d) that span P, with the origin strictly inside: the polars of its facets.
 
-    Args:
-        vertices: Points (n, d) that span P.
-
-    Returns:
-        (m, d), one a facet; facets that are the same up to rounding are merged.
+    Facets that are the same up to rounding are merged.
     """
     hull = convex_hull(_floats(vertices))
     if not (hull.offsets > 0).all():
@@ -164,13 +132,9 @@ class ShellSimplices:
     simplices: Ints
 
     def tangent(self, normal: ArrayLike) -> int:
-        """The shell simplex to which a hyperplane tangent to P is tangent, too.
+        """The row of the shell simplex to which a hyperplane tangent to P, of outward normal (d,), is tangent, too.
 
-        Args:
-            normal: Outward normal (d,) of the tangent hyperplane.
-
-        Returns:
-            The row of `simplices` whose normals span a cone that holds `normal`.
+        The normals of that row of `simplices` span a cone that holds the normal.
         """
         corners = self.normals[self.simplices].transpose(0, 2, 1)
         shares = np.linalg.inv(corners) @ _floats(normal)
@@ -178,14 +142,7 @@ class ShellSimplices:
 
 
 def shell_simplices(vertices: ArrayLike) -> ShellSimplices:
-    """Σ(P) of a polytope with the origin strictly inside.
-
-    Args:
-        vertices: Points (n, d) that span P.
-
-    Returns:
-        At most O(n^⌊d/2⌋) shell simplices.
-    """
+    """Σ(P) of points (n, d) that span P, with the origin strictly inside: at most O(n^⌊d/2⌋) shell simplices."""
     polars = facet_polars(vertices)
     simplices = convex_hull(polars).simplices
     lengths = np.linalg.norm(polars, axis=1)

@@ -107,15 +107,7 @@ class ExactRows:
         return dot(alpha, point) - beta * denominator
 
     def worst(self, point: Sequence[int], denominator: int) -> int | None:
-        """The most violated row by its own scale, or None if the point is inside.
-
-        Args:
-            point: X times the denominator.
-            denominator: Positive.
-
-        Returns:
-            A row's index.
-        """
+        """The most violated row, by its own scale, at X = point / denominator > 0; None if it is inside."""
         over = [k for k in range(len(self)) if self.excess(k, point, denominator) > 0]
         return max(over, key=lambda k: self._size_of_excess(k, point, denominator), default=None)
 

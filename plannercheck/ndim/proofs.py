@@ -18,15 +18,9 @@ PosedPolytope = tuple[Polytope, Affine]
 
 
 def proves_shared(hint: Hint, mixed: PosedPolytope, body_b: PosedPolytope) -> bool:
-    """Whether the hint's point certainly is in both bodies.
+    """Whether the hint's point certainly is in both bodies, the second given by halfspaces.
 
-    Args:
-        hint: With the point, and weights if the first body is given by vertices.
-        mixed: The first body, given either way.
-        body_b: The second body, given by halfspaces.
-
-    Returns:
-        True if it is proved.
+    The hint has weights if the first body is given by vertices.
     """
     body, pose = mixed
     if body.vertices is None:
@@ -52,13 +46,7 @@ def _is_inside(posed: PosedPolytope, point: Floats, error: Floats) -> bool:
 def proves_apart(hint: Hint, mixed: PosedPolytope, body_b: PosedPolytope) -> bool:
     """Whether the hint's halfspaces, summed with its multipliers, certainly hold no vertex of the first body.
 
-    Args:
-        hint: With multipliers of at least 0.
-        mixed: The first body, given by vertices.
-        body_b: The second body, given by halfspaces.
-
-    Returns:
-        True if it is proved.
+    The multipliers are at least 0; the first body is given by vertices, the second by halfspaces.
     """
     body, pose = mixed
     other, other_pose = body_b

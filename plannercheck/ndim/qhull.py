@@ -47,14 +47,7 @@ def spatial() -> Any:
 
 
 def convex_hull(points: Floats) -> Hull:
-    """The hull of points.
-
-    Args:
-        points: (n, d) with d at least 2.
-
-    Returns:
-        Its triangulated boundary. Raises FlatError if they span no volume.
-    """
+    """The triangulated boundary of the hull of points (n, d), d at least 2; FlatError if they span no volume."""
     if len(points) <= points.shape[1]:
         raise FlatError(f"{len(points)} points span no volume in dimension {points.shape[1]}")
     if points.shape[1] == 1:
@@ -78,15 +71,9 @@ def _interval(values: Floats) -> Hull:
 
 
 def halfspace_vertices(normals: Floats, offsets: Floats, inside: Floats) -> Floats:
-    """The vertices of a bounded intersection of halfspaces normals · x ≤ offsets.
+    """The vertices (k, d), rounded, of a bounded intersection of halfspaces normals (m, d) · x ≤ offsets (m,).
 
-    Args:
-        normals: (m, d).
-        offsets: (m,).
-        inside: A point strictly inside (d,).
-
-    Returns:
-        (k, d), rounded. Raises FlatError if qhull finds none.
+    `inside` (d,) is strictly inside. Raises FlatError if qhull finds none.
     """
     polars = normals / (offsets - normals @ inside)[:, None]
     hull = convex_hull(polars)

@@ -121,15 +121,9 @@ class Tree:
         return max(len(node.net) for node in self.nodes if node.is_leaf)
 
     def child(self, number: int, position: int, normal: Floats) -> int:
-        """The child to walk to when a hyperplane is tangent to a node's net.
+        """The child of a node to walk to when a hyperplane of outward normal (d,) is tangent to the node's net.
 
-        Args:
-            number: The node's.
-            position: Position of the tangent vertex in the node's net.
-            normal: Outward normal (d,) of the hyperplane.
-
-        Returns:
-            The child's number.
+        `position` is that of the tangent vertex in the net.
         """
         found = self.nodes[number].children[position]
         if isinstance(found, Cones):
@@ -138,14 +132,7 @@ class Tree:
         return found
 
     def extreme(self, normal: Floats) -> tuple[int, int, int]:
-        """A vertex furthest along a normal, by one walk from the root to a leaf.
-
-        Args:
-            normal: (d,).
-
-        Returns:
-            Its index, nodes visited, vertices visited.
-        """
+        """A vertex furthest along a normal (d,), by one walk from the root to a leaf; nodes and vertices visited."""
         number, best, height, nodes, visited = 0, -1, -np.inf, 0, 0
         while True:
             node = self.nodes[number]

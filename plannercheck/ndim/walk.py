@@ -62,15 +62,7 @@ class Side:
 
 
 def walk(p: Side, r_polar: Tree) -> Walked:
-    """Walks down both trees.
-
-    Args:
-        p: The first body, in the second's frame.
-        r_polar: The tree of the second's polar about the frame's origin.
-
-    Returns:
-        The verdict and what it took.
-    """
+    """Walks down the trees of the first body, in the second's frame, and of the second's polar about its origin."""
     origin = solved(p.linear, -p.shift) - p.centre
     best, nodes, visited = p.polar_tree.extreme(origin)
     if p.polar_tree.points[best] @ origin <= 1.0:

@@ -43,11 +43,7 @@ def angle_checker(checker: Some) -> Some:
 def angle_end(checker: AnyChecker, planned: AnyChecker, q: Configuration, name: str) -> Floats:
     """A start or a goal, (nq,) of the checker that is planned by, or an error that uses its name.
 
-    Args:
-        checker: The given checker.
-        planned: Its `angle_checker`.
-        q: One number for each joint, or Pinocchio's, or values by names.
-        name: What the configuration is called.
+    The configuration has one number for each joint, or is Pinocchio's, or values by names.
 
     Raises:
         PlannercheckError: If it is no configuration, or a joint that follows another one is not where that leads it.

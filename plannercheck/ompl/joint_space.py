@@ -21,7 +21,7 @@ from plannercheck.common.angles import nearest_turn, nearest_turns, wrapped
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl.projections import register_projection
-from plannercheck.ompl.state_numbers import NumberedSpace, StateNumbers
+from plannercheck.ompl.state_numbers import NumberedSpace
 from plannercheck.robots.configurations import PLAIN, ConfigurationMap, is_continuous
 from plannercheck.robots.robot import Robot
 
@@ -65,8 +65,7 @@ class JointSpace(NumberedSpace):
     def ompl_space(self) -> Any:
         """A new OMPL state space."""
         space = self._compound() if self._turning else bounded_space(self.lower, self.upper)
-        self._numbers = StateNumbers(space, self._width)
-        return space
+        return self._numbered(space, self._width)
 
     def _compound(self) -> Any:
         space = base.CompoundStateSpace()
@@ -79,10 +78,10 @@ class JointSpace(NumberedSpace):
     def bound(self, space: Any, lower: Floats, upper: Floats) -> None:
         """Sets the bounds (nq,) of one of these spaces, within which its samples are; angles have none."""
         if not self._turning:
-            space.setBounds(_bounds(lower, upper))
+            space.setBounds(bounds_of(lower, upper))
             return
         for k in np.flatnonzero(~self.continuous).tolist():
-            space.getSubspace(k).setBounds(_bounds(lower[k : k + 1], upper[k : k + 1]))
+            space.getSubspace(k).setBounds(bounds_of(lower[k : k + 1], upper[k : k + 1]))
 
     def write(self, state: Any, q: Sequence[float] | Floats) -> None:
         """Sets an OMPL state to a configuration (nq,); angles are brought to [-pi, pi).
@@ -116,21 +115,16 @@ class JointSpace(NumberedSpace):
             return q1
         return [nearest_turn(a, b) if turns else b for a, b, turns in zip(q0, q1, self._turns, strict=True)]
 
-    def state(self, information: Any, q: Sequence[float] | Floats) -> Any:
-        """A new OMPL state of a configuration (nq,); it frees itself, unlike states of the space."""
-        state = information.allocState()
-        self.write(state, q)
-        return state
-
 
 def bounded_space(lower: Floats, upper: Floats) -> Any:
     """An OMPL space of real numbers between bounds (k,)."""
     space = base.RealVectorStateSpace(len(lower))
-    space.setBounds(_bounds(lower, upper))
+    space.setBounds(bounds_of(lower, upper))
     return space
 
 
-def _bounds(lower: Floats, upper: Floats) -> Any:
+def bounds_of(lower: Floats, upper: Floats) -> Any:
+    """OMPL's bounds (k,) each."""
     bounds = base.RealVectorBounds(len(lower))
     bounds.low, bounds.high = lower.tolist(), upper.tolist()
     return bounds

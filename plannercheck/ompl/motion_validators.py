@@ -18,8 +18,9 @@ from plannercheck.common.core import core
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.sampling import coarse_to_fine
+from plannercheck.ompl.curved_space import sampled_curve
 from plannercheck.ompl.joint_space import JointSpace
-from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
+from plannercheck.ompl.planar_space import PlanarSpace
 from plannercheck.ompl.pose_space import PoseSpace
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.motion_certifier import STRAIGHT
@@ -241,15 +242,7 @@ def motion_validator(
     resolution: float | None = None,
     tolerance: float = DEFAULT_TOLERANCE,
 ) -> ProvedMotions | ProvedPoses | ProvedPlanarMotions | SampledMotions:
-    """The validator for a checker.
-
-    Args:
-        information: OMPL's SpaceInformation.
-        checker: The checker that judges motions.
-        space: The space of the checker's robot.
-        resolution: None to prove motions free; else they are sampled, as for `check_motion`, m.
-        tolerance: The tolerance of proofs, as for `Checker.check_motion`, m.
-    """
+    """The validator for a checker: motions are proved free within a tolerance, m, or sampled with a resolution, m."""
     if resolution is None and isinstance(checker, Checker) and isinstance(space, PoseSpace):
         return ProvedPoses(information, checker, space, tolerance)
     if resolution is None and isinstance(checker, Checker):

@@ -8,7 +8,7 @@ and one part for each joint.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from ompl import base
@@ -16,26 +16,15 @@ from ompl import base
 from plannercheck.common.angles import nearest_turns, wrapped
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.ompl.joint_space import bounded_space
+from plannercheck.ompl.curved_space import CurvedSpace
+from plannercheck.ompl.joint_space import bounded_space, bounds_of
 from plannercheck.ompl.projections import register_projection
-from plannercheck.ompl.state_numbers import NumberedSpace, StateNumbers
 from plannercheck.planar.curves import Curve, Curves, check_curve
 from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.robot import Robot
-from plannercheck.planar.spare_states import SpareStates
 
 
-class CurvedSpace(Protocol):
-    """A space whose motions are sampled by OMPL's interpolation."""
-
-    def curve_steps(self, s1: Any, s2: Any, sampler: Any, resolution: float | None) -> int:
-        """How many steps a motion needs: no point moves over `resolution` m in one."""
-
-    def curve_states(self, s1: Any, s2: Any, parameters: Floats) -> Floats:
-        """The states (k, nq) of a motion at parameters (k,) in [0, 1]."""
-
-
-class PlanarSpace(NumberedSpace):
+class PlanarSpace(CurvedSpace):
     """The configuration space of a planar robot.
 
     Attributes:
@@ -45,13 +34,7 @@ class PlanarSpace(NumberedSpace):
     """
 
     def __init__(self, robot: Robot, curve: Curve = "straight", turning_radius: float | None = None) -> None:
-        """Reads the robot.
-
-        Args:
-            robot: The robot, with limits of x and y if its root is free.
-            curve: How the root moves.
-            turning_radius: Turning radius of curves, m.
-        """
+        """Reads the robot, which has limits of x and y if its root is free, and how the root moves."""
         _check(robot, curve, turning_radius)
         self._curve, self._radius = curve, turning_radius
         self.is_straight = curve == "straight"
@@ -62,15 +45,10 @@ class PlanarSpace(NumberedSpace):
         self._first = 3 if robot.is_free else 0  # number of the first joint
         self._is_root_alone = robot.is_free and robot.nq == 3
         self.continuous = robot.angles
-        self._space: Any = None
-        self._spare: SpareStates | None = None
 
     def ompl_space(self) -> Any:
         """A new OMPL state space."""
-        self._space = self._root() if self._is_root_alone else self._compound()
-        self._spare = SpareStates(self._space, 1)
-        self._numbers = StateNumbers(self._space, self._width)
-        return self._space
+        return self._numbered(self._root() if self._is_root_alone else self._compound(), self._width)
 
     def _root(self) -> Any:
         made = {
@@ -79,11 +57,7 @@ class PlanarSpace(NumberedSpace):
             "reeds_shepp": lambda: base.ReedsSheppStateSpace(self._radius),
         }
         root = made[self._curve]()
-        bounds = base.RealVectorBounds(2)
-        for k in range(2):
-            bounds.setLow(k, float(self._lower[k]))
-            bounds.setHigh(k, float(self._upper[k]))
-        root.setBounds(bounds)
+        root.setBounds(bounds_of(self._lower[:2], self._upper[:2]))
         return root
 
     def _compound(self) -> Any:
@@ -114,34 +88,12 @@ class PlanarSpace(NumberedSpace):
         """Differences from configurations (…, nq) to others, number by number; free angles take the short way."""
         return np.where(self.continuous, nearest_turns(q0, q1), q1) - q0
 
-    def state(self, information: Any, q: Sequence[float] | Floats) -> Any:
-        """A new OMPL state of a configuration (nq,)."""
-        state = information.allocState()
-        self.write(state, q)
-        return state
-
     def curve_steps(self, s1: Any, s2: Any, sampler: MotionSampler, resolution: float | None) -> int:
         """How many steps a curved motion needs: no point moves over `resolution` m in one."""
         assert self.curves is not None
         q0 = np.array(self.read(s1))
         way = self.curves.way(q0, q0 + self.differences(q0, np.array(self.read(s2))), sampler)
         return int(sampler.steps_of_way(np.array([way]), resolution)[0])
-
-    def curve_states(self, s1: Any, s2: Any, parameters: Floats) -> Floats:
-        """The states (k, nq) of a motion at parameters (k,) in [0, 1], by OMPL's interpolation."""
-        assert self._spare is not None  # states come from `ompl_space`
-        rows = []
-        with self._spare.taken() as (between,):
-            for t in parameters.tolist():
-                self._space.interpolate(s1, s2, t, between)
-                rows.append(self.read(between))
-        return np.array(rows)
-
-
-def sampled_curve(space: CurvedSpace, s1: Any, s2: Any, sampler: Any, resolution: float | None) -> Floats:
-    """States (k, nq) of a curved motion, both ends included: no point moves over `resolution` m between two."""
-    steps = space.curve_steps(s1, s2, sampler, resolution)
-    return space.curve_states(s1, s2, np.arange(steps + 1) / steps)
 
 
 def _check(robot: Robot, curve: Curve, turning_radius: float | None) -> None:

@@ -31,10 +31,11 @@ from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.angle_checkers import angle_checker, angle_end
 from plannercheck.ompl.clearance import CLEARANCE_RESOLUTION, MaxMinClearance
+from plannercheck.ompl.curved_space import sampled_curve
 from plannercheck.ompl.goals import Goal, Goals, goals_of
 from plannercheck.ompl.motion_validators import Space
 from plannercheck.ompl.near_first import SAMPLINGS, Sampling
-from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
+from plannercheck.ompl.planar_space import PlanarSpace
 from plannercheck.ompl.plans import Plan, joint_length
 from plannercheck.ompl.pose_space import PoseSpace
 from plannercheck.ompl.prepared_spaces import PreparedSpace, borrowed_space, returned_space, space_information, space_of

@@ -93,15 +93,7 @@ def check_suffix(path: Path) -> None:
 
 
 def joint_length(path: Floats, differences: Callable[[Floats, Floats], Floats]) -> float:
-    """The length of a path (k, nq).
-
-    Args:
-        path: Its configurations.
-        differences: A function: the differences from configurations (n, nq) to others, joint by joint.
-
-    Returns:
-        The sum of the Euclidean lengths of its steps.
-    """
+    """The length of a path (k, nq): the sum of the Euclidean lengths of its steps, by joint-by-joint differences."""
     if len(path) < 2:
         return 0.0
     steps = differences(path[:-1], path[1:])

@@ -19,14 +19,9 @@ _ROOM = 2.0
 
 
 def default_bounds(checker: Checker, held: Sequence[Floats]) -> Floats | None:
-    """A box of positions of the root, if that is a floating or planar joint on the world without limits.
+    """A box (2, 3), m, of positions of the root, if that is a floating or planar joint on the world without limits.
 
-    Args:
-        checker: The checker.
-        held: Configurations (nq,) that it has to include.
-
-    Returns:
-        (2, 3) m; None for other robots, and if there is nothing to be around.
+    It includes the configurations held. None for other robots, and if there is nothing to be around.
     """
     robot = checker.robot
     kind = kind_of(robot.model.joints[1])

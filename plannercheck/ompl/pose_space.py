@@ -23,11 +23,10 @@ from plannercheck.common.angles import nearest_turns, wrapped
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.sampling import MotionSampler
-from plannercheck.ompl.joint_space import bounded_space
+from plannercheck.ompl.curved_space import CurvedSpace
+from plannercheck.ompl.joint_space import bounded_space, bounds_of
 from plannercheck.ompl.pose_parts import WIDTHS, Kind, Part, limits_of, parts_of
 from plannercheck.ompl.projections import register_projection
-from plannercheck.ompl.state_numbers import NumberedSpace, StateNumbers
-from plannercheck.planar.spare_states import SpareStates
 from plannercheck.robots.robot import Robot
 
 # OMPL keeps the first of two quaternions whose product is nearer to 1 than 1e-9; with room for rounding.
@@ -40,7 +39,7 @@ _HALF_TURN_ROOM = 1e-6
 _UNIT_ROOM = 1e-10
 
 
-class PoseSpace(NumberedSpace):
+class PoseSpace(CurvedSpace):
     """The configuration space of a robot with free bodies.
 
     Attributes:
@@ -70,22 +69,17 @@ class PoseSpace(NumberedSpace):
         last = self._parts[-1]
         self._count = last.number + WIDTHS[last.kind][1]
         self._is_alike = all(part.kind not in ("planar", "circle") for part in self._parts)
-        self._space: Any = None
-        self._spare: SpareStates | None = None
 
     def ompl_space(self) -> Any:
         """A new OMPL state space."""
         spaces = [self._part_space(part) for part in self._parts]
         if len(spaces) == 1:
-            self._space = spaces[0]
-        else:
-            self._space = base.CompoundStateSpace()
-            for space in spaces:
-                self._space.addSubspace(space, 1.0)
-            register_projection(self._space)
-        self._spare = SpareStates(self._space, 1)
-        self._numbers = StateNumbers(self._space, self._count)
-        return self._space
+            return self._numbered(spaces[0], self._count)
+        compound = base.CompoundStateSpace()
+        for space in spaces:
+            compound.addSubspace(space, 1.0)
+        register_projection(compound)
+        return self._numbered(compound, self._count)
 
     def _part_space(self, part: Part) -> Any:
         made = {"free": base.SE3StateSpace, "planar": base.SE2StateSpace, "ball": base.SO3StateSpace}.get(part.kind)
@@ -95,12 +89,7 @@ class PoseSpace(NumberedSpace):
             return bounded_space(*limits) if bounded else base.SO2StateSpace()
         space = made()
         if part.kind != "ball":
-            low, high = self._lower[part.position].tolist(), self._upper[part.position].tolist()
-            bounds = base.RealVectorBounds(len(low))
-            for k in range(len(low)):
-                bounds.setLow(k, low[k])
-                bounds.setHigh(k, high[k])
-            space.setBounds(bounds)
+            space.setBounds(bounds_of(self._lower[part.position], self._upper[part.position]))
         return space
 
     # ----- states and configurations
@@ -156,12 +145,6 @@ class PoseSpace(NumberedSpace):
                     "in which it is planned for: give larger ones by bounds="
                 )
 
-    def state(self, information: Any, q: Sequence[float] | Floats) -> Any:
-        """A new OMPL state of a configuration (nq,); it frees itself, unlike states of the space."""
-        state = information.allocState()
-        self.write(state, q)
-        return state
-
     def differences(self, q0: Floats, q1: Floats) -> Floats:
         """Differences (…, k) from configurations (…, nq) to others: lengths, and angles the short way."""
         out = []
@@ -208,18 +191,6 @@ class PoseSpace(NumberedSpace):
         """How many steps a motion needs: no point moves over `resolution` m in one."""
         q0, q1 = (np.array([self.read(state)]) for state in (s1, s2))
         return int(sampler.steps(q0, sampler.shorter_turn(q0, q1), resolution)[0])
-
-    def curve_states(self, s1: Any, s2: Any, parameters: Floats) -> Floats:
-        """The states (k, nq) of a motion at parameters (k,) in [0, 1], by OMPL's interpolation."""
-        if self._spare is None:
-            self.ompl_space()
-        assert self._spare is not None
-        rows = []
-        with self._spare.taken() as (between,):
-            for t in parameters.tolist():
-                self._space.interpolate(s1, s2, t, between)
-                rows.append(self.read(between))
-        return np.array(rows)
 
 
 def _write(state: Any, kind: Kind, position: Floats, turn: Floats) -> None:

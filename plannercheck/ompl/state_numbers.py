@@ -9,6 +9,7 @@ OMPL's bindings show no pointer to a state's numbers, but every space copies the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from plannercheck.common.array_types import Floats
@@ -46,13 +47,28 @@ class StateNumbers:
 
 
 class NumberedSpace:
-    """What the spaces of robots in space and in the plane share: the numbers of their states."""
+    """What the spaces of robots in space and in the plane share: their states, and the numbers of these."""
 
     _numbers: StateNumbers | None = None  # `ompl_space` sets it
 
     def ompl_space(self) -> Any:
         """A new OMPL space."""
         raise NotImplementedError
+
+    def _numbered(self, space: Any, width: int) -> Any:
+        """The given space, whose states of so many numbers are read from now on."""
+        self._numbers = StateNumbers(space, width)
+        return space
+
+    def write(self, state: Any, q: Sequence[float] | Floats) -> None:
+        """Sets an OMPL state to a configuration (nq,)."""
+        raise NotImplementedError
+
+    def state(self, information: Any, q: Sequence[float] | Floats) -> Any:
+        """A new OMPL state of a configuration (nq,); it frees itself, unlike states of the space."""
+        state = information.allocState()
+        self.write(state, q)
+        return state
 
     @property
     def numbers(self) -> StateNumbers:

@@ -60,17 +60,9 @@ class MotionCertifier:
         pieces: Floats = STRAIGHT,
         given: Floats | None = None,
     ) -> bool:
-        """Whether one motion is free.
+        """Whether one motion (nq,) to (nq,) is proved free; `given` as for `check`.
 
-        Args:
-            q0: (nq,) start.
-            q1: (nq,) end.
-            tolerance: m.
-            pieces: (k, 11) pieces of a curve, from `Curves.pieces`; none for a straight motion.
-            given: As for `check`.
-
-        Returns:
-            True means proved free.
+        Pieces of a curve are (k, 11), from `Curves.pieces`; none for a straight motion.
         """
         check_tolerance(tolerance)
         start, end = (np.asarray(q, dtype=np.float64) for q in (q0, q1))
@@ -86,18 +78,9 @@ class MotionCertifier:
         pieces: Floats = STRAIGHT,
         given: Floats | None = None,
     ) -> MotionResult:
-        """How far one motion is free, from its start on.
+        """How far one validated motion is free, from its start on, on request with the proofs of all pairs.
 
-        Args:
-            q0: (nq,) start, validated.
-            q1: (nq,) end.
-            tolerance: m.
-            proofs: Whether to return the proofs of all pairs.
-            pieces: As for `is_free`.
-            given: As for `check`.
-
-        Returns:
-            The result.
+        Arguments as for `is_free`.
         """
         check_tolerance(tolerance)
         asked = q0, q1, q1 if given is None else given, pieces, tolerance

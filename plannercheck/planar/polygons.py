@@ -191,14 +191,9 @@ def checked_polygon(vertices: ArrayLike, name: str = "polygon", validate: bool =
 
 
 def checked_poses(poses: ArrayLike | None, name: str) -> Floats:
-    """Poses (n, 3, 3) of SE(2), or an error that says what is wrong.
+    """Poses (n, 3, 3) of SE(2), n = 1 for one pose or None, the identity; m. An error says what is wrong.
 
-    Args:
-        poses: (3, 3) or (n, 3, 3), m; None is the identity.
-        name: For errors.
-
-    Returns:
-        (n, 3, 3), n = 1 for one pose. It may be the given array itself, so a caller who keeps it has to copy it.
+    It may be the given array itself, so a caller who keeps it has to copy it.
     """
     if poses is None:
         return _IDENTITY

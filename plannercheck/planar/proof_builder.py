@@ -89,14 +89,8 @@ class PlanarBuilder:
     ) -> Proof | None:
         """The proof of one motion, None if the certifier does not find it free.
 
-        Args:
-            start: (nq,) validated.
-            end: (nq,) the end of the short way round.
-            asked_end: (nq,) the end as it was asked for.
-            tolerance: m.
-            pieces: (k, 11) as for the certifier; none for a straight motion.
-            curve: How the root moves.
-            turning_radius: Turning radius of curves, m.
+        From start (nq,) to end (nq,), the short way round to what was asked for; pieces are (k, 11) as for the
+        certifier.
         """
         certifier = self._checker.motion_certifier
         result = certifier.motion_result(start, end, tolerance, True, pieces, asked_end)

@@ -67,14 +67,7 @@ def is_planar(name_or_path: str | Path, folder: str) -> bool:
 
 
 def read_robot(path: Path) -> tuple[list[Link], str, list[tuple[str, str]]]:
-    """Reads a planar robot.
-
-    Args:
-        path: The YAML file.
-
-    Returns:
-        Its links, its name, and the pairs of links that are not tested against each other.
-    """
+    """Reads a planar robot from YAML: links, name, and pairs of links that are not tested against each other."""
     content = planar_document(path, _KEYS)
     links = [_link(mapping(item, f"link {k}"), k) for k, item in enumerate(sequence(content.get("links"), "'links'"))]
     if not links:

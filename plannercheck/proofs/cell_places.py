@@ -22,13 +22,7 @@ _STILL = [[Fraction(int(row == column)) for column in range(4)] for row in range
 
 @enough_digits()
 def base_placements(cell: str | Path) -> dict[str, Placement]:
-    """The placement of each robot's base in the world.
-
-    Args:
-        cell: The file.
-
-    Returns:
-        By name; a robot without a pose is at rest at the origin.
+    """The placement of each robot's base in the world, by name; a robot without a pose is at rest at the origin.
 
     Raises:
         PlannercheckError: If the file can't be read, or a pose is not as scene files write it.

@@ -6,6 +6,7 @@ above it, over a span of the parameter, and bounds for every map of the tree.
 
 from __future__ import annotations
 
+from copy import copy
 from typing import Any
 
 from flint import arb, arb_mat
@@ -32,11 +33,20 @@ class Chains:
         Raises:
             UnprovedError: If the motion has no definite short way.
         """
-        self._motions = [joint_motion(joint, motion.control, motion.path) for joint in model.joints]
-        self._parents = [joint.parent for joint in model.joints]
+        self._joints, self._parents = model.joints, [joint.parent for joint in model.joints]
+        self.defect = _defect(model)
+        self._begin(motion)
+
+    def _begin(self, motion: Motion) -> None:
+        self._motions = [joint_motion(joint, motion.control, motion.path) for joint in self._joints]
         self._spans: dict[Span, dict[tuple[int, int], Jet]] = {}
         self._points: dict[float, dict[tuple[int, int], Any]] = {}
-        self.defect = _defect(model)
+
+    def on(self, motion: Motion) -> Chains:
+        """The same robot's on another motion; errors as of the constructor."""
+        made = copy(self)
+        made._begin(motion)
+        return made
 
     def is_above(self, above: int, joint: int) -> bool:
         """Whether a joint is another one or its ancestor; the world is above all joints."""

@@ -33,6 +33,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,7 @@ class EntryChecker:
         assert isinstance(proof.model, Model)
         self._model = model = proof.model
         assert isinstance(proof.motion, Motion)
-        self._chains = Chains(model, proof.motion)
+        self._chains, self._least_margin = Chains(model, proof.motion), proof.margin
         self._tube = Tube(model, proof.motion, self._chains)
         self._links = [affine(link.placement) for link in model.links]
         poses = [affine(body.pose) for body in model.bodies]
@@ -87,7 +88,19 @@ class EntryChecker:
         self._balls: dict[int, Seen | None] = {}
         self._planes: dict[int, tuple[Seen, Direction]] = {}
         self._parts: dict[tuple[int, ...], Seen] = {}
-        self._margin = (proof.margin + end_shift(model, proof.motion, self._seen, self._stretch)) * UP
+        self._begin(proof.motion)
+
+    def _begin(self, motion: Motion) -> None:
+        shift = end_shift(self._model, motion, self._seen, self._stretch)
+        self._margin = (self._least_margin + shift) * UP
+
+    def on(self, motion: Motion) -> EntryChecker:
+        """The same model's on another motion; errors as of the constructor."""
+        made = copy(self)
+        made._chains = self._chains.on(motion)
+        made._tube = self._tube.on(motion, made._chains)
+        made._begin(motion)
+        return made
 
     def _posed(self, body: PosedBody, pose: Any) -> Seen:
         parts = parts_of(body) if body.parts else None

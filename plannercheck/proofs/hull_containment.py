@@ -36,14 +36,7 @@ class FlatError(ValueError):
 
 
 def point_outside(vertices: Floats, points: Floats) -> int | None:
-    """The first point outside of the hull of vertices.
-
-    Args:
-        vertices: (n, 3) finite.
-        points: (m, 3) finite.
-
-    Returns:
-        Its row; None if all are inside or on the hull.
+    """The row of the first of points (m, 3) outside of the hull of vertices (n, 3); None if all are in or on it.
 
     Raises:
         FlatError: If no four vertices span a volume, as far as doubles tell.

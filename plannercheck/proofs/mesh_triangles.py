@@ -26,13 +26,7 @@ class NotReadError(ValueError):
 
 
 def mesh_triangles(path: Path) -> Floats:
-    """The triangles of a mesh file.
-
-    Args:
-        path: Its suffix tells the format.
-
-    Returns:
-        (n, 3, 3) corners.
+    """The triangles (n, 3, 3) of a mesh file, whose suffix tells the format.
 
     Raises:
         NotReadError: If it is of another format, or holds what this reader does not know.

@@ -31,13 +31,9 @@ _ROUNDING = 64 * 2.0**-53
 
 
 def check_not_nested(a: PosedBody, pose_a: Any, b: PosedBody, pose_b: Any) -> None:
-    """Raises an `UnprovedError` unless both are shown to be outside of each other.
+    """Raises an `UnprovedError` unless both bodies are shown to be outside of each other.
 
-    Args:
-        a: A body.
-        pose_a: Its 4 x 4 map into a frame, in ball arithmetic.
-        b: Another body.
-        pose_b: Its map into the same frame.
+    Their poses are 4 x 4 maps into one frame, in ball arithmetic.
     """
     first, second = _placed(a, pose_a), _placed(b, pose_b)
     _check_outside(a, first, b, second)

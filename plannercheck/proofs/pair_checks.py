@@ -12,6 +12,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from plannercheck.common.model_comparisons import model_comparison
@@ -200,12 +201,16 @@ class PairChecker:
 
     def opened(self, box: Box) -> EntryChecker:
         """What decides about planes and overlaps in a box."""
-        from plannercheck.proofs.entries import EntryChecker
-
         middle = [(low + high) / 2 for low, high in zip(*box, strict=True)]
         # A difference is rounded by half a unit in its last place.
         tube = [math.nextafter(max(h - m, m - low), math.inf) for low, m, h in zip(box[0], middle, box[1], strict=True)]
-        motion, nothing = _standing(middle, tube), Hashes("", "", "")
+        return self._in_any_box.on(_standing(middle, tube))
+
+    @cached_property
+    def _in_any_box(self) -> EntryChecker:
+        from plannercheck.proofs.entries import EntryChecker
+
+        motion, nothing = _standing(self._proofs.lower), Hashes("", "", "")
         return EntryChecker(ProofData("space", "", "", nothing, self._model, motion, self._proofs.margin, ()))
 
     def widened(self, own: EntryChecker, pair: int, frame: int) -> float:
@@ -231,7 +236,7 @@ class PairChecker:
         pair = self.pairs.index((plane.first, plane.second))
         if any(self._model.bodies[k].parts or self._model.bodies[k].half_space for k in self._model.pairs[pair]):
             return False
-        entry = Entry(pair, 0.0, 1.0, "plane", self._link[plane.frame], plane.direction)
+        entry = Entry(pair, 0.0, 0.0, "plane", self._link[plane.frame], plane.direction)
         return bool(own.holds(entry, 0))
 
     def _is_overlap(self, own: EntryChecker, overlap: Overlap) -> bool:

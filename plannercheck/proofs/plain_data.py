@@ -29,15 +29,7 @@ def to_plain(value: Any) -> Any:
 
 
 def from_plain(kind: type[T], value: Any, where: str) -> T:
-    """A dataclass of plain data.
-
-    Args:
-        kind: The class.
-        value: A dictionary with just its fields.
-        where: Its name in errors.
-
-    Returns:
-        The object.
+    """A dataclass of a dictionary with just its fields; `where` is its name in errors.
 
     Raises:
         PlannercheckError: If something is missing, unknown or of another type.

@@ -21,7 +21,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -76,17 +78,49 @@ class _View:
     shift: float
 
 
+class _AtRest:
+    """What holds on every motion; each is computed once."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._own: dict[int, _View] = {}
+
+    @cached_property
+    def maps(self) -> list[Floats]:
+        """From each joint's frame to its parent's."""
+        return [_map_at_rest(joint) for joint in self._model.joints]
+
+    @cached_property
+    def tried(self) -> list[Floats]:
+        """For each joint places on its axis, m."""
+        return _tried_points(self._model, self.maps)
+
+    def own_view(self, body: int) -> _View:
+        """A body as seen from its own joint's frame."""
+        if body not in self._own:
+            self._own[body] = _own_view(self._model, body)
+        return self._own[body]
+
+
 class Tube:
     """The displacements of one motion's tube; each is computed once."""
 
     def __init__(self, model: Model, motion: Motion, chains: Chains) -> None:
         """Reads a well-formed model and motion."""
-        self._model, self._chains, self._is_any = model, chains, any(motion.tube)
+        self._model, self._rest = model, _AtRest(model)
+        self._begin(motion, chains)
+
+    def _begin(self, motion: Motion, chains: Chains) -> None:
+        self._chains, self._is_any = chains, any(motion.tube)
         self._views: dict[tuple[int, int], _View] = {}
         if self._is_any:
-            self._rooms = [_room(joint, motion) for joint in model.joints]
-            self._maps = [_map_at_rest(joint) for joint in model.joints]
-            self._tried = _tried_points(model, self._maps)
+            self._rooms = [_room(joint, motion) for joint in self._model.joints]
+
+    def on(self, motion: Motion, chains: Chains) -> Tube:
+        """The same model's on another motion."""
+        made = copy(self)
+        made._begin(motion, chains)
+        return made
 
     def widening(self, frame: int, a: int, b: int) -> float:
         """By how much two bodies together are displaced, at most, seen from a joint's frame, m."""
@@ -99,7 +133,7 @@ class Tube:
         known = next((k for k, (at, _) in enumerate(steps) if (at, body) in self._views), len(steps))
         if known == len(steps):
             known -= 1
-            self._views[steps[known][0], body] = _own_view(self._model, body)
+            self._views[steps[known][0], body] = self._rest.own_view(body)
         for (before, _), (at, joint) in zip(steps[known:0:-1], steps[known - 1 :: -1], strict=False):
             self._views[at, body] = self._crossed(self._views[before, body], joint, is_up=joint == before)
         return self._views[frame, body]
@@ -120,7 +154,7 @@ class Tube:
 
     def _crossed(self, view: _View, joint: int, is_up: bool) -> _View:
         """The view from a joint's other side; from its parent's frame if it goes up."""
-        matrix = self._maps[joint]
+        matrix = self._rest.maps[joint]
         longer = replace(view, lengths=view.lengths + 2 * math.hypot(*matrix[:3, 3]) + 2 * self._rooms[joint].extent)
         if is_up:
             return _moved(self._moved_by(longer, joint), matrix)
@@ -133,10 +167,10 @@ class Tube:
         if max(own.columns) < 0 or own.kind == "slide":
             return further
         axis = _axis(own)
-        tried = np.concatenate([self._tried[joint], view.middles @ axis])[:, None] * axis
+        tried = np.concatenate([self._rest.tried[joint], view.middles @ axis])[:, None] * axis
         if not axis.any():
             tried = np.zeros((1, 3))
-        loose = view.lengths * (_DEFECTS * self._chains.defect + (len(self._maps) + 8) * ROUNDING)
+        loose = view.lengths * (_DEFECTS * self._chains.defect + (len(self._rest.maps) + 8) * ROUNDING)
         arms, apart = _distances(view.points, axis), np.linalg.norm(view.points[:, None] - tried, axis=2)
         if view.reaches is None:
             arm, reaches = arms.max(), apart.max(axis=0)  # all of the body's points count

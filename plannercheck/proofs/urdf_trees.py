@@ -105,18 +105,13 @@ def confirm_limits(
 ) -> set[int]:
     """Checks that limits hold all that a URDF's joints can take, or one turn of those without limits.
 
-    Args:
-        model: A model whose tree is that of the URDF.
-        limits: (columns,) each, the least and largest number, rad and m.
-        urdf: The file.
-        content: As of `confirm_tree`.
-        place: As of `confirm_tree`.
+    The model's tree is that of the URDF; limits are (columns,) each, rad and m; other arguments as of `confirm_tree`.
 
     Returns:
         The columns of these joints.
 
     Raises:
-        UnprovedError: If they do not.
+        UnprovedError: If the limits do not.
         PlannercheckError: If the file can't be read.
     """
     joints, columns = place.named(model.joints), set[int]()

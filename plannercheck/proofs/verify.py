@@ -28,13 +28,7 @@ _BITS = {"space": 64, "plane": 192}
 
 
 def verified(proof: ProofData) -> Verification:
-    """Confirms a proof.
-
-    Args:
-        proof: In space or in the plane.
-
-    Returns:
-        Whether it is proved, or what stops it.
+    """Confirms a proof, in space or in the plane, or says what stops it.
 
     Raises:
         PlannercheckError: If python-flint is not installed.

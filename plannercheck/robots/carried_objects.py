@@ -18,13 +18,7 @@ from plannercheck.common.user_warnings import warn
 
 
 def check_objects(objects: Sequence[SceneObject], links: Sequence[str], bodies: Sequence[GeometryObject]) -> None:
-    """Raises for unknown links and for names that are taken; warns of touch links that do not exist.
-
-    Args:
-        objects: Attached objects.
-        links: The robot's links.
-        bodies: The robot's own bodies.
-    """
+    """Raises for unknown links and for names that the robot's bodies have; warns of touch links that do not exist."""
     taken = {*links, *(body.name for body in bodies)}
     names = {item.name for item in objects}
     for item in objects:
@@ -39,14 +33,9 @@ def check_objects(objects: Sequence[SceneObject], links: Sequence[str], bodies: 
 
 
 def carried_pairs(objects: Sequence[SceneObject], bodies: Sequence[GeometryObject]) -> list[tuple[int, int]]:
-    """Index pairs that carried bodies add to a robot's self pairs.
+    """Index pairs that carried bodies add to a robot's self pairs: those with links, then those among the objects.
 
-    Args:
-        objects: Attached objects.
-        bodies: The robot's own bodies; those of the objects follow them, object by object.
-
-    Returns:
-        Pairs with links, then pairs among the objects.
+    The objects' bodies follow the robot's own, object by object.
     """
     owners = [item for item in objects for _ in item.bodies]
     first = len(bodies)

@@ -62,12 +62,7 @@ def members_of(robots: Mapping[str, Placed]) -> dict[str, Member]:
 
 
 def described_cell(description: RobotDescription, load: Callable[[RobotDescription], RobotParts]) -> RobotParts:
-    """The parts of a cell that a file describes; equal robots are read once.
-
-    Args:
-        description: The cell's.
-        load: Reads one robot.
-    """
+    """The parts of a cell that a file describes; equal robots are read once."""
     _check_of_cell(description)
     known: list[tuple[RobotDescription, RobotParts]] = []
     members, at_origin = {}, []
@@ -208,11 +203,7 @@ def columns_by_name(
 ) -> dict[str, tuple[tuple[str, ...], Ints64]]:
     """For each robot of a cell its joints in the cell's group, and their columns (k,) in a configuration.
 
-    Args:
-        members: The robots.
-        joints: The joints of the cell's group.
-        starts: The first column of each joint.
-        width: How many columns there are.
+    `starts` has the first column of each joint, `width` is how many columns there are.
     """
     ends, found = (*starts[1:], width), {}
     for name in members:

@@ -117,14 +117,7 @@ class ConfigurationMap(OwnsArrays):
         return full
 
     def checked(self, q: ArrayLike) -> Floats:
-        """Validates configurations.
-
-        Args:
-            q: (nq,) or (n, nq), rad and m.
-
-        Returns:
-            (n, nq) float64 in C order, n = 1 for a single one.
-        """
+        """Validates configurations (nq,) or (n, nq), rad and m: (n, nq) float64 in C order, n = 1 for a single one."""
         try:
             array = contiguous(q)
         except (TypeError, ValueError, OverflowError):
@@ -260,15 +253,9 @@ def side_by_side(model: pin.Model, maps: Sequence[ConfigurationMap]) -> Configur
 
 
 def followed(name: str, mimics: Mapping[str, Mimic], known: Container[str]) -> tuple[str, float, float]:
-    """The joint that determines a joint's value.
+    """The joint that determines a joint's value: (leader, multiplier, offset), through mimics of mimics.
 
-    Args:
-        name: The joint's name.
-        mimics: Joints that follow others.
-        known: Joints whose value is known; the search stops at these.
-
-    Returns:
-        (leader, multiplier, offset), through mimics of mimics; the joint itself with 1 and 0 if it follows none.
+    The joint itself with 1 and 0 if it follows none; the search stops at joints whose value is known.
     """
     multiplier, offset = 1.0, 0.0
     for _ in range(len(mimics) + 1):

@@ -196,9 +196,7 @@ def find_description(name_or_path: str | Path) -> Path:
 def description_of(name_or_path: str | Path | RobotDescription, above: tuple[Path, ...] = ()) -> RobotDescription:
     """The description in a robot's YAML, or one of a URDF alone; a description is returned as it is.
 
-    Args:
-        name_or_path: As for `Robot.load`.
-        above: The cells that load it, the outermost first.
+    The cells that load it are `above`, the outermost first.
     """
     if isinstance(name_or_path, RobotDescription):
         return name_or_path
@@ -219,15 +217,7 @@ def description_of(name_or_path: str | Path | RobotDescription, above: tuple[Pat
 
 
 def read_description(path: Path, above: tuple[Path, ...] = ()) -> RobotDescription:
-    """Reads a robot's YAML file, or a cell's.
-
-    Args:
-        path: The file.
-        above: The cells that load it, the outermost first.
-
-    Returns:
-        The description.
-    """
+    """Reads a robot's YAML file, or a cell's; the cells that load it are `above`, the outermost first."""
     text_of_file = read_bytes(path)
     content = parse_yaml(text_of_file)
     if "objects" in content:

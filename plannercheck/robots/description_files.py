@@ -48,11 +48,7 @@ def description_text(description: RobotDescription, joints: Sequence[str] | None
 
 
 def write_cell(cell: RobotParts, path: Path) -> None:
-    """Writes a cell's YAML.
-
-    Args:
-        cell: Its parts.
-        path: The file; paths in it become relative to its folder.
+    """Writes a cell's YAML; paths in it become relative to its folder.
 
     Raises:
         PlannercheckError: If a robot is from no file or carries objects, or if the file can't be written.

@@ -56,15 +56,7 @@ class ForwardKinematics:
         return pinocchio_poses(self._model, self._map, self._frames, rows)
 
     def rounding(self, bodies: Sequence[GeometryObject], links: Mapping[str, int]) -> KinematicRounding | None:
-        """The bound on how far rounding moves a point of these bodies.
-
-        Args:
-            bodies: The bodies, of which those on links count.
-            links: Index of each link by its name.
-
-        Returns:
-            The bound; None if Pinocchio itself poses the robot, since then nothing is proved.
-        """
+        """The bound on how far rounding moves points of bodies on links; None if Pinocchio itself poses the robot."""
         if self.table is None or self.kernel is None:
             return None
         moving = [body for body in bodies if body.link is not None]

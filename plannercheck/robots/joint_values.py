@@ -26,15 +26,7 @@ def own_joints(model: pin.Model, mimics: Mapping[str, Mimic]) -> tuple[str, ...]
 
 
 def row_of_named(values: Mapping[str, ArrayLike], names: Sequence[str], widths: Sequence[int]) -> Floats:
-    """Values by names of joints as numbers in the joints' order.
-
-    Args:
-        values: By name.
-        names: Names of the joints.
-        widths: How many numbers each joint takes.
-
-    Returns:
-        Their numbers, (sum of widths,).
+    """Values by names of joints as (sum of widths,) numbers in the order of the names.
 
     Raises:
         PlannercheckError: If a joint is missing, is not one of them, or has not as many numbers as it takes.

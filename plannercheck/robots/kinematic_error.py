@@ -150,13 +150,7 @@ class KinematicRounding:
     """The bound for one robot; its joint table and bodies are read once."""
 
     def __init__(self, table: JointTable, bodies: Sequence[GeometryObject], links: Sequence[int]) -> None:
-        """Reads the placements.
-
-        Args:
-            table: The kernel's joint table.
-            bodies: Collision bodies.
-            links: Each body's link, an index into the table's links.
-        """
+        """Reads the placements of the kernel's joint table, and of bodies, each on a link of the table."""
         self._table = table
         self._joint_placements = [_placement(p) for p in table.placements]
         self._link_placements = [_placement(p) for p in table.link_placements]
@@ -229,16 +223,7 @@ def radius_of(shape: Shape) -> float:
 
 
 def largest_distance(bodies: Sequence[GeometryObject], poses: Floats, others: Floats) -> float:
-    """How far the points of bodies move at most between two poses.
-
-    Args:
-        bodies: n bodies.
-        poses: (n, 4, 4) in m; bodies whose poses are NaN do not count.
-        others: (n, 4, 4) the other poses.
-
-    Returns:
-        m.
-    """
+    """How far the points of n bodies move at most from poses (n, 4, 4) to others, m; bodies at NaN do not count."""
     difference = poses - others
     turns = np.linalg.norm(difference[:, :3, :3], axis=(1, 2))
     shifts = np.linalg.norm(difference[:, :3, 3], axis=1)
@@ -266,14 +251,7 @@ def _placement(matrix: Floats) -> Placement:
 
 
 def _sums_passed(present: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """How many additions of (first + second) + third each term passes in which both sides may be other than 0.
-
-    Args:
-        present: (3, n), which terms may be.
-
-    Returns:
-        (3, n).
-    """
+    """How many additions of (first + second) + third each term (3, n) passes whose both sides may be other than 0."""
     first, second, third = present.astype(np.int64)
     return np.array([second + third, first + third, first | second])
 

@@ -64,15 +64,9 @@ class JointTable(NamedTuple):
 
 
 def joint_table(model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]) -> JointTable | None:
-    """The kernel's table of a group.
+    """The kernel's table of a group, or None if the model has a joint that the kernel does not know.
 
-    Args:
-        model: Pinocchio's.
-        configurations: Where the numbers in Pinocchio's q come from.
-        frames: Pinocchio's frames of the links.
-
-    Returns:
-        The table, or None if the model has a joint that the kernel does not know.
+    `configurations` says where the numbers in Pinocchio's q come from; `frames` are Pinocchio's of the links.
     """
     joints = [_joint_row(model, model.joints[i], configurations) for i in range(1, model.njoints)]
     if any(row is None for row in joints):
@@ -115,26 +109,18 @@ def _check_numbers(table: JointTable, model: pin.Model) -> None:
 def compiled_kinematics(
     model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]
 ) -> core.Kinematics | None:
-    """Builds the compiled kinematics of a group; arguments as of `joint_table`.
+    """The compiled kinematics of a group; None if the model has a joint that the kernel does not know.
 
-    Returns:
-        A `core.Kinematics`, or None if the model has a joint that the kernel does not know.
+    Arguments as of `joint_table`.
     """
     table = joint_table(model, configurations, frames)
     return None if table is None else core.Kinematics(*table)
 
 
 def pinocchio_poses(model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int], q: Floats) -> Floats:
-    """World poses of the links by Pinocchio itself.
+    """World poses (n, links, 4, 4), m, of the links at group configurations (n, nq), by Pinocchio itself.
 
-    Args:
-        model: Pinocchio's.
-        configurations: Where the numbers in Pinocchio's q come from.
-        frames: Pinocchio's frames of the links.
-        q: (n, nq) group configurations.
-
-    Returns:
-        (n, links, 4, 4), m.
+    Other arguments as of `joint_table`.
     """
     poser = _posed_with_data if model.nv <= _MOST_FOR_DATA else _posed_by_joints
     poses = np.empty((len(q), len(frames), 4, 4))
@@ -160,14 +146,9 @@ def _posed_by_joints(model: pin.Model, frames: Sequence[int], rows: Floats) -> I
 
 
 def joint_placements(model: pin.Model, q: Floats) -> list[Any]:
-    """Pinocchio's poses of the joints, for a model of any size.
+    """Pinocchio's poses in the world (pin.SE3) of the joints at a configuration (nq,), for a model of any size.
 
-    Args:
-        model: Pinocchio's.
-        q: Its configuration (nq,).
-
-    Returns:
-        A placement in the world (pin.SE3) for each of its joints, the universe first; the same bits as `Data.oMi`.
+    The universe is first; the bits are those of `Data.oMi`.
     """
     placed = [pin.SE3.Identity()]
     for joint, parent, placement in list(zip(model.joints, model.parents, model.jointPlacements, strict=True))[1:]:

@@ -50,14 +50,9 @@ def read_bodies(
     units: MeshUnits | None = None,
     kind: ElementKind = "collision",
 ) -> LinkBodies:
-    """Reads the shapes of a URDF's links.
+    """Reads the "collision" or "visual" shapes of a URDF's links, on the joints of its model.
 
-    Args:
-        model: Pinocchio's model of the same URDF.
-        file: The URDF.
-        package_dirs: Folders in which `package://` paths start.
-        units: How mesh files are read, as for `Robot.load`.
-        kind: Which elements: "collision", or "visual" for pictures.
+    `package_dirs` are where `package://` paths start; `units` as for `Robot.load`.
 
     Raises:
         PlannercheckError: If an element or its mesh can't be read.

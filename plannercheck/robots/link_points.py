@@ -60,31 +60,15 @@ class LinkPoints:
         self._bodies = [_prepared(body, excess).core for body in bodies]
 
     def near(self, link_poses: Floats, points: ArrayLike, radius: ArrayLike) -> Bools:
-        """Which points are within their radius of some body; touching counts.
-
-        Args:
-            link_poses: (links, 4, 4) m.
-            points: (n, 3) m.
-            radius: One radius, or (n,), m.
-
-        Returns:
-            (n,).
-        """
+        """Which points (n, 3) are within their radius (n,) of some body at poses (links, 4, 4), m; touching counts."""
         rows = checked_points(points)
         radii = _checked_radii(radius, len(rows))
         return np.asarray(core.points_near_bodies(self._bodies, self._body_poses(link_poses), rows, radii)).view(bool)
 
     def distances(self, link_poses: Floats, points: ArrayLike, limit: float) -> tuple[Floats, Floats]:
-        """How far points are from links.
+        """How far points (n, 3) are from links at poses (links, 4, 4): distances and lower bounds, (n, links) each, m.
 
-        Args:
-            link_poses: (links, 4, 4) m.
-            points: (n, 3) m.
-            limit: Where distances end, m.
-
-        Returns:
-            Distances and their lower bounds, (n, links) each, m; infinite beyond the limit and for links without
-            bodies.
+        They are infinite beyond the limit and for links without bodies.
         """
         rows, count = checked_points(points), len(link_poses)
         if not (isinstance(limit, int | float | np.number) and limit >= 0):

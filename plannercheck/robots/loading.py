@@ -129,14 +129,9 @@ def urdf_description(
 
 
 def robot_parts(description: RobotDescription, reference: Reference) -> RobotParts:
-    """Reads the parts of a robot.
+    """Reads the parts of a robot, by its YAML as read, or the arguments of `Robot.from_urdf`.
 
-    Args:
-        description: The robot's YAML as read, or the arguments of `Robot.from_urdf`.
-        reference: As for `Robot.from_urdf`; values in the description take precedence.
-
-    Returns:
-        The parts.
+    The reference is as for `Robot.from_urdf`; values in the description take precedence.
     """
     urdf = description.file
     mjcf = _mjcf_robot(description) if urdf.kind == MJCF_ROOT else None
@@ -223,15 +218,7 @@ def group_of(
 def posed(
     parts: RobotParts, values: Mapping[str, NDArray[np.float64]]
 ) -> tuple[ConfigurationMap, NDArray[np.float64], ForwardKinematics]:
-    """How a robot is posed by its group's joints, all others held.
-
-    Args:
-        parts: The robot's.
-        values: The value of every joint, by name.
-
-    Returns:
-        The map of configurations, the reference configuration (nq,), and the kinematics.
-    """
+    """Configuration map, reference (nq,) and kinematics of a robot's group; all other joints held at `values`."""
     model, group = parts.model, parts.joints
     sources = whole_robot(model) if group is None else planning_group(model, group, values, parts.mimics)
     reference = read_only(reference_of(model, group, values))

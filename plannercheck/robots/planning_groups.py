@@ -32,16 +32,7 @@ def usable_mimics(model: pin.Model, urdf: Path | UrdfFile) -> dict[str, Mimic]:
 
 
 def explicit_group(model: pin.Model, joints: Sequence[str], mimics: Mapping[str, Mimic]) -> tuple[str, ...]:
-    """Joints as listed, checked.
-
-    Args:
-        model: Pinocchio's model.
-        joints: Names in order.
-        mimics: Joints that follow others; they may not be listed.
-
-    Returns:
-        The same names.
-    """
+    """The names of joints as listed, checked; joints that follow others may not be listed."""
     for name in joints:
         joint_by_name(model, name)
         if name in mimics:
@@ -56,18 +47,7 @@ def explicit_group(model: pin.Model, joints: Sequence[str], mimics: Mapping[str,
 def srdf_group(
     model: pin.Model, srdf: Element | None, name: str, tree: LinkTree, mimics: Mapping[str, Mimic]
 ) -> tuple[str, ...]:
-    """The moving joints of an SRDF group, in document order.
-
-    Args:
-        model: Pinocchio's.
-        srdf: The SRDF, None if there is none.
-        name: The group's name.
-        tree: Links and joints of the URDF.
-        mimics: Joints that follow others.
-
-    Returns:
-        Names of joints.
-    """
+    """The moving joints of an SRDF group, in document order; the tree is the URDF's, `mimics` follow others."""
     moving = list(model.names)[1:]
     joints = group_joints(srdf, name, tree)
     resting = set(tree.joints.values()) | (virtual_joints(srdf) if srdf is not None else set())

@@ -14,15 +14,7 @@ from plannercheck.common.html_tables import html_table
 
 
 def robot_html(title: str, joints: Sequence[str], starts: Sequence[int], lower: Floats, upper: Floats) -> str:
-    """The table; a joint of several numbers has as many rows.
-
-    Args:
-        title: The robot's own words for itself.
-        joints: Names.
-        starts: First column of each joint.
-        lower: (nq,) rad or m.
-        upper: (nq,) rad or m.
-    """
+    """The table below a title; a joint has a row for each number from its column in `starts` on. Limits: (nq,)."""
     names = np.repeat(np.array(joints, dtype=object), np.diff([*starts, len(lower)]))
     rows = [
         (column, name, f"{low:.6g}", f"{high:.6g}")

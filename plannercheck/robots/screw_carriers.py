@@ -34,14 +34,9 @@ class _Screw(NamedTuple):
 
 
 def screw_carrier(objects: Sequence[str], rows: Floats) -> tuple[Carrier, Floats]:
-    """The joints that carry objects along screws.
+    """The joints that carry named objects along screws to positions and quaternions (m, 7), m.
 
-    Args:
-        objects: Their names.
-        rows: (m, 7) positions and quaternions that they come to, m.
-
-    Returns:
-        The carrier, and the numbers of its joints (m, width) at each pose.
+    The numbers of the joints at each pose are (m, width).
 
     Raises:
         PlannercheckError: If there are too many steps, or an axis is too far away.

@@ -61,14 +61,7 @@ class Srdf:
 
 
 def read_srdf(path: Path) -> Element:
-    """Parses an SRDF.
-
-    Args:
-        path: The file.
-
-    Returns:
-        Its root element.
-    """
+    """Parses an SRDF to its root element."""
     if not is_file(path):
         raise PlannercheckError(f"SRDF {path} does not exist")
     check_xml(path, "SRDF")
@@ -93,16 +86,10 @@ def group_names(root: Element) -> list[str]:
 
 
 def group_joints(root: Element | None, name: str, tree: LinkTree) -> list[str]:
-    """The joints of a planning group.
+    """The names of the joints of a planning group, in document order, each once.
 
-    Args:
-        root: The SRDF, None if there is none.
-        name: The group's name.
-        tree: Links and joints of the URDF.
-
-    Returns:
-        Joint names in document order, each once: joints as listed, the parent joints of links, the joints of
-        chains from base to tip, and those of subgroups. Fixed and virtual joints are among them.
+    These are joints as listed, the parent joints of links, the joints of chains from base to tip, and those of
+    subgroups. Fixed and virtual joints are among them.
     """
     if root is None:
         joints = ", ".join(tree.joints[link] for link in tree.parents)
@@ -196,17 +183,10 @@ def enabled_collisions(root: Element) -> list[DisabledPair]:
 
 
 def untested_pairs(root: Element, links: Sequence[str]) -> list[DisabledPair]:
-    """All pairs of links that an SRDF leaves out, as MoveIt 2 has it (AllowedCollisionMatrix of an srdf::Model).
+    """All pairs of links that an SRDF leaves out, each once, as MoveIt 2 has it (its AllowedCollisionMatrix).
 
     Links of <disable_default_collisions> are left out against every other link, then <enable_collisions> takes pairs
     back, and <disable_collisions> has the last word, whatever the order in the file.
-
-    Args:
-        root: The SRDF.
-        links: The robot's links.
-
-    Returns:
-        The pairs, each once.
     """
     found = {frozenset((pair.link_a, pair.link_b)): pair for pair in reversed(disabled_collisions(root))}
     enabled = {frozenset((pair.link_a, pair.link_b)) for pair in enabled_collisions(root)}
@@ -258,16 +238,7 @@ def virtual_joints(root: Element) -> set[str]:
 
 
 def group_state(root: Element | None, name: str, joints: Container[str]) -> dict[str, list[float]]:
-    """A named state.
-
-    Args:
-        root: The SRDF, None if there is none.
-        name: The name of the group state.
-        joints: The joints of the model; others, such as virtual ones, are ignored.
-
-    Returns:
-        Joint values by joint name, rad or m.
-    """
+    """Joint values, rad or m, of a named state by joint name, without those of joints that the model lacks."""
     if root is None:
         raise PlannercheckError(f"group state {name!r}: there is no SRDF to take it from")
     states = root.findall("group_state")

@@ -34,14 +34,9 @@ class Mimic:
 
 
 def read_model(urdf: Path | UrdfFile, floating: bool = False) -> pin.Model:
-    """Builds Pinocchio's model of a URDF.
+    """Builds Pinocchio's model of a URDF, mimic joints as joints of their own.
 
-    Args:
-        urdf: The file, or its path.
-        floating: Whether the root link is free to move (joint `root_joint`).
-
-    Returns:
-        The model, mimic joints as joints of their own.
+    `floating`: the root link is free to move (joint `root_joint`).
     """
     file = _file(urdf)
     if file.kind == SDF_ROOT:

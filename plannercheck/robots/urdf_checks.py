@@ -50,10 +50,6 @@ _FOREIGN = ("gazebo", "sensor", "plugin")
 def check_robot(root: Element, path: Path) -> None:
     """Raises for links and joints that can't be read as they are written.
 
-    Args:
-        root: The <robot>.
-        path: The file, for errors.
-
     Raises:
         PlannercheckError: It names the file and the first faulty element.
     """
@@ -76,18 +72,10 @@ def number(text: str | None, what: str) -> float:
 
 
 def numbers(text: str | None, count: int, what: str) -> list[float]:
-    """So many finite numbers of an attribute.
-
-    Args:
-        text: The attribute's value; None if it is missing.
-        count: How many numbers it has.
-        what: Names the attribute in errors, e.g. "xyz of <origin>".
-
-    Returns:
-        The numbers.
+    """So many finite numbers of an attribute; `what` names it in errors, e.g. "xyz of <origin>".
 
     Raises:
-        PlannercheckError: If there are others, or not so many.
+        PlannercheckError: If it is missing, or has others, or not so many.
     """
     words = [] if text is None else text.split()
     values = [float(word) for word in words if _NUMBER.fullmatch(word)]

@@ -66,15 +66,9 @@ class UrdfFile:
 
     @classmethod
     def read(cls, path: Path, arguments: Mapping[str, str] | None = None, folders: Sequence[Path] = ()) -> UrdfFile:
-        """Reads a file. If it is no XML, only `root` raises.
+        """Reads a URDF or a xacro. If it is no XML, only `root` raises.
 
-        Args:
-            path: A URDF or a xacro.
-            arguments: The xacro's arguments, by name.
-            folders: Folders in which the xacro's packages are searched first.
-
-        Returns:
-            The file.
+        A xacro's arguments are by name; its packages are searched in the folders first.
 
         Raises:
             PlannercheckError: If there is no such file, it is nested too deep, a xacro can't be expanded, or links and

@@ -38,15 +38,9 @@ def xacro_hint(path: Path) -> str:
 
 
 def expanded(path: Path, arguments: Mapping[str, str], folders: Sequence[Path]) -> str:
-    """The URDF that a xacro file stands for.
+    """The text of the URDF that a xacro file stands for, with its <xacro:arg>s by name.
 
-    Args:
-        path: Path of the file.
-        arguments: Values of its <xacro:arg>s, by name.
-        folders: Folders in which its packages are searched first.
-
-    Returns:
-        The text.
+    Its packages are searched in the folders first.
 
     Raises:
         PlannercheckError: If it can't be expanded; the message is xacro's.

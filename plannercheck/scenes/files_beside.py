@@ -24,26 +24,16 @@ class FilesBeside:
     """The files of one scene."""
 
     def __init__(self, scene: Path) -> None:
-        """Starts without files.
-
-        Args:
-            scene: The scene's file.
-        """
+        """Starts without files, for a scene's file."""
         self.folder = scene.resolve().parent
         self._stem = scene.stem
         self._waiting: dict[Path, Callable[[Path], object]] = {}
 
     def name(self, owner: str, digest: bytes, suffix: str, write: Callable[[Path], object]) -> str:
-        """Takes a content that is to be written.
+        """Takes a content that is to be written, and returns the file's name in the scene's folder.
 
-        Args:
-            owner: The object's name, of which the file's name has what files may have.
-            digest: A hash of the content.
-            suffix: The file's, with its dot.
-            write: Writes the content to a path, which may lack the suffix.
-
-        Returns:
-            The file's name in the scene's folder.
+        The name has what files may have of the owner's name, and the suffix with its dot; the digest is a hash of the
+        content. `write` writes it to a path, which may lack the suffix.
         """
         plain = re.sub(r"[^\w-]+", "_", owner, flags=re.ASCII).strip("_")[:_LONGEST_NAME]
         name = ".".join(filter(None, (self._stem, plain, digest[:_HASH_BYTES].hex()))) + suffix

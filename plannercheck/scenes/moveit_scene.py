@@ -56,13 +56,7 @@ def read_planning_scene(
     document: Node,
     find_file: FindFile,
 ) -> None:
-    """Reads a parsed planning scene: its objects, attached objects, and allowed collision matrix.
-
-    Args:
-        scene: The scene to fill.
-        document: The YAML document.
-        find_file: Finds the files of meshes, and says what these are taken as.
-    """
+    """Reads a parsed planning scene into a scene: its objects, attached objects, and allowed collision matrix."""
     check_keys(document, _SCENE_KEYS)
     scene.name = text(document.get("name") or "", "name")
     scene.frames = scene_frames(document)

@@ -77,12 +77,7 @@ _MESH = "mesh"
 
 
 def read_scene_text(scene: SceneContents, content: bytes, meshes: MeshKind = "hull") -> None:
-    """Reads a `.scene` file.
-
-    Args:
-        scene: The scene to fill and to name.
-        content: The content of the file.
-        meshes: What meshes are taken as.
+    """Reads the content of a `.scene` file into a scene, meshes taken as said.
 
     Raises:
         PlannercheckError: If the file is faulty; the message names the object and the line.

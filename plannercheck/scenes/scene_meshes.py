@@ -45,12 +45,9 @@ def shape_of_triangles(points: Floats, triangles: NDArray[np.int64], meshes: Mes
 
 
 def mesh_parts(path: Path, keys: Mapping[str, Any], taken: OpenMesh | None) -> list[Part]:
-    """The parts of a mesh file: one for each of its objects.
+    """The parts of a mesh file: one for each of its objects; hulls if an open mesh of a solid is taken as None.
 
-    Args:
-        path: The file.
-        keys: What a scene's file says beside its name: scale, object, mesh_units.
-        taken: What an open mesh of a solid is taken as; None for hulls.
+    The keys are what a scene's file says beside its name: scale, object, mesh_units.
 
     Raises:
         PlannercheckError: If the file can't be read, or has no object of that name.

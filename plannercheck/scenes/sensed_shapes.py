@@ -51,15 +51,9 @@ SENSED_KEYS = tuple(_KEYS)
 
 
 def read_sensed(kind: str, given: Any, find_file: FindFile) -> tuple[PartSet, SensedSource]:
-    """The shape of one of `SENSED_KEYS`.
+    """The shape of one of `SENSED_KEYS`, and its file with the other keys.
 
-    Args:
-        kind: The key.
-        given: A file's name, or a mapping of `file` and further keys.
-        find_file: Where files are.
-
-    Returns:
-        The shape, and its file with the other keys.
+    `given` is a file's name, or a mapping of `file` and further keys.
     """
     values = {"file": given} if isinstance(given, str) else mapping(given, "it")
     check_keys(values, ("file", *_KEYS[kind]))
@@ -108,13 +102,7 @@ def _arrays_of(kind: str, path: Path) -> Node:
 
 
 def sensed_node(shape: PartSet, owner: str, beside: FilesBeside) -> Node:
-    """The mapping of a shape that no file gave.
-
-    Args:
-        shape: The shape.
-        owner: The name of its object.
-        beside: Takes the file that the mapping names.
-    """
+    """The mapping of an object's shape that no file gave; `beside` takes the file that the mapping names."""
     kind = sensed_kind(shape)
     if isinstance(shape, Octree):
         keys, sizes = shape.keys.astype(np.int64), shape.sizes.astype(np.int64)

@@ -77,16 +77,9 @@ class Samples(OwnsArrays):
 
 
 def fastest(curve: Curve, velocity: Floats, acceleration: Floats, least: float = 0.0) -> Law | None:
-    """The fastest law from rest to rest.
+    """The fastest law from rest to rest of a section by its length; None if TOPP-RA finds none.
 
-    Args:
-        curve: A section by its length.
-        velocity: (nq,) largest speeds, rad/s and m/s.
-        acceleration: (nq,) likewise, rad/s² and m/s².
-        least: How long a blend takes at least, s.
-
-    Returns:
-        The law; None if TOPP-RA finds none.
+    Largest speeds and accelerations are (nq,), in rad and m a second; a blend takes at least so many seconds.
     """
     toppra = extra_module("toppra", "timing", "timed plans")
     # In units in which the section has length 1 and the largest acceleration is 1: toppra's thresholds are absolute.

@@ -117,12 +117,7 @@ def _excess(points: Points, limits: JointLimits) -> float:
 
 
 def joined(sections: Sequence[TimedSection], names: Sequence[str]) -> Trajectory:
-    """The trajectory through sections in a row; the last point of one is the first of the next.
-
-    Args:
-        sections: At least one.
-        names: Of the joints.
-    """
+    """The trajectory of these joints through one section or more; the last point of one is the first of the next."""
     ends = np.cumsum([(len(each.points.times) - 1) * each.nanoseconds for each in sections])
     starts = np.concatenate([[0], ends[:-1]])
     stamps = [

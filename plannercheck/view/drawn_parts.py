@@ -95,12 +95,7 @@ def has_many_parts(shape: Shape) -> bool:
 
 
 def parts_of(shape: Shape, where: dict[str, Any]) -> DrawnParts | None:
-    """A cloud or a map as it is drawn; None if it is empty.
-
-    Args:
-        shape: The shape.
-        where: name, owner, poses and colliding of `DrawnParts`.
-    """
+    """A cloud or a map as it is drawn; None if it is empty. `where` is the rest of `DrawnParts`."""
     if isinstance(shape, PointCloud) and shape.count:
         return drawn_balls(shape.points, shape.radius, **where)
     if isinstance(shape, LatticeCells) and shape.count:
@@ -109,13 +104,7 @@ def parts_of(shape: Shape, where: dict[str, Any]) -> DrawnParts | None:
 
 
 def drawn_balls(points: Floats, radii: Floats, **where: Any) -> DrawnParts:
-    """A cloud as it is drawn.
-
-    Args:
-        points: (n, 3) m, at least one.
-        radii: (n,) or (1,) m.
-        where: name, owner, poses and colliding of `DrawnParts`.
-    """
+    """A cloud of points (n, 3), m, n > 0, of radii (n,) or (1,), m, as it is drawn; `where` as for `parts_of`."""
     rows = np.linspace(0, len(points) - 1, min(len(points), MOST_DRAWN)).astype(np.int64)
     shown, radius = points[rows], np.broadcast_to(radii, len(points))[rows]
     corner = shown.min(axis=0)
@@ -134,14 +123,9 @@ def drawn_balls(points: Floats, radii: Floats, **where: Any) -> DrawnParts:
 
 
 def drawn_cells(keys: NDArray[Any], sizes: NDArray[Any], resolution: float, origin: Floats, **where: Any) -> DrawnParts:
-    """A map as it is drawn.
+    """A map of n > 0 cells as it is drawn; `where` as for `parts_of`.
 
-    Args:
-        keys: (n, 3) low corners in steps of the lattice, at least one.
-        sizes: (n,) edges in steps, powers of two.
-        resolution: The step, m.
-        origin: (3,) where the lattice's corner 0, 0, 0 is, m.
-        where: name, owner, poses and colliding of `DrawnParts`.
+    Low corners (n, 3) and edges (n,), powers of two, are in steps of the resolution, m, from the origin (3,), m, on.
     """
     largest = int(sizes.max())
     low = keys.min(axis=0).astype(np.int64) // largest * largest  # so that octree cells stay in their lattices

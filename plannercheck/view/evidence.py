@@ -37,13 +37,7 @@ class Evidence:
         self._radii = np.array([radius for _, radius in balls])
 
     def witnesses(self, frame: int, poses: Floats, colliding: Bools) -> list[Witness]:
-        """A common point for each colliding pair.
-
-        Args:
-            frame: Index of the frame.
-            poses: (bodies, 4, 4) in the world, m.
-            colliding: (pairs,) which pairs collide.
-        """
+        """A common point for each colliding pair (pairs,), with bodies at poses (bodies, 4, 4) in the world, m."""
         found = ((int(k), certify_posed(*self._posed(int(k), poses))) for k in np.flatnonzero(colliding))
         return [
             Witness(frame, self._checker.pair_names(k), certificate.point)
@@ -52,13 +46,9 @@ class Evidence:
         ]
 
     def planes(self, frame: int, poses: Floats, colliding: Bools, count: int) -> list[Plane]:
-        """Separating planes of the nearest pairs that do not collide; of solids, where a plane separates their hulls.
+        """At most `count` separating planes of the nearest pairs that do not collide; arguments as for `witnesses`.
 
-        Args:
-            frame: Index of the frame.
-            poses: (bodies, 4, 4) in the world, m.
-            colliding: (pairs,) which pairs collide.
-            count: Largest number of planes.
+        Of solids, where a plane separates their hulls.
         """
         found = (self._plane(frame, k, poses) for k in self._nearest(count, poses, np.flatnonzero(~colliding)))
         return [plane for plane in found if plane is not None]

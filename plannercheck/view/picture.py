@@ -119,14 +119,9 @@ def _checked_times(times: ArrayLike, count: int) -> Floats:
 def space_meshes(
     checker: Checker, rows: Floats, hit: Bools, delivered: Mapping[str, Surface], veiled: bool = False
 ) -> list[Mesh]:
-    """A mesh for each body, and one for each delivered mesh.
+    """A mesh for each body at configurations (n, nq), where `hit` (n, bodies) collide, and for each delivered mesh.
 
-    Args:
-        checker: The checker.
-        rows: (n, nq) configurations.
-        hit: (n, bodies) which bodies collide.
-        delivered: Triangles by body's name.
-        veiled: Whether all hulls are to be seen through.
+    `veiled`: all hulls are to be seen through.
     """
     poses = drawn_poses(checker, rows)
     owners = (*(body.link or body.name for body in checker.robot.bodies), *checker.scene.body_objects)

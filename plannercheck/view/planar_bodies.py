@@ -20,13 +20,7 @@ _HEIGHT, _LOWER = 0.1, 0.8
 
 
 def planar_meshes(checker: Checker, rows: Floats, hit: Bools) -> list[Mesh]:
-    """A mesh for each polygon.
-
-    Args:
-        checker: The checker.
-        rows: (n, nq) configurations.
-        hit: (n, bodies) which bodies collide.
-    """
+    """A mesh for each polygon at configurations (n, nq), in which `hit` (n, bodies) collide."""
     poses = checker.body_poses(rows)
     names = checker.robot.link_names
     height = _HEIGHT * max(float(np.ptp(body.vertices, axis=0).max()) for body in checker.robot.bodies)

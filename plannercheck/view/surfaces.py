@@ -87,13 +87,9 @@ def _sheet(corners: NDArray[np.float64]) -> NDArray[np.int32]:
 
 
 def delivered_meshes(robot: str | Path | RobotDescription) -> dict[str, Surface]:
-    """The collision meshes of a robot as they were delivered, concave as they may be.
+    """Triangles by name of the body of a robot's collision meshes as they were delivered, concave as they may be.
 
-    Args:
-        robot: As for `Robot.load`, or its description.
-
-    Returns:
-        Triangles by name of the body; bodies that are no meshes are left out.
+    The robot is as for `Robot.load`, or its description; bodies that are no meshes are left out.
 
     Raises:
         PlannercheckError: If the robot is planar, or one of its files can't be read.
@@ -125,13 +121,9 @@ class Visual:
 
 
 def visual_meshes(robot: str | Path | RobotDescription) -> tuple[Visual, ...]:
-    """What a robot's links look like, by the <visual> elements of its URDF.
+    """What a robot's links look like, by the <visual> elements of its URDF; the robot as for `delivered_meshes`.
 
-    Args:
-        robot: As for `Robot.load`, or its description.
-
-    Returns:
-        All of them; none, with a warning, if a mesh does not load, since no verdict depends on them.
+    None, with a warning, if a mesh does not load, since no verdict depends on them.
 
     Raises:
         PlannercheckError: If the robot is planar, or its description can't be read.

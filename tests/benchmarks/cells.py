@@ -4,10 +4,10 @@ Run: `python tests/benchmarks/cells.py [--states 1000000] [--rounds 9] [--scene 
 
 Out: for two Pandas, and a Panda and a UR5, each at ten places, how many of the states are valid, and how many verdicts
 differ from those of the merged URDF with the same disabled pairs (tests/support/merged_robots.py). Then process time of
-one thread, in turns, the least of the rounds: of one Panda, of the same once more in a checker of its own (the null
+one thread, in turns, the median of the rounds: of one Panda, of the same once more in a checker of its own (the null
 control), of one at the other place, and of both, on random states, free ones, states along motions, and motions.
-"two/mean" is beside the mean of both places. The time and the bytes of
-the bodies that building takes: of one Panda, of two, and of two and a UR5.
+"two/mean" is beside the mean of both places. The time and the bytes of the bodies that building takes: of one Panda, of
+two, and of two and a UR5.
 """
 
 import argparse
@@ -42,7 +42,7 @@ def main() -> int:
     """Runs the command."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--states", type=int, default=1_000_000, help="of each cell")
-    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--rounds", type=int, default=21)
     parser.add_argument("--scene", default="table", help="of the times")
     parser.add_argument("--output", type=Path, metavar="FILE.json")
     options = parser.parse_args()
@@ -127,14 +127,15 @@ def _call(check: Callable[..., np.ndarray], columns: np.ndarray, *rows: np.ndarr
 
 
 def _row(work: str, calls: list[Callable[[], np.ndarray]], rounds: int) -> dict[str, object]:
-    """The least time of each call over rounds in turns, a row of its arguments."""
-    least, found = [np.inf] * len(calls), [call() for call in calls]
+    """The median time of each call over rounds in turns, a row of its arguments."""
+    spent: list[list[float]] = [[] for _ in calls]
+    found = [call() for call in calls]
     for turn in range(rounds):
         for k in (range(len(calls)), reversed(range(len(calls))))[turn % 2]:
             began = time.process_time()
             calls[k]()
-            least[k] = min(least[k], time.process_time() - began)
-    one, again, other, two = (each / len(found[0]) for each in least)
+            spent[k].append(time.process_time() - began)
+    one, again, other, two = (float(np.median(each)) / len(found[0]) for each in spent)
     row = {"work": work, "one": one, "again": again, "other": other, "two": two, "null": again / one}
     shares = {"free_one": float(found[0].mean()), "free_two": float(found[-1].mean())}
     return row | {"ratio": two / one, "mean": 2 * two / (one + other), **shares}

@@ -44,7 +44,7 @@ LIFT = """<robot name="lift"><link name="floor"/>
 <axis xyz="1 0 0"/></joint><joint name="fly" type="floating"><parent link="hand"/><child link="kite"/></joint>
 </robot>"""
 
-EDITED, MEASURED = 2000, 500  # kEdited and kMeasured in judge.cpp
+EDITED, MEASURED, EXPLAINED = 2000, 500, 200  # kEdited, kMeasured and kExplained in judge.cpp
 PROGRAMS = ROOT / "tests" / "support" / "cpp"
 MOVEIT = ROOT / "ros" / "plannercheck_moveit"
 
@@ -139,7 +139,18 @@ def inputs(checker: pc.Checker, states: int, motions: int) -> list[np.ndarray]:
     starts, ends = (checker.robot.random_configurations(motions, seed) for seed in (2, 3))
     ends = starts + (ends - starts) * np.random.default_rng(4).uniform(0, 0.3, (motions, 1))
     ends[::53] *= 1.2
+    far = out_of_reach(checker)
+    for rows in (q, ends):
+        some = rows[1::53][: len(far)]
+        some[:] = far[: len(some)]
     return [q, starts, ends]
+
+
+def out_of_reach(checker: pc.Checker) -> np.ndarray:
+    """States at which only pairs collide that can't within the limits, if there are such."""
+    q = 3 * checker.robot.random_configurations(5000, 5)
+    colliding, unreachable = checker.colliding_pairs(q), np.asarray(checker.unreachable)
+    return q[colliding.any(axis=1) & ~colliding[:, ~unreachable].any(axis=1)]
 
 
 def of_edits(checker: pc.Checker) -> Iterator[pc.Checker]:
@@ -174,6 +185,8 @@ def answers(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray
     for other in others:
         yield other.check_states(given[0][:EDITED])
         yield other.check_motions(given[1][:EDITED], given[2][:EDITED])
+    for q in given[0][:EXPLAINED]:
+        yield from (found.certificate.point for found in checker.explain(q).collisions)
     for each in (checker, others[0]):  # of a box that C++ has made, distances differ by rounding
         yield from of_trajectories(each, given)
         for nearest in (None, 2):
@@ -196,6 +209,12 @@ def of_trajectories(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np
 def cell_of_all_kinds(folder: Path) -> Path:
     """A small cell with all kinds of bodies, and joints of several kinds, to be damaged."""
     (folder / "lift.urdf").write_text(LIFT)
+    pc.Checker(pc.Robot.from_urdf(folder / "lift.urdf"), scene_of_all_kinds()).save(folder / "lift.plannercheck")
+    return folder / "lift.plannercheck"
+
+
+def scene_of_all_kinds() -> pc.Scene:
+    """All kinds of bodies, around the origin."""
     rng = np.random.default_rng(0)
     ball = rng.standard_normal((120, 3))
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) * 0.3
@@ -207,14 +226,13 @@ def cell_of_all_kinds(folder: Path) -> Path:
             np.concatenate([corners, corners + 0.5]),
             np.array([[k + i for i in face] for k in (0, 4) for face in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))]),
         ),
-        shifted(-1.2, 0, 0),
+        shifted(-0.6, -0.2, 0),
     )
     scene.add("cloud", pc.PointCloud(rng.uniform(-1, 1, (20, 3)), 0.02), shifted(0, 1.2, 0))
     scene.add("map", pc.Octree.from_cells(np.array([[0, 0, 0], [2, 1, 3]], dtype=np.int32), 0.1), shifted(0, -1, 0))
     scene.add("ground", pc.HeightField(rng.uniform(-0.6, -0.5, (4, 5)), 0.5, -0.8))
     scene.add("floor", pc.HalfSpace((0.0, 0.1, 1.0), -0.7))
-    pc.Checker(pc.Robot.from_urdf(folder / "lift.urdf"), scene).save(folder / "lift.plannercheck")
-    return folder / "lift.plannercheck"
+    return scene
 
 
 def shifted(x: float, y: float, z: float) -> np.ndarray:
@@ -224,9 +242,10 @@ def shifted(x: float, y: float, z: float) -> np.ndarray:
     return pose
 
 
-def compare(checker: pc.Checker, cell: Path, programs: Path, folder: Path, options: argparse.Namespace) -> bool:
-    """Whether all levels give Python's verdicts."""
-    given = inputs(checker, options.states, options.motions)
+def compare(checker: pc.Checker, programs: Path, folder: Path, options: argparse.Namespace, most: int) -> bool:
+    """Whether all levels give Python's verdicts, of so many states at most."""
+    cell = folder / f"{checker.robot.name}.plannercheck"
+    given = inputs(checker, min(options.states, most), min(options.motions, most // 10))
     for name, rows in zip("qab", given, strict=True):
         rows.tofile(folder / name)
     begin = time.process_time()
@@ -298,7 +317,11 @@ def main() -> int:
                     command = [*emulator(options), programs / name, cell]
                     done = subprocess.run(command, capture_output=True, text=True, check=name != "plan")
                     print(f"  {name}: " + "; ".join(done.stdout.strip().splitlines()[-4:]))
-            same &= compare(checker, cell, programs, folder, options)
+            same &= compare(checker, programs, folder, options, 10**7)
+        print("ur5 with a link as a solid among all kinds of bodies")
+        checker = pc.Checker(pc.Robot.load("ur5", geometry={"forearm_link": "solid"}), scene_of_all_kinds())
+        checker.save(folder / "ur5.plannercheck")
+        same &= compare(checker, programs, folder, options, 200)
         if options.face or options.fuzz:
             cell = cell_of_all_kinds(folder)
         if options.face:

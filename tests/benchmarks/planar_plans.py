@@ -21,8 +21,9 @@ from ompl import base, geometric, util
 import plannercheck as pc
 from plannercheck.evaluation.bench.records import write_record
 from plannercheck.ompl import space_of
+from plannercheck.ompl.curved_space import sampled_curve
 from plannercheck.ompl.motion_validators import motion_validator
-from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
+from plannercheck.ompl.planar_space import PlanarSpace
 
 TASKS = [
     ("warehouse", "forklift", "straight", None),

@@ -99,13 +99,14 @@ def test_rows_depend_on_the_configuration_alone(panda, checker, states, change):
 def test_gradients_are_those_of_300_bits(checker, states):
     table = checker.distances(states)
     differences, chosen = Differences(checker), np.flatnonzero(table.unique)
-    assert 0.5 < table.unique[table.distance > 0].mean() < 1
-    for k in chosen[:: len(chosen) // 25].tolist():
-        found, apart = differences.gradient(
+    assert table.unique.mean() > 0.9
+    overlaps = np.flatnonzero(table.unique & (table.distance < 0))
+    for k in [*chosen[:: len(chosen) // 20].tolist(), *overlaps[:5].tolist()]:
+        found, apart = differences.gradients(
             states[table.state[k]], int(table.pair[k]), table.normal[k], table.distance[k]
         )
         assert abs(apart - table.distance[k]) < 1e-13
-        np.testing.assert_allclose(table.gradient[k], found, atol=1e-12)
+        np.testing.assert_allclose(found, [table.gradient[k]], atol=1e-12)
 
 
 JOINTS = {
@@ -320,12 +321,12 @@ def test_bad_arguments_are_named(checker, states, arguments, message):
         checker.distances(states[:1], **arguments)
 
 
-def test_directions_are_checked(checker, states):
+def test_directions_are_checked(tmp_path, checker, states):
     table = checker.distances(states)
     with pytest.raises(pc.PlannercheckError, match="7 finite numbers"):
         table.directional(0, [1.0])
     with pytest.raises(pc.PlannercheckError, match="overlap"):
-        table.directional(int(np.argmin(table.distance)), np.ones(7))
+        parallel_boxes(tmp_path).distances([0.05, 0.0]).directional(0, np.ones(2))
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(table)).gradient, table.gradient)
     with pytest.raises(pc.PlannercheckError, match="no gradients, or comes from a pickle"):
         checker.distances(states, gradients=False).directional(0, np.ones(7))

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 from pointers import arm, disc
 
@@ -99,3 +100,20 @@ def test_the_command_proposes_what_it_proved(tmp_path, capsys):
     assert "not seen to meet" not in out.read_text()
     assert main(["acm", "--robot", "ur5", "--prove", "-1"]) == 2
     assert "--prove takes seconds" in capsys.readouterr().err
+
+
+def test_levers_are_the_arms_of_the_joints_between(tmp_path):
+    """Of a turn the furthest vertex of the body that is moved less, seen from the other; of a slide 1; else none."""
+    decider = PairDecider(pc.Robot.load("panda"))
+    robot, search = decider.robot, decider.search("panda_link3", "panda_link4")
+    (column,) = search.columns
+    assert np.flatnonzero(search.levers).tolist() == [column]
+    poses = search.body_poses(robot.reference + 1e-6 * np.array([[0], [1]]) * np.eye(robot.nq)[column])
+    arms = []
+    for k, other in (search.pairs[0], search.pairs[0][::-1]):
+        change = np.diff(np.linalg.inv(poses[:, other]) @ poses[:, k], axis=0)[0, :3]
+        moved = decider.polytope(k).vertices @ change[:, :3].T + change[:, 3]
+        arms.append(np.linalg.norm(moved, axis=1).max() / 1e-6)
+    assert search.levers[column] == pytest.approx(min(arms), rel=1e-4)
+    slide = PairDecider(disc(tmp_path, 0.0, slide=True, height=1.0)).search("post", "tip")
+    assert slide.levers[slide.columns[0]] == 1

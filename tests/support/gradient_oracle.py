@@ -1,9 +1,10 @@
-"""The distance of two convex bodies on a robot's links and its derivatives in 300 bits, by Pinocchio's own joints.
+"""The signed distance of two bodies on a robot's links and its derivatives in 300 bits, by Pinocchio's own joints.
 
 In: a robot whose joints turn or slide, one row of a table of distances. Out: the derivative by each number of the
 configuration, by central differences at steps of 1e-25. Shares nothing with cpp/: kinematics are products of the
 model's placements in python-flint, and the distance is that of the features (vertex, edge, face) that hold the nearest
-points, whose place inside the features is checked.
+points, whose place inside the features is checked. Of bodies with parts, each pair of parts that is nearest by brute
+force gives a derivative.
 """
 
 from dataclasses import dataclass
@@ -12,6 +13,8 @@ from typing import Any
 import flint
 import numpy as np
 import pinocchio as pin
+from part_oracle import PartOracle
+from solid_meshes import ring
 
 import plannercheck as pc
 
@@ -165,31 +168,43 @@ class Differences:
     def __init__(self, checker: Any) -> None:
         with flint.ctx.workprec(BITS):
             self._checker, self._chains = checker, Chains(checker.robot)
+        self._oracles: dict[int, PartOracle] = {}
 
-    def gradient(self, q: Any, pair: int, normal: Any, distance: float) -> tuple[Any, float]:
-        """(nq,) at a configuration (nq,), and the distance.
+    def gradients(self, q: Any, pair: int, normal: Any, distance: float) -> tuple[Any, float]:
+        """(k, nq) at a configuration (nq,), of each of the k nearest pairs of parts, and the distance.
 
         Raises:
             NoSingleFeatureError: If the features' lines or planes have another distance: the nearest points are
                 elsewhere.
         """
+        places = self._checker.pairs[pair].tolist()
+        hulls = [self._checker._preparation.polytope(k) for k in places]
+        poses = self._checker.body_poses(q[None])[0][places]
+        oracle = self._oracles.setdefault(pair, PartOracle(*hulls))
         with flint.ctx.workprec(BITS):
-            return self._gradient(q, pair, normal, distance)
+            bodies = [self._checker.bodies[k] for k in places]
+            found = [
+                self._gradient(q, bodies, [oracle.parts[0][i], oracle.parts[1][j]], poses, normal, distance)
+                for i, j in oracle.nearest(poses)
+            ]
+        return np.array([gradient for gradient, _ in found]), found[0][1]
 
-    def _gradient(self, q: Any, pair: int, normal: Any, distance: float) -> tuple[Any, float]:
-        bodies = [self._checker.bodies[k] for k in self._checker.pairs[pair]]
-        hulls = [self._checker._preparation.polytope(k) for k in self._checker.pairs[pair].tolist()]
-        poses = self._checker.body_poses(q[None])[0][self._checker.pairs[pair]]
-        features = [_features(hulls[0].vertices, poses[0], normal), _features(hulls[1].vertices, poses[1], -normal)]
-        inflation = sum(flint.arb(hull.inflation_radius) for hull in hulls)
+    def _gradient(
+        self, q: Any, bodies: list[Any], parts: list[Any], poses: Any, normal: Any, distance: float
+    ) -> tuple[Any, float]:
+        features = [_features(parts[0].vertices, poses[0], normal), _features(parts[1].vertices, poses[1], -normal)]
+        inflation = sum(flint.arb(part.inflation_radius) for part in parts)
         exact = [flint.arb(float(x)) for x in q]
+        overlap = bool(distance + inflation < 0)
+        if overlap and sum(map(len, features)) < 4:
+            raise NoSingleFeatureError("no facet of the difference holds the deepest points")
 
         def apart(numbers: list[Any]) -> Any:
             world = [
                 _world(feature, self._chains.pose(body.link, numbers, body.pose))
                 for feature, body in zip(features, bodies, strict=True)
             ]
-            return _apart(*world) - inflation
+            return (-_apart(*world) if overlap else _apart(*world)) - inflation
 
         found = float(apart(exact).mid())
         if abs(found - distance) > 1e-11:
@@ -201,8 +216,8 @@ class Differences:
         return np.array(gradient), found
 
 
-def scene_around(robot, seed: int) -> pc.Scene:
-    """Boxes, balls and a pole in the robot's reach."""
+def scene_around(robot, seed: int, parts: bool = False) -> pc.Scene:
+    """Boxes, balls and a pole in the robot's reach; with `parts`, also a ring, a cloud and a grid."""
     rng = np.random.default_rng(seed)
     scene = pc.Scene("around")
     for k in range(8):
@@ -212,4 +227,9 @@ def scene_around(robot, seed: int) -> pc.Scene:
         pose[:3, 3] = rng.uniform(-1, 1, 3) * 0.9
         shape = (pc.Box(rng.uniform(0.05, 0.3, 3)), pc.Sphere(0.1), pc.Capsule(0.05, 0.3))[k % 3]
         scene.add(f"body{k}", shape, pose)
+    if parts:
+        points, triangles = ring(16, 8, 0.3)
+        scene.add("ring", pc.Solid(0.3 * points + (0.5, 0.5, 0.9), triangles))
+        scene.add("cloud", pc.PointCloud(rng.uniform(-0.8, 0.8, size=(200, 3)), 0.01))
+        scene.add("grid", pc.VoxelGrid(rng.random((12, 12, 12)) < 0.02, 0.1, (-0.6, -0.6, 0.0)))
     return scene

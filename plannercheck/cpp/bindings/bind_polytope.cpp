@@ -20,6 +20,7 @@
 #include "bodies/polytope.hpp"
 #include "math/predicates.hpp"
 #include "narrow_phase/pair_batch.hpp"
+#include "narrow_phase/shared_point.hpp"
 #include "narrow_phase/solid_pair.hpp"
 
 namespace nb = nanobind;
@@ -261,8 +262,7 @@ nb::dict certify_pair(const Polytope& a, InputArray<double, 4, 4> pose_a, const 
   verdict.shared = bodies_share(verdict, body_a, body_b, counters);
   if (explain && verdict.shared && !verdict.exact) {
     // The vertices and weights behind a shared point come from the exact stage.
-    const Vec3 apart = body_a.pose.apply(body_a.body->centre) - body_b.pose.apply(body_b.body->centre);
-    verdict.exact = decide_exactly(body_a, body_b, nearest_points(body_a, body_b, apart, counters));
+    verdict.exact = exact_contact(body_a, body_b, verdict, counters);
   }
   return verdict_dict(verdict, body_a, body_b, !first_is_b);
 }

@@ -56,17 +56,13 @@ std::size_t CandidateSearch::begin(const FloatBlock& block, Workspace& w) const 
     w.fixed.always = block.always;
   }
   pose(block, movers_, w.fixed.movers, w.are_fixed, w.balls);
-  if (obstacles_ <= kFewObstacles) {
-    w.groups = mover_groups_.get([&] { return mover_groups(movers_, world_boxes_, pair_of_, *sampled_); });
-  }
-  return w.groups.size() + 1;
+  w.groups =
+      &mover_groups_.get([&] { return mover_groups(movers_, world_boxes_, pair_of_, moving_pairs_, *sampled_); });
+  return w.groups->groups.size() + 1;
 }
 
 void CandidateSearch::find(std::size_t step, const FloatBlock& block, unsigned states, Workspace& w) const {
-  if (step < w.groups.size()) {
-    w.unseen -= w.groups[step].pairs;
-    return find_in_group(w.groups[step], states, w);
-  }
+  if (step < w.groups->groups.size()) return find_in_group(step, states, w);
   w.unseen = 0;
   if (obstacles_ > kFewObstacles) {
     for (const std::int32_t mover : movers_with_obstacles_) find_in_tree(mover, states, w);
@@ -133,7 +129,11 @@ inline void CandidateSearch::take_near(const MovingPair& pair, unsigned states, 
 }
 
 void CandidateSearch::find_among_movers(BlockConfigurations q, unsigned states, Workspace& w) const {
-  for (const MovingPair& pair : moving_pairs_) take_near(pair, states, w);
+  for (const auto& [a, b, pairs] : w.groups->among_movers) {
+    const unsigned met = a == b ? states : w.around[a].met(w.around[b]) & states;
+    if (met == 0) continue;
+    for (const MovingPair& pair : pairs) take_near(pair, met, w);
+  }
   for (const MovingPairsInCells& some : in_cells_) {
     const PairsByState pairs = q.are_known() ? PairsByState(*some.cells, q) : PairsByState();
     for (unsigned any = pairs.in_any(); any != 0; any &= any - 1) {
@@ -144,8 +144,12 @@ void CandidateSearch::find_among_movers(BlockConfigurations q, unsigned states, 
 }
 
 // Along motions most obstacles are far from a group in all states of a block.
-void CandidateSearch::find_in_group(const MoverGroup& group, unsigned states, Workspace& w) const {
+void CandidateSearch::find_in_group(std::size_t index, unsigned states, Workspace& w) const {
+  const MoverGroup& group = w.groups->groups[index];
+  if (group.obstacles.empty() && !group.has_partners) return;
   const BoxInStates own = box_around(&w.balls[group.first], group.last - group.first);
+  if (group.has_partners) w.around[index] = own;
+  w.unseen -= group.pairs;
   const BoxInFloats in_all = own.around_all();
   for (std::size_t k = 0; k < group.boxes.size(); ++k) {
     for (unsigned met = in_all.met(group.boxes[k]); met != 0; met &= met - 1) {

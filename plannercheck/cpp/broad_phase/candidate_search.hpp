@@ -10,7 +10,6 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "bodies/lazy_value.hpp"
@@ -50,7 +49,8 @@ class CandidateSearch {
   };
 
   struct Workspace {
-    std::span<const MoverGroup> groups;  // none where obstacles are many
+    const MoverGroups* groups = nullptr;
+    std::vector<BoxInStates> around;  // by group
     std::vector<PosedBalls> balls, slices;
     FixedRadii fixed;
     bool are_fixed = false;  // in this block
@@ -94,8 +94,8 @@ class CandidateSearch {
   std::vector<std::int32_t> movers_with_obstacles_;  // movers that have a pair with an obstacle
   std::vector<WorldBox> world_boxes_;                // of all obstacles, where they are few
   std::shared_ptr<const SampledPoses> sampled_;
-  LazyValue<std::vector<MoverGroup>> mover_groups_;  // where obstacles are few; chosen when a block first needs them
-  std::vector<FloatBox> float_boxes_;                // of all obstacles, where they are few
+  LazyValue<MoverGroups> mover_groups_;  // with obstacles where they are few; chosen by the first block
+  std::vector<FloatBox> float_boxes_;    // of all obstacles, where they are few
   ObstacleTree tree_;
   SingleStateFilter single_state_filter_;
 
@@ -108,7 +108,7 @@ class CandidateSearch {
   unsigned near_slices(std::size_t mover, const PosedBalls& other, const Workspace& workspace) const;
   void take_near(const MovingPair& pair, unsigned states, Workspace& workspace) const;
   void find_among_movers(BlockConfigurations q, unsigned states, Workspace& workspace) const;
-  void find_in_group(const MoverGroup& group, unsigned states, Workspace& workspace) const;
+  void find_in_group(std::size_t index, unsigned states, Workspace& workspace) const;
   void find_near_obstacle(const MoverGroup& group, const BoxInStates& around, std::int32_t obstacle, unsigned states,
                           Workspace& workspace) const;
   void find_in_tree(std::int32_t mover, unsigned states, Workspace& workspace) const;

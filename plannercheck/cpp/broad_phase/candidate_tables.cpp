@@ -123,7 +123,7 @@ CandidateSearch::CandidateSearch(const std::vector<GeometryObject>& bodies,
 
 CandidateSearch::Workspace CandidateSearch::new_workspace() const {
   Workspace w;
-  w.balls.resize(movers_.size()), w.slices.resize(slices_.size());
+  w.balls.resize(movers_.size()), w.around.resize(movers_.size()), w.slices.resize(slices_.size());
   w.single_state_filter = single_state_filter_.new_workspace();
   w.candidates.reserve(pairs_);
   w.unboxed.reserve(plane_filter_.rows().size() + height_filter_.rows().size());

@@ -1,7 +1,9 @@
 #include "broad_phase/mover_groups.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "broad_phase/state_block.hpp"
@@ -27,18 +29,26 @@ void add(const BoundingBall& ball, const double* m, WorldBox& box) {
   box.high = {larger(box.high.x, c.x + r), larger(box.high.y, c.y + r), larger(box.high.z, c.z + r)};
 }
 
+void add(const std::vector<BoundingBall>& movers, std::size_t mover, const SampledPoses& sampled, Extent& extent) {
+  const std::size_t size = sampled.states == 0 ? 0 : sampled.poses.size() / sampled.states;
+  for (std::size_t s = 0; s < sampled.states; ++s)
+    add(movers[mover], &sampled.poses[s * size + 16 * at(movers[mover].link)], extent[s]);
+}
+
 bool meet(const WorldBox& a, const WorldBox& b) {
   return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
          a.low.z <= b.high.z && b.low.z <= a.high.z;
 }
 
-// The share of blocks in which the group meets a box in some state.
-double met(const Extent& extent, const WorldBox& box) {
+// The share of blocks in which a group meets something in some state.
+template <class MeetsIn>
+double met(std::size_t states, MeetsIn meets_in) {
   std::size_t blocks = 0, found = 0;
-  for (std::size_t first = 0; first < extent.size(); first += kBlockStates, ++blocks) {
-    const auto begin = extent.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto end = extent.begin() + static_cast<std::ptrdiff_t>(std::min(first + kBlockStates, extent.size()));
-    if (std::any_of(begin, end, [&](const WorldBox& own) { return meet(own, box); })) ++found;
+  for (std::size_t first = 0; first < states; first += kBlockStates, ++blocks) {
+    const std::size_t last = std::min(first + kBlockStates, states);
+    std::size_t s = first;
+    while (s < last && !meets_in(s)) ++s;
+    if (s < last) ++found;
   }
   return blocks == 0 ? 1 : static_cast<double>(found) / static_cast<double>(blocks);
 }
@@ -54,25 +64,57 @@ std::vector<std::int32_t> obstacles_of(std::size_t first, std::size_t last, std:
   return out;
 }
 
+// The pairs of two groups whose boxes save tests, by groups, after all others.
+std::vector<PairsOfGroups> pairs_among(std::vector<MoverGroup>& groups, const std::vector<BoundingBall>& movers,
+                                       const std::vector<MovingPair>& pairs, const SampledPoses& sampled) {
+  std::vector<Extent> extents;
+  std::vector<std::size_t> group_of;  // by mover
+  for (const MoverGroup& group : groups) {
+    Extent& extent = extents.emplace_back(sampled.states, kNothing);
+    for (std::size_t m = group.first; m < group.last; ++m) {
+      add(movers, m, sampled, extent);
+      group_of.push_back(extents.size() - 1);
+    }
+  }
+  std::map<std::array<std::size_t, 2>, std::vector<MovingPair>> by_groups;
+  for (const MovingPair& pair : pairs) {
+    const auto [a, b] = std::minmax(group_of[at(pair.a)], group_of[at(pair.b)]);
+    by_groups[{a, b}].push_back(pair);
+  }
+  std::vector<PairsOfGroups> out{{0, 0, {}}};
+  for (auto& [of, some] : by_groups) {
+    const auto [a, b] = of;
+    const double alone = kBodyCost * static_cast<double>(some.size());
+    const double share = met(sampled.states, [&](std::size_t s) { return meet(extents[of[0]][s], extents[of[1]][s]); });
+    if (a == b || 2 * kGroupCost + alone * share >= alone) {
+      out[0].pairs.insert(out[0].pairs.end(), some.begin(), some.end());
+    } else {
+      groups[a].has_partners = groups[b].has_partners = true;
+      out.push_back({a, b, std::move(some)});
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 // The cheapest way to cut the row of movers into groups, by the last group of each prefix of the row.
-std::vector<MoverGroup> mover_groups(const std::vector<BoundingBall>& movers, const std::vector<WorldBox>& boxes,
-                                     const std::vector<std::int32_t>& pair_of, const SampledPoses& sampled) {
-  const std::size_t n = movers.size(), size = sampled.states == 0 ? 0 : sampled.poses.size() / sampled.states;
+MoverGroups mover_groups(const std::vector<BoundingBall>& movers, const std::vector<WorldBox>& boxes,
+                         const std::vector<std::int32_t>& pair_of, const std::vector<MovingPair>& moving_pairs,
+                         const SampledPoses& sampled) {
+  const std::size_t n = movers.size();
   std::vector<double> cost(n + 1, kFarthest);  // of the first i movers
   std::vector<std::size_t> begin(n + 1, 0);    // of their last group
   cost[0] = 0;
   for (std::size_t first = 0; first < n; ++first) {
     Extent extent(sampled.states, kNothing);
     for (std::size_t last = first + 1; last <= std::min(first + kMostMovers, n); ++last) {
-      const BoundingBall& ball = movers[last - 1];
-      for (std::size_t s = 0; s < sampled.states; ++s)
-        add(ball, &sampled.poses[s * size + 16 * at(ball.link)], extent[s]);
+      add(movers, last - 1, sampled, extent);
       const auto count = static_cast<double>(last - first);
       double total = cost[first] + kGroupCost;
       for (const std::int32_t o : obstacles_of(first, last, boxes.size(), pair_of)) {
-        total += 1 + kBodyCost * count * met(extent, boxes[at(o)]);
+        total +=
+            1 + kBodyCost * count * met(sampled.states, [&](std::size_t s) { return meet(extent[s], boxes[at(o)]); });
       }
       if (total < cost[last]) cost[last] = total, begin[last] = first;
     }
@@ -80,7 +122,6 @@ std::vector<MoverGroup> mover_groups(const std::vector<BoundingBall>& movers, co
   std::vector<MoverGroup> out;
   for (std::size_t last = n; last > 0; last = begin[last]) {
     MoverGroup group{begin[last], last, obstacles_of(begin[last], last, boxes.size(), pair_of), {}, 0};
-    if (group.obstacles.empty()) continue;
     std::vector<WorldBox> of_obstacles;
     for (const std::int32_t o : group.obstacles) of_obstacles.push_back(boxes[at(o)]);
     group.boxes = side_by_side<StateFloats>(of_obstacles);
@@ -92,7 +133,8 @@ std::vector<MoverGroup> mover_groups(const std::vector<BoundingBall>& movers, co
     out.push_back(std::move(group));
   }
   std::reverse(out.begin(), out.end());
-  return out;
+  std::vector<PairsOfGroups> among_movers = pairs_among(out, movers, moving_pairs, sampled);
+  return {std::move(out), std::move(among_movers)};
 }
 
 }  // namespace plannercheck

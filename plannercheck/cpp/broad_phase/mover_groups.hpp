@@ -1,5 +1,5 @@
-// Which moving bodies are tested together against obstacles: neighbours in a chain, whose common box most obstacles
-// miss.
+// Which moving bodies are tested together against obstacles and against each other: neighbours in a chain, whose common
+// box most obstacles and most other such boxes miss.
 //
 // In: balls around bodies on links, obstacles' boxes, pairs, links' poses in sampled states. Out: the groups that
 // need the fewest tests in these states, a block at a time. Any choice gives the same verdicts; only its cost differs.
@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "broad_phase/body_slices.hpp"
 #include "broad_phase/bounding_sphere.hpp"
 #include "broad_phase/float_boxes.hpp"
 #include "broad_phase/obstacle_tree.hpp"
@@ -22,10 +23,23 @@ struct MoverGroup {
   std::vector<std::int32_t> obstacles;
   std::vector<BoxLanes<StateFloats>> boxes;  // of these
   std::size_t pairs;
+  bool has_partners = false;  // groups whose boxes are held against its own
+};
+
+// Pairs of movers of two groups, asked where these meet; or, if `a` is `b`, everywhere.
+struct PairsOfGroups {
+  std::size_t a, b;
+  std::vector<MovingPair> pairs;
+};
+
+struct MoverGroups {
+  std::vector<MoverGroup> groups;
+  std::vector<PairsOfGroups> among_movers;
 };
 
 // pair_of[mover * boxes.size() + obstacle]: −1 where there is no pair.
-std::vector<MoverGroup> mover_groups(const std::vector<BoundingBall>& movers, const std::vector<WorldBox>& boxes,
-                                     const std::vector<std::int32_t>& pair_of, const SampledPoses& sampled);
+MoverGroups mover_groups(const std::vector<BoundingBall>& movers, const std::vector<WorldBox>& boxes,
+                         const std::vector<std::int32_t>& pair_of, const std::vector<MovingPair>& moving_pairs,
+                         const SampledPoses& sampled);
 
 }  // namespace plannercheck

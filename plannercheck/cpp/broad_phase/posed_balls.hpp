@@ -42,8 +42,9 @@ struct BoxInFloats {
 struct BoxInStates {
   std::array<StateFloats, 3> low, high;
 
-  // The states in which it meets the box, a bit each.
-  unsigned met(const FloatBox& box) const {
+  // The states in which it meets a box, which stands still or is one in each state, a bit each.
+  template <class Box>
+  unsigned met(const Box& box) const {
     BitsOfAny<StateFloats> apart;
     for (std::size_t i = 0; i < 3; ++i) {
       apart.add_above(low[i], filled<StateFloats>(box.high[i]));

@@ -16,7 +16,7 @@ constexpr double kHalfAndMore = 0.5 * (1 + 1e-9);
 
 constexpr std::size_t kPoseNumbersGiven = 16;
 
-// Nearest points that are all within this part of the bodies' radii count as one.
+// Nearest points that are all within this part of the bodies' sizes count as one.
 constexpr double kOnePoint = 1e-8;
 
 std::vector<GeometryObject> inflated(std::vector<GeometryObject> objects, double by) {
@@ -133,9 +133,10 @@ void DistanceCore::measure(const GivenStates& states, const Tangent* tangent, Di
     if (pairs.empty()) return;
     const PoseColumns* const links = posed_links(states, row, w);
     for (const std::int32_t pair : pairs) {
-      const auto [a, b] = pairs_[at(pair)];
-      const PairDistance found = pair_distance(posed(a, links), posed(b, links), limit_, w.counters);
-      if (found.upper <= limit_) add_row(row, pair, found, links, states, tangent, out, w);
+      NearestParts nearest;
+      const PairDistance found = with_parts(pair, links, limit_, nearest, w.counters);
+      if (found.upper > limit_) continue;
+      add_row(row, pair, found, spread(pair, links, found, nearest, w.counters), states, tangent, out, w);
     }
   };
   if (near_ && states.kinematics != nullptr) {
@@ -182,7 +183,12 @@ void DistanceCore::nearest(const GivenStates& states, const Tangent* tangent, st
       if (best.size() == count) best.pop_back();
       best.insert(std::upper_bound(best.begin(), best.end(), candidate, is_nearer), candidate);
     }
-    for (const auto& [found, pair] : best) add_row(row, pair, found, links, states, tangent, out, w);
+    for (const auto& [found, pair] : best) {
+      NearestParts nearest;
+      if (rounds == 0 && !are_convex(pair)) with_parts(pair, links, found.upper, nearest, w.counters);
+      const double apart = rounds == 0 ? spread(pair, links, found, nearest, w.counters) : kNoLimit;
+      add_row(row, pair, found, apart, states, tangent, out, w);
+    }
   }
 }
 
@@ -222,25 +228,44 @@ void DistanceCore::order_by_gaps(const PoseColumns* links, Workspace& w) const {
   });
 }
 
-void DistanceCore::add_row(std::size_t state, std::int32_t pair, const PairDistance& found, const PoseColumns* links,
+void DistanceCore::add_row(std::size_t state, std::int32_t pair, const PairDistance& found, double spread,
                            const GivenStates& states, const Tangent* tangent, DistanceTable& out, Workspace& w) const {
   const auto [a, b] = pairs_[at(pair)];
-  const double apart = spread(pair, links, found, w.counters);
-  const double size = smaller(bodies_[at(a)].body->radius, bodies_[at(b)].body->radius);
+  const double size = smaller(extent(*bodies_[at(a)].body), extent(*bodies_[at(b)].body));
   out.rows.push_back({static_cast<std::int64_t>(states.first + state), pair, found.measured(), found.lower,
-                      found.on_body_a, found.on_body_b, found.direction, apart, apart <= kOnePoint * size});
+                      found.on_body_a, found.on_body_b, found.direction, spread, spread <= kOnePoint * size});
   if (tangent == nullptr) return;
   out.gradients.resize(out.gradients.size() + tangent->width, 0.0);
   double* const gradient = out.gradients.data() + out.gradients.size() - tangent->width;
   add_gradient(*states.kinematics, w.poser, w.joints[at(pair)], *tangent, found.on_body_a, found.direction, gradient);
 }
 
-double DistanceCore::spread(std::int32_t pair, const PoseColumns* links, const PairDistance& found,
-                            PairCounters& counters) const {
+PairDistance DistanceCore::with_parts(std::int32_t pair, const PoseColumns* links, double limit, NearestParts& nearest,
+                                      PairCounters& counters) const {
   const auto [a, b] = pairs_[at(pair)];
-  if (found.overlap || !bodies_[at(a)].body->traits().is_convex || !bodies_[at(b)].body->traits().is_convex)
-    return kNoLimit;
+  const PosedPolytope body_a = posed(a, links), body_b = posed(b, links);
+  if (are_convex(pair)) return pair_distance(body_a, body_b, limit, counters);
+  std::array<HullEdges, 2> of_parts;
+  const auto edges_from = [&](const PosedPolytope& part, HullEdges& own) -> const HullEdges& {
+    if (part.body == body_a.body) return edges(pairs_[at(pair)][0]);
+    return part.body == body_b.body ? edges(pairs_[at(pair)][1]) : own = edges_of(*part.body);
+  };
+  const PartVisitor add = [&](const PosedPolytope& part_a, const PosedPolytope& part_b, const PairDistance& found) {
+    nearest.add(part_a, edges_from(part_a, of_parts[0]), part_b, edges_from(part_b, of_parts[1]), found, counters);
+  };
+  return pair_distance(body_a, body_b, limit, counters, &add);
+}
+
+double DistanceCore::spread(std::int32_t pair, const PoseColumns* links, const PairDistance& found,
+                            const NearestParts& nearest, PairCounters& counters) const {
+  const auto [a, b] = pairs_[at(pair)];
+  if (!are_convex(pair)) return nearest.spread();
   return nearest_spread(posed(a, links), edges(a), posed(b, links), edges(b), found, counters);
+}
+
+bool DistanceCore::are_convex(std::int32_t pair) const {
+  const auto [a, b] = pairs_[at(pair)];
+  return bodies_[at(a)].body->traits().is_convex && bodies_[at(b)].body->traits().is_convex;
 }
 
 const HullEdges& DistanceCore::edges(std::int32_t body) const {

@@ -86,10 +86,15 @@ class DistanceCore {
   void prepare(const GivenStates& states, const Tangent* tangent, Workspace& workspace) const;
   const PoseColumns* posed_links(const GivenStates& states, std::size_t row, Workspace& workspace) const;
   PosedPolytope posed(std::int32_t body, const PoseColumns* links) const;
-  void add_row(std::size_t state, std::int32_t pair, const PairDistance& found, const PoseColumns* links,
+  void add_row(std::size_t state, std::int32_t pair, const PairDistance& found, double spread,
                const GivenStates& states, const Tangent* tangent, DistanceTable& out, Workspace& workspace) const;
   void order_by_gaps(const PoseColumns* links, Workspace& workspace) const;
-  double spread(std::int32_t pair, const PoseColumns* links, const PairDistance& found, PairCounters& counters) const;
+  // The distance of a pair; of two bodies that are not both convex, the parts that are nearest are added.
+  PairDistance with_parts(std::int32_t pair, const PoseColumns* links, double limit, NearestParts& nearest,
+                          PairCounters& counters) const;
+  double spread(std::int32_t pair, const PoseColumns* links, const PairDistance& found, const NearestParts& nearest,
+                PairCounters& counters) const;
+  bool are_convex(std::int32_t pair) const;
   const HullEdges& edges(std::int32_t body) const;
 };
 

@@ -3,77 +3,160 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <tuple>
 
+#include "narrow_phase/expanding_polytope.hpp"
 #include "narrow_phase/support.hpp"
 
 namespace plannercheck {
 namespace {
 
-constexpr double kBoundless = std::numeric_limits<double>::infinity();
-
-// Edges at a smaller angle leave their crossing too open, rad.
-constexpr double kLeastAngle = 1e-3;
+// Edges at a smaller angle leave their crossing too open, and faces at a larger turn are too large, rad.
+constexpr double kLeastAngle = 1e-3, kWidestTurn = 0.1;
 
 // The rounding of a height and of the direction turned into a body's frame, as in gjk.cpp, of both bodies' sizes;
 // twice.
 constexpr double kHeightRounding = 64 * 0x1p-53;
 
-// How far all nearest points are from a vertex or an edge of a body.
-struct Sharpness {
-  double of_vertex = kBoundless, of_edge = kBoundless;
-  Vec3 edge;  // in the world
-};
+// Bodies apart by less than the bounds' distance over this leave the normal too open.
+constexpr double kNormalError = 1e-8;
 
-class LowestVertices {
+// Of the depth: overlapping bodies are moved deeper by it. Smaller parts leave the normal more open; with larger ones,
+// facets that are little deeper count as nearest.
+constexpr double kDeeper = 1.0 / 256;
+
+using VertexSet = std::vector<std::int32_t>;
+
+class ConvexPair {
  public:
-  LowestVertices(const PosedPolytope& posed, const HullEdges& edges, Vec3 along, double slack)
-      : posed_(posed), edges_(edges), along_(posed.pose.rotate_back(along)), slack_(slack) {}
+  ConvexPair(const PosedPolytope& a, const PosedPolytope& b, const PairDistance& found, PairCounters& counters)
+      : a_(a),
+        b_(b),
+        found_(found),
+        counters_(counters),
+        size_(size_of(a) + size_of(b) + (is_bounded() ? norm_1(a.pose.translation() - b.pose.translation()) : 0)),
+        rounding_(kHeightRounding * size_),
+        upper_(found.upper + a.body->inflation_radius + b.body->inflation_radius),
+        overlap_(upper_ < 0 && is_bounded()) {}
 
-  Sharpness run(PairCounters& counters) const {
-    const Polytope& body = *posed_.body;
-    const std::int32_t first = extreme(body.inner, -along_, counters.queries);
-    const Next second = lowest_neighbour(first, -1);
-    Sharpness out{within(height(second.vertex, first)), kBoundless, {}};
-    if (second.vertex < 0) return out;
-    const Next third = lower(lowest_neighbour(first, second.vertex), lowest_neighbour(second.vertex, first));
-    out.of_edge = within(height(third.vertex, first));
-    out.edge = unit(posed_.pose.rotate(point(second.vertex) - point(first)));
-    return out;
+  // A bound of how far the directions of nearest differences are from the normal.
+  double turn() const {
+    if (!is_bounded()) return 0;
+    if (overlap_) return turn_of_overlap();
+    const double slack = larger(found_.upper - found_.lower, 0) + rounding_;
+    return slack < kNormalError * upper_ ? std::sqrt(2 * slack / upper_) : kNoLimit;
+  }
+
+  VertexSet face_of_a(const HullEdges& edges, double turn) const { return face(a_, edges, found_.direction, turn); }
+  VertexSet face_of_b(const HullEdges& edges, double turn) const { return face(b_, edges, -found_.direction, turn); }
+
+  double spread(const VertexSet& face_a, const VertexSet& face_b, double turn) const {
+    const Vec3 n = found_.direction;
+    const double off_a = off(a_, face_a, found_.on_body_a + a_.body->inflation_radius * n);
+    const double off_b = off(b_, face_b, found_.on_body_b - b_.body->inflation_radius * n);
+    if (face_a.size() == 1) return off_a + (overlap_ ? size_ * tilt(b_, face_b, turn) : 0);
+    if (face_b.size() == 1) return off_b + (overlap_ ? size_ * tilt(a_, face_a, turn) : 0);
+    if (face_a.size() != 2 || face_b.size() != 2) return kNoLimit;
+    const Vec3 across = cross(edge(a_, face_a), edge(b_, face_b));
+    const double sine = norm(across);
+    return sine < kLeastAngle ? kNoLimit : (off_a + off_b + size_ * apart((1 / sine) * across, n)) / sine;
   }
 
  private:
-  const PosedPolytope& posed_;
-  const HullEdges& edges_;
-  Vec3 along_;
-  double slack_;
+  const PosedPolytope &a_, &b_;
+  const PairDistance& found_;
+  PairCounters& counters_;
+  double size_, rounding_, upper_;  // `upper_`: without the inflation radii
+  bool overlap_;
 
-  struct Next {
-    std::int32_t vertex = -1;
-    double height = kBoundless;
-  };
-
-  Vec3 point(std::int32_t vertex) const { return posed_.body->inner.points[at(vertex)]; }
-  double height(std::int32_t vertex, std::int32_t over) const {
-    return vertex < 0 ? kBoundless : dot(along_, point(vertex) - point(over));
+  static double size_of(const PosedPolytope& body) {
+    return body.body->traits().is_bounded ? body.body->origin_radius + body.body->inflation_radius : 0;
   }
-  static Next lower(Next a, Next b) { return b.height < a.height ? b : a; }
+  bool is_bounded() const { return a_.body->traits().is_bounded && b_.body->traits().is_bounded; }
 
-  Next lowest_neighbour(std::int32_t vertex, std::int32_t besides) const {
-    Next out;
-    for (std::int32_t k = edges_.starts[at(vertex)]; k < edges_.starts[at(vertex) + 1]; ++k) {
-      const std::int32_t end = edges_.ends[at(k)];
-      if (end != besides) out = lower(out, {end, dot(along_, point(end))});
+  double turn_of_overlap() const {
+    const double depth = -found_.lower, deeper = kDeeper * depth;
+    const Vec3 step = -deeper * found_.direction;
+    PosedPolytope moved = a_;
+    moved.pose.m[3] += step.x, moved.pose.m[7] += step.y, moved.pose.m[11] += step.z;
+    const double off_step = norm_1(moved.pose.translation() - a_.pose.translation() - step);
+    const double least = -convex_distance(moved, b_, 0, counters_).upper;
+    const double slack = larger(depth + deeper - least, 0) + off_step + rounding_;
+    return std::sqrt(2 * slack * (1 + kDeeper) / deeper);
+  }
+
+  // The set of vertices that holds the face, of equal ones one; of a half-space none.
+  VertexSet face(const PosedPolytope& posed, const HullEdges& edges, Vec3 normal, double turn) const {
+    if (!posed.body->traits().is_bounded) return {};
+    const std::vector<Vec3>& points = posed.body->inner.points;
+    const Vec3 along = posed.pose.rotate_back(normal);
+    VertexSet out{extreme(posed.body->inner, -along, counters_.queries)};
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      for (std::int32_t e = edges.starts[at(out[k])]; e < edges.starts[at(out[k]) + 1]; ++e) {
+        const Vec3 end = points[at(edges.ends[at(e)])], step = end - points[at(out[k])];
+        const bool ascends = dot(along, step) > turn * norm(step) + rounding_;
+        const auto is_end = [&](std::int32_t v) { return points[at(v)] == end; };
+        if (!ascends && std::none_of(out.begin(), out.end(), is_end)) out.push_back(edges.ends[at(e)]);
+      }
     }
     return out;
   }
 
-  // `height`: where all other vertices begin, above the lowest one.
-  double within(double height) const {
-    if (std::isinf(height)) return 0;
-    return height > slack_ ? slack_ / (height - slack_) * 2 * posed_.body->radius : kBoundless;
+  static Vec3 vertex(const PosedPolytope& posed, std::int32_t v) {
+    return posed.pose.apply(posed.body->inner.points[at(v)]);
+  }
+  static Vec3 edge(const PosedPolytope& posed, const VertexSet& face) {
+    return unit(vertex(posed, face[1]) - vertex(posed, face[0]));
+  }
+  // Of two directions of either sense.
+  static double apart(Vec3 d, Vec3 e) { return smaller(norm(d - e), norm(d + e)); }
+
+  // How far a point is from a vertex or an edge's line, beyond rounding.
+  double off(const PosedPolytope& posed, const VertexSet& face, Vec3 point) const {
+    if (face.empty() || face.size() > 2) return 0;
+    const Vec3 from = point - vertex(posed, face[0]);
+    return larger(norm(face.size() == 1 ? from : cross(edge(posed, face), from)) - rounding_, 0);
+  }
+
+  // How far the normals of a hull's facets, of which all vertices are in a set, are from the normal: of those within
+  // the turn, which frames change by far less than once more. Infinite if there are none.
+  double tilt(const PosedPolytope& posed, const VertexSet& of, double turn) const {
+    const std::vector<Vec3>& points = posed.body->inner.points;
+    const Vec3 along = unit(posed.pose.rotate_back(found_.direction));
+    const auto holds = [&](auto v) {
+      return std::find(of.begin(), of.end(), static_cast<std::int32_t>(v)) != of.end();
+    };
+    double most = -1;
+    for (const Triangle& t : posed.body->triangles) {
+      if (!holds(t[0]) || !holds(t[1]) || !holds(t[2])) continue;
+      const double off = apart(FinePlane(points[at(t[0])], points[at(t[1])], points[at(t[2])]).normal, along);
+      if (off <= 2 * turn) most = larger(most, off);
+    }
+    return most < 0 ? kNoLimit : most;
   }
 };
+
+struct NearestFaces {
+  VertexSet a, b;
+  double spread = kNoLimit;
+};
+
+NearestFaces nearest_faces(const PosedPolytope& a, const HullEdges& edges_a, const PosedPolytope& b,
+                           const HullEdges& edges_b, const PairDistance& found, PairCounters& counters) {
+  const ConvexPair pair(a, b, found, counters);
+  const double turn = pair.turn();
+  if (!(turn < kWidestTurn)) return {};
+  NearestFaces out{pair.face_of_a(edges_a, turn), pair.face_of_b(edges_b, turn)};
+  out.spread = pair.spread(out.a, out.b, turn);
+  return out;
+}
+
+std::vector<Vec3> sorted_points(const PosedPolytope& posed, const VertexSet& face) {
+  std::vector<Vec3> out;
+  for (const std::int32_t v : face) out.push_back(posed.body->inner.points[at(v)]);
+  std::sort(out.begin(), out.end(), [](Vec3 a, Vec3 b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); });
+  return out;
+}
 
 }  // namespace
 
@@ -86,7 +169,7 @@ HullEdges edges_of(const Polytope& body) {
       pairs.push_back({a, b}), pairs.push_back({b, a});
     }
   }
-  if (pairs.empty()) {  // points and segments
+  if (pairs.empty()) {
     for (std::size_t k = 0; k < count; ++k) {
       for (std::size_t j = 0; j < count; ++j) {
         if (j != k) pairs.push_back({static_cast<std::int32_t>(k), static_cast<std::int32_t>(j)});
@@ -107,16 +190,27 @@ HullEdges edges_of(const Polytope& body) {
 
 double nearest_spread(const PosedPolytope& body_a, const HullEdges& edges_a, const PosedPolytope& body_b,
                       const HullEdges& edges_b, const PairDistance& found, PairCounters& counters) {
-  const double size = body_a.body->origin_radius + body_b.body->origin_radius +
-                      norm_1(body_a.pose.translation() - body_b.pose.translation());
-  const double slack = larger(found.upper - found.lower, 0) + kHeightRounding * size;
-  const bool flat_a = !body_a.body->traits().is_bounded, flat_b = !body_b.body->traits().is_bounded;
-  const Sharpness a = flat_a ? Sharpness{} : LowestVertices(body_a, edges_a, found.direction, slack).run(counters);
-  const Sharpness b = flat_b ? Sharpness{} : LowestVertices(body_b, edges_b, -found.direction, slack).run(counters);
-  const double spread = 2 * std::min(a.of_vertex, b.of_vertex);
-  if (std::isinf(a.of_edge) || std::isinf(b.of_edge)) return spread;
-  const double sine = norm(cross(a.edge, b.edge));
-  return sine < kLeastAngle ? spread : std::min(spread, 2 * (a.of_edge + b.of_edge) / sine);
+  return nearest_faces(body_a, edges_a, body_b, edges_b, found, counters).spread;
+}
+
+void NearestParts::add(const PosedPolytope& body_a, const HullEdges& edges_a, const PosedPolytope& body_b,
+                       const HullEdges& edges_b, const PairDistance& found, PairCounters& counters) {
+  if (found.lower > upper_) return;
+  upper_ = smaller(upper_, found.upper);
+  const NearestFaces faces = nearest_faces(body_a, edges_a, body_b, edges_b, found, counters);
+  candidates_.push_back({found.lower, faces.spread, sorted_points(body_a, faces.a), sorted_points(body_b, faces.b)});
+}
+
+double NearestParts::spread() const {
+  const Candidate* first = nullptr;
+  double most = 0;
+  for (const Candidate& candidate : candidates_) {
+    if (candidate.lower > upper_) continue;
+    if (first == nullptr) first = &candidate;
+    if (candidate.face_a != first->face_a || candidate.face_b != first->face_b) return kNoLimit;
+    most = larger(most, candidate.spread);
+  }
+  return first == nullptr ? kNoLimit : most;
 }
 
 }  // namespace plannercheck

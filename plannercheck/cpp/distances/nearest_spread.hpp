@@ -1,17 +1,26 @@
-// How far from each other all nearest pairs of points of two bodies are: where they are one pair, the distance has a
-// gradient.
+// Whether one pair of points of two bodies is nearest, or deepest: then the distance has a gradient.
 //
-// In: two posed hulls that are apart (or a hull over a half-space), the normal that proves a lower bound of their
-// distance. Out: a bound, m; infinite where none is proved.
+// In: two posed convex bodies, or pairs of parts of two others, and their distances. Out: a bound of how far the
+// nearest pairs of points are from the given one, m; infinite where it is not proved that there is one only.
 //
-// Proof. Along the normal n, let A's vertices begin at height h, and let upper and lower be the bounds of the distance.
-// The nearest points x of A lie below h + e, e = upper − lower and rounding: else x would be too far from all of B. If
-// all vertices but those of a set N begin at h + t, a mixture x of vertices has at most the part e / t outside N, and
-// is within d = e / t times the diameter of the hull of N. N with one vertex: all nearest points of A are within d of
-// it, and those of B are a fixed vector away, as the nearest difference is unique. An edge of A and an edge of B: two
-// nearest points differ by a vector that is within 2 d of a multiple of either edge, so it is at most 2 (d_A + d_B) /
-// sin of the angle between the edges. As the set of the lowest vertices is connected by edges, N grows by the lowest
-// neighbour.
+// Proof. A and B are convex, without their inflation radii; all differences x − y make up the convex set A − B.
+//
+// - Apart, the nearest difference z is unique. The normal n proves that all differences reach `lower` along it, and
+//   |z| <= upper, so n · z / |z| >= lower / upper: n and z / |z| differ by at most t = √(2 (upper − lower) / upper).
+// - A overlaps B by D at most. A is moved deeper, by −s n, and the depth is then D + s − e at least. For a nearest
+//   point z of the boundary, |z| <= D and |z − s n| >= D + s − e, so n and −z / |z| differ by at most
+//   t = √(2 e (D + s) / (s D)). Every direction −z / |z| is the normal of a facet of A − B.
+// - Over a half-space, n is the normal: t = 0.
+//
+// The nearest points of A are on its face F that is lowest along a direction d within t of n. A step between vertices
+// with n · step > t |step| ascends along d. Descents along edges lead from any vertex to F, and F is connected by
+// edges, so all steps that may not ascend lead to a set of vertices that holds F. The same holds for B and −n. If one
+// of both sets is a single vertex, or both are edges that are not parallel, one pair of points only has the difference
+// z. If A and B overlap, z is unique up to how far the normals of the facets of these sets that are within t of n are
+// from it.
+//
+// Several pairs of parts are nearest where parts share vertices. If all pairs whose lower bound is no more than the
+// least upper one have the same two sets, all nearest points are in the hulls of these, which are parts of A and B.
 #pragma once
 
 #include <cstdint>
@@ -26,10 +35,27 @@ namespace plannercheck {
 struct HullEdges {
   std::vector<std::int32_t> starts, ends;
 };
+// Of a part of a set or a triangle, from each vertex to each other one.
 HullEdges edges_of(const Polytope& body);
 
-// `normal`: from b to a, of length 1 up to rounding; it proves found.lower.
+// A and B are convex. `found`: their distance; its direction proves the lower bound.
 double nearest_spread(const PosedPolytope& body_a, const HullEdges& edges_a, const PosedPolytope& body_b,
                       const HullEdges& edges_b, const PairDistance& found, PairCounters& counters);
+
+// The same of bodies apart whose parts are added: those at least that are no further apart than the bodies.
+class NearestParts {
+ public:
+  void add(const PosedPolytope& body_a, const HullEdges& edges_a, const PosedPolytope& body_b, const HullEdges& edges_b,
+           const PairDistance& found, PairCounters& counters);
+  double spread() const;
+
+ private:
+  struct Candidate {
+    double lower, spread;
+    std::vector<Vec3> face_a, face_b;  // vertices in the bodies' frames, sorted
+  };
+  std::vector<Candidate> candidates_;
+  double upper_ = kNoLimit;
+};
 
 }  // namespace plannercheck

@@ -182,12 +182,9 @@ Result<Verdict> Checker::explain(std::span<const double> q, Workspace& workspace
     impl_->check_width(q, 1);
     static_cast<void>(impl_->table_of(q.data(), 0));
     Workspace::State& state = state_of(workspace);
-    state.answers.assign(impl_->cell->pairs.size(), 0);
-    impl_->engine().colliding_pairs(q.data(), state.answers.data(), *state.scratch);
     Verdict verdict;
-    for (std::size_t k = 0; k < state.answers.size(); ++k) {
-      if (state.answers[k] != 0) verdict.collisions.push_back(impl_->named(k));
-    }
+    for (const auto& [row, point] : impl_->engine().contacts(q.data(), *state.scratch))
+      verdict.collisions.push_back({impl_->named(row), {point.x, point.y, point.z}});
     verdict.valid = verdict.collisions.empty();
     return verdict;
   });

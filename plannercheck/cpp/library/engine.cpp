@@ -2,12 +2,15 @@
 // (plannercheck/checking/compiled_tables.py), the latter when first needed.
 #include "library/engine.hpp"
 
+#include <algorithm>
+#include <array>
 #include <mutex>
 #include <stdexcept>
 #include <utility>
 
 #include "checking/checker.hpp"
 #include "motions/motion_certifier.hpp"
+#include "narrow_phase/shared_point.hpp"
 
 namespace plannercheck {
 namespace {
@@ -137,14 +140,29 @@ class LevelEngine final : public Engine {
     pairs.checker().check_states(kinematics_, q, n, valid, states(pairs, scratch));
   }
 
-  void colliding_pairs(const double* q, std::uint8_t* colliding, Scratch& scratch) const override {
+  std::vector<Contact> contacts(const double* q, Scratch& scratch) const override {
     const CompiledTable& pairs = compiled(Table::kAll);
     constexpr std::size_t kPoseNumbers = 16;
     std::vector<double>& poses = static_cast<LevelScratch&>(scratch).poses;
     poses.assign(kPoseNumbers * cell_->links.size(), 0);
     const std::vector<unsigned char> needed(cell_->links.size(), 1);
     kinematics_.link_poses_batch(q, 1, needed.data(), poses.data());
-    pairs.checker().all_collisions(poses.data(), 1, colliding, states(pairs, scratch));
+    std::vector<std::uint8_t> colliding(cell_->pairs.size());
+    pairs.checker().all_collisions(poses.data(), 1, colliding.data(), states(pairs, scratch));
+    const auto posed = [&](std::int32_t body) -> PosedPolytope {
+      const GeometryObject& object = cell_->bodies[at(body)];
+      if (object.link < 0) return {object.body.get(), object.placement};
+      std::array<double, 12> link;
+      std::copy_n(poses.data() + kPoseNumbers * at(object.link), link.size(), link.begin());
+      return {object.body.get(), placed_on(link, object.placement)};
+    };
+    std::vector<Contact> out;
+    PairCounters counters;
+    for (std::size_t row = 0; row < colliding.size(); ++row) {
+      const auto [a, b] = cell_->pairs[row];
+      if (colliding[row] != 0) out.push_back({row, shared_point(posed(a), posed(b), counters)});
+    }
+    return out;
   }
 
   void check_motions(Table table, const Segments& motions, std::size_t n, double tolerance, std::uint8_t* answers,

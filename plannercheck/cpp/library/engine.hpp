@@ -34,8 +34,12 @@ class Engine {
   // Whether each of n configurations is free, by the pairs of a table.
   virtual void check_states(Table table, const double* q, std::size_t n, std::uint8_t* valid,
                             Scratch& scratch) const = 0;
-  // Which pairs collide at a configuration.
-  virtual void colliding_pairs(const double* q, std::uint8_t* colliding, Scratch& scratch) const = 0;
+  // The pairs that collide at a configuration, by the cell's rows, and a point that each shares.
+  struct Contact {
+    std::size_t row;
+    Vec3 point;
+  };
+  virtual std::vector<Contact> contacts(const double* q, Scratch& scratch) const = 0;
   // The MotionAnswer of each of n motions.
   virtual void check_motions(Table table, const Segments& motions, std::size_t n, double tolerance,
                              std::uint8_t* answers, Scratch& scratch) const = 0;

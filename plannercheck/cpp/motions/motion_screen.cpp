@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "math/shuffle.hpp"
+
 namespace plannercheck {
 namespace {
 
@@ -41,6 +43,11 @@ std::size_t pieces_for(double way) {
   std::size_t pieces = 1;
   while (pieces < kMostPieces && way > 2 * kLongestWay * static_cast<double>(pieces)) pieces *= 2;
   return pieces;
+}
+
+// Whether two boxes around paths are further apart than this along an axis.
+bool are_apart(Floats a, Floats b, float gap) {
+  return bits_above(-(a + shuffled<3, 4, 5, 0, 1, 2, 1, 2>(b, b)), Floats{} + gap) != 0;
 }
 
 // Whether two points, given by rows, are no further apart than a distance at one of the states.
@@ -167,9 +174,10 @@ void MotionScreen::find_by_speeds(const MotionGrid& grid, const MotionFilters& f
                                   double beyond, Workspace& w, std::vector<std::int32_t>& found) const {
   const double room = filters.slack() + beyond;
   pose_balls(grid, w);
+  bound_paths(filters, bounds, beyond, w);
   find_among_links(grid, filters, bounds, beyond, w, found);
   found.insert(found.end(), unbounded_pairs_.begin(), unbounded_pairs_.end());
-  if (eights_.size() * kFloats <= kFewObstaclesOnPaths) return find_near_links(filters, bounds, beyond, w, found);
+  if (eights_.size() * kFloats <= kFewObstaclesOnPaths) return find_near_links(filters, w, found);
   for (const LinkMovers& group : movers_by_link_) {
     find_in_tree(grid, group, speed(bounds, group.chains), room + from_obstacles(bounds, group.chains).shift, w);
     if (w.found.empty()) continue;
@@ -212,13 +220,20 @@ Deviation MotionScreen::from_obstacles(const ChainBounds& bounds, ChainRange ran
 }
 
 // Boxes around one body take no room, as `find_by_paths` has the same ones.
-void MotionScreen::find_near_links(const MotionFilters& filters, const ChainBounds& bounds, double beyond,
-                                   const Workspace& w, std::vector<std::int32_t>& found) const {
+void MotionScreen::bound_paths(const MotionFilters& filters, const ChainBounds& bounds, double beyond,
+                               Workspace& w) const {
+  w.paths.resize(balls_.size(), Floats{} + std::numeric_limits<float>::infinity());
+  for (const LinkMovers& group : movers_by_link_) {
+    const double radius = balls_[group.ball].radius + (group.movers.size() == 1 ? 0 : beyond);
+    w.paths[group.ball] = filters.box_around_path(rows(w, group.ball), radius, from_obstacles(bounds, group.chains));
+  }
+}
+
+void MotionScreen::find_near_links(const MotionFilters& filters, const Workspace& w,
+                                   std::vector<std::int32_t>& found) const {
   for (const LinkMovers& group : movers_by_link_) {
     const bool is_one = group.movers.size() == 1;
-    const LinkBound& ball = balls_[group.ball];
-    const double radius = ball.radius + (is_one ? 0 : beyond);
-    const Floats box = filters.box_around_path(rows(w, group.ball), radius, from_obstacles(bounds, group.chains));
+    const Floats box = w.paths[group.ball];
     for (std::size_t first = 0; first < eights_.size(); first += kFloats) {
       const std::uint64_t near = near_boxes(first, box, group.paired);
       if (near == 0) continue;
@@ -253,19 +268,24 @@ unsigned MotionScreen::meeting(const Eight& boxes, Floats box) {
   return ~bits_above(beyond, Floats{}) & ((1U << kFloats) - 1);
 }
 
-// Seen from a pair's frame, the two centres approach each other at most at the sum of both speeds, for at most half the
-// time between two states of the grid.
+// Where boxes around both paths are not apart: seen from a pair's frame, the two centres approach each other at most at
+// the sum of both speeds, for at most half the time between two states of the grid.
 void MotionScreen::find_among_links(const MotionGrid& grid, const MotionFilters& filters, const ChainBounds& bounds,
                                     double beyond, Workspace& w, std::vector<std::int32_t>& found) const {
   // Without a branch that can't be foreseen: each place is written, and overwritten unless it is near.
   const double room = filters.slack() + beyond;
+  const float least_gap = rounded_up(beyond);
   w.near.resize(moving_groups_.size()), w.directions.resize(moving_groups_.size());
-  std::size_t near = 0;
+  std::size_t meeting = 0, near = 0;
   for (std::size_t k = 0; k < moving_groups_.size(); ++k) {
-    const MovingGroup& group = moving_groups_[k];
+    w.near[meeting] = k;
+    meeting += are_apart(w.paths[moving_groups_[k].a], w.paths[moving_groups_[k].b], least_gap) ? 0 : 1;
+  }
+  for (std::size_t k = 0; k < meeting; ++k) {
+    const MovingGroup& group = moving_groups_[w.near[k]];
     const double way = (speed(bounds, group.chains_a) + speed(bounds, group.chains_b)) * (grid.step() / 2) +
                        deviation(bounds, group.chains_a).shift + deviation(bounds, group.chains_b).shift;
-    w.near[near] = k;
+    w.near[near] = w.near[k];
     near += come_within(rows(w, group.a), rows(w, group.b), grid.intervals(), group.radii + way + room) ? 1 : 0;
   }
   found.clear();

@@ -11,7 +11,8 @@
 // Bodies of one link come first in one sphere around all of them (the fingers of a hand, the pieces of a link), then,
 // if several pairs of two links are left, in boxes along one direction.
 //
-// By paths: boxes around whole paths are compared with boxes of the obstacles, eight at a time, in floats.
+// By paths: boxes around whole paths are compared with boxes of the obstacles, eight at a time, and of links before all
+// else with each other, in floats.
 #pragma once
 
 #include <array>
@@ -32,6 +33,7 @@ class MotionScreen {
 
   struct Workspace {
     std::vector<Lanes> rows;          // of the balls' centres, as MotionGrid has them
+    std::vector<Floats> paths;        // by ball, as `box_around_path`; infinite where no chain from the world is known
     std::vector<std::size_t> near;    // links that may come near each other
     std::vector<Vec3> directions;     // of links with several pairs: the direction that kept them apart last
     std::vector<std::int32_t> found;  // obstacles near one ball
@@ -97,12 +99,12 @@ class MotionScreen {
   Deviation from_obstacles(const ChainBounds& bounds, ChainRange chains) const;
   static const double* rows(const Workspace& w, std::size_t ball);
   void pose_balls(const MotionGrid& grid, Workspace& w) const;
+  void bound_paths(const MotionFilters& filters, const ChainBounds& bounds, double beyond, Workspace& w) const;
   void find_among_links(const MotionGrid& grid, const MotionFilters& filters, const ChainBounds& bounds, double beyond,
                         Workspace& w, std::vector<std::int32_t>& found) const;
   bool boxes_stay_apart(const MovingGroup& group, const MotionGrid& grid, const MotionFilters& filters,
                         const ChainBounds& bounds, double beyond, Vec3& direction) const;
-  void find_near_links(const MotionFilters& filters, const ChainBounds& bounds, double beyond, const Workspace& w,
-                       std::vector<std::int32_t>& found) const;
+  void find_near_links(const MotionFilters& filters, const Workspace& w, std::vector<std::int32_t>& found) const;
   void find_in_tree(const MotionGrid& grid, const LinkMovers& group, double way, double room, Workspace& w) const;
   std::uint64_t near_boxes(std::size_t first, Floats box, const std::vector<unsigned>& paired) const;
   static void take(const Mover& mover, std::size_t eight, std::uint64_t near, std::vector<std::int32_t>& found);

@@ -22,8 +22,6 @@ double total_inflation_radius(const PosedPolytope& a, const PosedPolytope& b) {
 
 Vec3 posed_centre(const PosedPolytope& posed) { return posed.pose.apply(posed.body->centre); }
 
-double extent(const Polytope& body) { return body.radius + body.inflation_radius; }
-
 // Of bodies whose hulls share a point. `hulls`: the descent towards that point, whose upper bound of the distance holds
 // where the depth has no proved lower bound: then the hulls may touch, as far as doubles tell, or be apart by less.
 PairDistance hulls_overlap(const PosedPolytope& body_a, const PosedPolytope& body_b, const HullDistance& hulls,

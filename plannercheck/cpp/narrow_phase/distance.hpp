@@ -6,6 +6,7 @@
 // double-double continues from the same vertices. Hulls that overlap are left to penetration_depth.hpp.
 #pragma once
 
+#include <functional>
 #include <limits>
 
 #include "narrow_phase/intersection.hpp"
@@ -13,6 +14,9 @@
 namespace plannercheck {
 
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+// The radius of a body's ball about its centre.
+inline double extent(const Polytope& body) { return body.radius + body.inflation_radius; }
 
 // Distances are promised up to 1e-9 of max(distance, 1e-3 of the larger body's size): how far apart their bounds may
 // be.
@@ -28,9 +32,14 @@ struct PairDistance {
   double measured() const { return overlap ? lower : upper; }
 };
 
+// Is shown two convex bodies or parts and their distance; over a half-space, A is always the other body.
+using PartVisitor = std::function<void(const PosedPolytope& a, const PosedPolytope& b, const PairDistance& found)>;
+
 // `limit`: the search ends once the lower bound exceeds it. Of solids that overlap, the depth is that of their hulls.
+// `visit`: is shown the pairs of convex parts (a solid's are its triangles) that are measured, if the bodies are apart:
+// all at least that are no further apart than the bodies.
 PairDistance pair_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
-                           PairCounters& counters);
+                           PairCounters& counters, const PartVisitor* visit = nullptr);
 
 // The same for the hulls of bodies.
 PairDistance convex_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,

@@ -36,7 +36,8 @@ class ExpandingPolytope {
 
   // The face of least height. The origin is at least that far below the exact planes of all faces.
   std::int32_t nearest() const;
-  double height(std::int32_t f) const { return heights_[at(f)]; }
+  std::int32_t face_count() const { return static_cast<std::int32_t>(faces_.size()); }
+  double height(std::int32_t f) const { return heights_[at(f)]; }  // infinite where a face was removed
   const Plane& plane(std::int32_t f) const { return planes_[at(f)]; }
   bool is_refined(std::int32_t f) const { return faces_[at(f)].refined; }
   const std::array<std::int32_t, 3>& corners(std::int32_t f) const { return faces_[at(f)].corner; }
@@ -70,7 +71,7 @@ class ExpandingPolytope {
   std::vector<Vec3> points_;
   std::vector<Face> faces_;
   std::vector<Plane> planes_;    // of each face
-  std::vector<double> heights_;  // of each face; infinite where it was removed
+  std::vector<double> heights_;  // of each face
   std::vector<std::int32_t> unused_;
   std::vector<HorizonEdge> horizon_;
   Fan fan_;

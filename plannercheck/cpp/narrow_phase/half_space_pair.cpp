@@ -199,10 +199,12 @@ PairDistance hull_distance_over(const PosedPolytope& half_space, const PosedPoly
   return out;
 }
 
-PairDistance distance_over(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters) {
+PairDistance distance_over(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters,
+                           const PartVisitor* visit) {
   PairDistance least{false, kNoLimit, kNoLimit, {}, {}, {}};
   each_part(body, [&](const PosedPolytope& part, std::int32_t) {
     const PairDistance found = hull_distance_over(half_space, part, counters);
+    if (visit != nullptr) (*visit)(part, half_space, found);
     const double lower = smaller(least.lower, found.lower);
     if (found.upper < least.upper) least = found;
     least.lower = lower;
@@ -219,9 +221,10 @@ PartContact half_space_contact(const PosedPolytope& a, const PosedPolytope& b, P
   return {found.shared, found.b, found.a};
 }
 
-PairDistance half_space_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, PairCounters& counters) {
-  if (!body_b.body->traits().is_bounded) return distance_over(body_b, body_a, counters);
-  PairDistance out = distance_over(body_a, body_b, counters);
+PairDistance half_space_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, PairCounters& counters,
+                                 const PartVisitor* visit) {
+  if (!body_b.body->traits().is_bounded) return distance_over(body_b, body_a, counters, visit);
+  PairDistance out = distance_over(body_a, body_b, counters, visit);
   std::swap(out.on_body_a, out.on_body_b);
   out.direction = -out.direction;
   return out;

@@ -20,7 +20,9 @@ namespace plannercheck {
 PartContact half_space_contact(const PosedPolytope& a, const PosedPolytope& b, PairCounters& counters);
 
 // The distance, or the depth: both are those along the plane's normal, and no shorter way separates the bodies.
-PairDistance half_space_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, PairCounters& counters);
+// `visit`: as for pair_distance, of bodies that overlap as well.
+PairDistance half_space_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, PairCounters& counters,
+                                 const PartVisitor* visit = nullptr);
 
 // A proved lower bound of how far the other body, without its inflation radius, is over the plane, m.
 double height_over(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters);

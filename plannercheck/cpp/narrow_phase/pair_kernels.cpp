@@ -39,28 +39,35 @@ bool shares(const PosedPolytope& a, const PosedPolytope& b, const PairOptions& o
   return static_cast<bool>(contact(a, b, {}, counters, of_contact, nullptr));
 }
 
+PairDistance hulls_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
+                            PairCounters& counters, const PartVisitor* visit) {
+  const PairDistance found = convex_distance(body_a, body_b, limit, counters);
+  if (visit != nullptr) (*visit)(body_a, body_b, found);
+  return found;
+}
+
 PairDistance sets_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit, double least,
-                           PairCounters& counters) {
-  return parts_distance(body_a, body_b, limit, least, counters);
+                           PairCounters& counters, const PartVisitor* visit) {
+  return parts_distance(body_a, body_b, limit, least, counters, true, visit);
 }
 
 // That of the hulls is a lower bound; where the bodies share a point, it is minus a depth that separates them, and they
 // may be in each other by less.
 template <Contact contact, auto distance>
-PairDistance past_hulls(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
-                        PairCounters& counters) {
+PairDistance past_hulls(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit, PairCounters& counters,
+                        const PartVisitor* visit) {
   PairDistance hulls = convex_distance(body_a, body_b, limit, counters);
   if (hulls.lower > limit) return hulls;
   if (hulls.overlap && contact(body_a, body_b, {}, counters, {}, nullptr)) {
     hulls.upper = 0;
     return hulls;
   }
-  return distance(body_a, body_b, limit, hulls.lower, counters);
+  return distance(body_a, body_b, limit, hulls.lower, counters, visit);
 }
 
 PairDistance distance_over_plane(const PosedPolytope& body_a, const PosedPolytope& body_b, double,
-                                 PairCounters& counters) {
-  return half_space_distance(body_a, body_b, counters);
+                                 PairCounters& counters, const PartVisitor* visit) {
+  return half_space_distance(body_a, body_b, counters, visit);
 }
 
 double bound_over_plane(const PosedPolytope& body_a, const PosedPolytope& body_b, int, PairCounters& counters) {
@@ -70,7 +77,7 @@ double bound_over_plane(const PosedPolytope& body_a, const PosedPolytope& body_b
 }  // namespace
 
 const KindTable<PairKernel> kPairKernels{
-    {hulls_share, triangles_contact, convex_distance, convex_bound},
+    {hulls_share, triangles_contact, hulls_distance, convex_bound},
     {solids_share, triangles_contact, past_hulls<triangles_contact, solid_distance>, convex_bound},
     {shares<sets_contact>, sets_contact, past_hulls<sets_contact, sets_distance>, convex_bound},
     {shares<plane_contact>, plane_contact, distance_over_plane, bound_over_plane}};
@@ -85,8 +92,8 @@ auto by_kind(const PosedPolytope& a, const PosedPolytope& b, Arguments&&... othe
 }  // namespace
 
 PairDistance pair_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
-                           PairCounters& counters) {
-  return by_kind<&PairKernel::distance>(body_a, body_b, limit, counters);
+                           PairCounters& counters, const PartVisitor* visit) {
+  return by_kind<&PairKernel::distance>(body_a, body_b, limit, counters, visit);
 }
 
 double distance_bound(const PosedPolytope& body_a, const PosedPolytope& body_b, int rounds, PairCounters& counters) {

@@ -18,7 +18,7 @@ struct PairKernel {
                           PairCounters& counters, const SolidOptions& options, SolidCounters* counted);
   // See pair_distance and distance_bound.
   PairDistance (*distance)(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
-                           PairCounters& counters);
+                           PairCounters& counters, const PartVisitor* visit);
   double (*bound)(const PosedPolytope& body_a, const PosedPolytope& body_b, int rounds, PairCounters& counters);
 };
 

@@ -205,13 +205,15 @@ void take(const PairDistance& found, PairDistance& least) {
 // The least distance of a set's parts from a body that is no set: nodes nearest first.
 class PartsDistance {
  public:
-  PartsDistance(const PosedPolytope& set, const PosedPolytope& body, double limit, PairCounters& counters)
+  PartsDistance(const PosedPolytope& set, const PosedPolytope& body, double limit, PairCounters& counters,
+                const PartVisitor* visit)
       : set_(set),
         body_(body),
         parts_(set.body->as<PartSet>()),
         walk_(body, set, 0),
         limit_(limit),
-        counters_(counters) {}
+        counters_(counters),
+        visit_(visit) {}
 
   // `A` is the set or the body: the way in which directions and points are given.
   PairDistance run(bool set_is_a, bool trees = true) {
@@ -248,6 +250,7 @@ class PartsDistance {
   PartWalk walk_;
   double limit_;
   PairCounters& counters_;
+  const PartVisitor* visit_;
   bool set_is_a_ = false;
   std::priority_queue<Waiting> waiting_;
   PairDistance best_ = nothing_near();
@@ -276,18 +279,21 @@ class PartsDistance {
     if (!body_.body->traits().fills_hull()) {
       const Polytope part = polytope_of(shape, set_.body->inflation_radius);
       const PosedPolytope posed{&part, set_.pose};
-      return set_is_a_ ? pair_distance(posed, body_, limit, counters_) : pair_distance(body_, posed, limit, counters_);
+      return set_is_a_ ? pair_distance(posed, body_, limit, counters_, visit_)
+                       : pair_distance(body_, posed, limit, counters_, visit_);
     }
     filled.fill(shape, set_.body->inflation_radius);
     const PosedPolytope posed{&filled.body(), set_.pose};
-    return set_is_a_ ? convex_distance(posed, body_, limit, counters_)
-                     : convex_distance(body_, posed, limit, counters_);
+    const PosedPolytope &a = set_is_a_ ? posed : body_, &b = set_is_a_ ? body_ : posed;
+    const PairDistance found = convex_distance(a, b, limit, counters_);
+    if (visit_ != nullptr) (*visit_)(a, b, found);
+    return found;
   }
 };
 
 // Of two sets: the least over the parts of the first one, one after another.
 PairDistance sets_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
-                           PairCounters& counters, bool trees) {
+                           PairCounters& counters, bool trees, const PartVisitor* visit) {
   const PartSet& parts = body_a.body->as<PartSet>();
   PairDistance best = nothing_near();
   for (std::size_t place = 0; place < parts.leaf_count() * kPartsInLeaf; ++place) {
@@ -296,7 +302,7 @@ PairDistance sets_distance(const PosedPolytope& body_a, const PosedPolytope& bod
     PartBody filled;
     filled.fill(shape, body_a.body->inflation_radius);
     const PosedPolytope posed{&filled.body(), body_a.pose};
-    take(PartsDistance(body_b, posed, smaller(limit, best.upper), counters).run(false, trees), best);
+    take(PartsDistance(body_b, posed, smaller(limit, best.upper), counters, visit).run(false, trees), best);
   }
   return best;
 }
@@ -320,12 +326,12 @@ PartContact parts_contact(const PosedPolytope& a, const PosedPolytope& b, const 
 }
 
 PairDistance parts_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit, double least,
-                            PairCounters& counters, bool trees) {
+                            PairCounters& counters, bool trees, const PartVisitor* visit) {
   const Sets sets = sets_of(*body_a.body, *body_b.body);
-  PairDistance found = sets.are_both()
-                           ? sets_distance(body_a, body_b, limit, counters, trees)
-                           : PartsDistance(sets.first ? body_a : body_b, sets.first ? body_b : body_a, limit, counters)
-                                 .run(sets.first, trees);
+  PairDistance found = sets.are_both() ? sets_distance(body_a, body_b, limit, counters, trees, visit)
+                                       : PartsDistance(sets.first ? body_a : body_b, sets.first ? body_b : body_a,
+                                                       limit, counters, visit)
+                                             .run(sets.first, trees);
   found.lower = larger(found.lower, least);
   return found;
 }

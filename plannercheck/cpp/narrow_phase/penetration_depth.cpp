@@ -21,6 +21,8 @@ constexpr double kSmallestUnscaled = 0x1p-100, kLargestUnscaled = 0x1p100;
 constexpr double kTie = 8 * 0x1p-53;
 // The bounds meet if they are within so many of the errors of both.
 constexpr double kClosed = 4;
+// Faces whose normals differ by less are of one plane.
+constexpr double kSamePlane = 1e-6;
 // Rounds of doubles, of which each adds a corner, and of exact hulls, which are built anew in each.
 constexpr int kMostRounds = 20000, kMostExactRounds = 400;
 
@@ -162,21 +164,25 @@ class DepthSearch {
     return true;
   }
 
-  // The direction and points of the nearest face: where the origin's projection is in it.
-  void take_face(std::int32_t f) {
-    const std::array<std::int32_t, 3>& corner = polytope_.corners(f);
-    const Vec3 normal = polytope_.plane(f).normal;
-    std::array<double, 3> weight;
-    double sum = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3 next = polytope_.point(corner[(i + 1) % 3]), last = polytope_.point(corner[(i + 2) % 3]);
-      weight[i] = larger(dot(normal, cross(next, last)), 0);
-      sum += weight[i];
+  // The direction of the nearest face, and the points where the origin's projection is in it, or in another face of the
+  // same plane: a facet of the difference has several where edges cross, and where a face has more than three corners.
+  void take_face(std::int32_t nearest) {
+    const Vec3 normal = polytope_.plane(nearest).normal;
+    best_.direction = -normal;
+    double innermost = -std::numeric_limits<double>::infinity();
+    for (std::int32_t f = 0; f < polytope_.face_count(); ++f) {
+      if (!(polytope_.height(f) <= best_.upper) || norm(polytope_.plane(f).normal - normal) > kSamePlane) continue;
+      const std::array<std::int32_t, 3>& corner = polytope_.corners(f);
+      Vec3 point;
+      double sum = 0, least = 0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3 next = polytope_.point(corner[(i + 1) % 3]), last = polytope_.point(corner[(i + 2) % 3]);
+        const double weight = dot(normal, cross(next, last));
+        least = smaller(least, weight), sum += larger(weight, 0);
+        point = point + larger(weight, 0) * w_.corners[at(corner[i])].body_a;
+      }
+      if (sum > 0 && least > innermost) innermost = least, best_.on_body_a = (1 / sum) * point;
     }
-    if (!(sum > 0)) return;
-    Vec3 point;
-    for (std::size_t i = 0; i < 3; ++i) point = point + (weight[i] / sum) * w_.corners[at(corner[i])].body_a;
-    best_.direction = -normal, best_.on_body_a = point;
   }
 
   // Around the exact hull of all corners found. Its planes are known to double-double; it grows where it is nearest to

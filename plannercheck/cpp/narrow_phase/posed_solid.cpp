@@ -5,8 +5,8 @@ namespace {
 
 // Of M⁻¹ (p − t), times the magnitude of p and t together, y: the difference errs by u|y|. Entries of the adjugate err
 // by 4u, its products with y and their sums by 3u of at most √3 |y|: 18u|y|. The determinant is 1 up to 6e-6 and errs
-// by 13u, its reciprocal and the product with that by one more each: 26u|y|. What p errs by, kCornerError, is turned:
-// at most √3 times that, 9u.
+// by 13u, its reciprocal and the product with that by one more each: 26u|y|. What p errs by, 5u (a product, three
+// sums, and rounding of the magnitude), is turned: at most √3 times that, 9u.
 constexpr double kInverseError = 64 * kRoundoff;
 
 // Of a relative pose, times |p|_1 + |t_a − t_b|_1: its columns are M⁻¹ times vectors, each coordinate of which errs by
@@ -14,17 +14,6 @@ constexpr double kInverseError = 64 * kRoundoff;
 constexpr double kRelativeError = 48 * kRoundoff;
 
 }  // namespace
-
-double posing_magnitude(const PosedSolid& posed) {
-  const auto& m = posed.pose.m;
-  const Vec3 reach = posed.solid->reach;
-  double most = 0;
-  for (std::size_t row = 0; row < 12; row += 4) {
-    most = larger(most, std::fabs(m[row]) * reach.x + std::fabs(m[row + 1]) * reach.y +
-                            std::fabs(m[row + 2]) * reach.z + std::fabs(m[row + 3]));
-  }
-  return most;
-}
 
 InversePose::InversePose(const Pose& pose) : translation_(pose.translation()) {
   const auto column = [&](std::size_t j) { return Vec3{pose.m[j], pose.m[j + 4], pose.m[j + 8]}; };

@@ -24,13 +24,6 @@ struct PosedSolid {
 // How much longer than in the world a length may be in the frame of a body that is as far off rigid as poses may be.
 inline constexpr double kFrameStretch = 1 + 0x1p-16;
 
-// The sum of the sizes of all terms in a coordinate of a posed point, the largest over points and coordinates.
-double posing_magnitude(const PosedSolid& posed);
-
-// A coordinate of Pose::apply errs by this times the magnitude: a product and three sums, 4u; the rest is for rounding
-// of the magnitude.
-inline constexpr double kCornerError = 5 * kRoundoff;
-
 // The inverse of a pose, in doubles.
 class InversePose {
  public:

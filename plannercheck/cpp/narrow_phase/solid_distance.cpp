@@ -28,7 +28,8 @@ struct WaitingPair {
 
 class DistanceSearch {
  public:
-  DistanceSearch(const PosedPolytope& a, const PosedPolytope& b, double limit, PairCounters& counters)
+  DistanceSearch(const PosedPolytope& a, const PosedPolytope& b, double limit, PairCounters& counters,
+                 const PartVisitor* visit)
       : body_a_(a),
         body_b_(b),
         a_{&a.body->surface(), a.pose},
@@ -37,7 +38,8 @@ class DistanceSearch {
         b_to_a_(b_, a_, {b_.pose, a_.pose}, 0),
         radii_(a.body->inflation_radius + b.body->inflation_radius),
         limit_(limit),
-        counters_(counters) {
+        counters_(counters),
+        visit_(visit) {
     best_.lower = best_.upper = kNoLimit;
   }
 
@@ -64,6 +66,7 @@ class DistanceSearch {
   TreeMap a_to_b_, b_to_a_;
   double radii_, limit_;
   PairCounters& counters_;
+  const PartVisitor* visit_;
   PairDistance best_;
   std::vector<WaitingPair> waiting_;
   PartBody filled_a_, filled_b_;  // one object each, filled again for every triangle
@@ -90,8 +93,9 @@ class DistanceSearch {
 
   void measure(std::int32_t triangle_a, std::int32_t triangle_b) {
     fill(filled_a_, a_, triangle_a, body_a_), fill(filled_b_, b_, triangle_b, body_b_);
-    const PairDistance found = convex_distance({&filled_a_.body(), a_.pose}, {&filled_b_.body(), b_.pose},
-                                               std::min(limit_, best_.upper), counters_);
+    const PosedPolytope a{&filled_a_.body(), a_.pose}, b{&filled_b_.body(), b_.pose};
+    const PairDistance found = convex_distance(a, b, std::min(limit_, best_.upper), counters_);
+    if (visit_ != nullptr) (*visit_)(a, b, found);
     const double lower = std::min(best_.lower, found.lower);
     if (found.upper < best_.upper) best_ = found;
     best_.lower = lower;
@@ -106,8 +110,8 @@ class DistanceSearch {
 }  // namespace
 
 PairDistance solid_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit, double least,
-                            PairCounters& counters) {
-  PairDistance found = DistanceSearch(body_a, body_b, limit, counters).run();
+                            PairCounters& counters, const PartVisitor* visit) {
+  PairDistance found = DistanceSearch(body_a, body_b, limit, counters, visit).run();
   found.overlap = false;
   found.lower = larger(found.lower, larger(least, 0));
   return found;

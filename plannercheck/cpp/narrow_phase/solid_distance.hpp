@@ -9,8 +9,8 @@
 
 namespace plannercheck {
 
-// `limit`: as for pair_distance. `least`: a lower bound that is known; none is below it.
+// `limit`, `visit`: as for pair_distance. `least`: a lower bound that is known; none is below it.
 PairDistance solid_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit, double least,
-                            PairCounters& counters);
+                            PairCounters& counters, const PartVisitor* visit = nullptr);
 
 }  // namespace plannercheck

@@ -46,15 +46,8 @@ class SwitchRow:
 def measure(robot: Robot, scene: Scene, states: int, rounds: int, seed: int) -> list[SwitchRow]:
     """Times checkers with one switch off by turns.
 
-    Args:
-        robot: The robot.
-        scene: The scene.
-        states: Number of states of each kind.
-        rounds: How often each runs.
-        seed: Seed of the states.
-
-    Returns:
-        A row for each kind of states and switch, the first of each with all on.
+    A row for each kind of states and switch, the first of each with all on. States are random, of this seed, and along
+    motions.
     """
     checkers = {off: Checker(robot, scene, tuning=tuning) for off, tuning in _variants().items()}
     random = robot.random_configurations(states, seed)

@@ -89,13 +89,7 @@ def points_of(scene: Scene) -> Floats:
 def measure_costs(
     points: Floats, robot_name: str, skipped: Callable[[str], None] = lambda reason: None
 ) -> list[CostRow]:
-    """What building, changing and holding a cloud takes with each method, each in a process of its own.
-
-    Args:
-        points: (n, 3) m.
-        robot_name: A shipped robot, or the file of one.
-        skipped: Function that is told why a method is left out.
-    """
+    """What building, changing and holding a cloud (n, 3), m, takes with each method, each in a process of its own."""
     rows = []
     with TemporaryDirectory(prefix="plannercheck-") as folder:
         file = Path(folder) / "points.npy"

@@ -168,16 +168,7 @@ class CoalLoop:
         return self.posed(np.concatenate([self._checker.body_poses(block)[:, self._movers] for block in blocks]))
 
     def check(self, states: CoalStates, variant: Variant, ends: NDArray[np.int64] | None = None) -> Bools:
-        """Which groups of states are free.
-
-        Args:
-            states: All states, group by group.
-            variant: Way in which coal is asked.
-            ends: (groups,) where each group ends; None takes each state for itself.
-
-        Returns:
-            (groups,) True means free.
-        """
+        """Which groups of states, by where they end, are free: (groups,); without ends each state is a group."""
         groups = np.arange(1, states.count + 1) if ends is None else np.ascontiguousarray(ends, dtype=np.int64)
         free = np.empty(len(groups), dtype=bool)
         self._checked(
@@ -240,10 +231,8 @@ def fastest_loop(
 ) -> tuple[CoalLoop, Variant]:
     """The loop and the variant that judge some states fastest.
 
-    Args:
-        make: Makes the loop, given what coal has around the triangles of solids.
-        states_of: The states for a loop, or the first so many of them.
-        variants: Variants to try.
+    `make` makes the loop, given what coal has around the triangles of solids; `states_of` gives a loop's states, or the
+    first so many of them.
     """
     loops = [make("OBBRSS")]
     first = None

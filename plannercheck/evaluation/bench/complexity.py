@@ -95,17 +95,7 @@ class GrowthRow:
 def measure(
     most: int, queries: int, seed: int = 0, progress: Callable[[str], None] = lambda text: None
 ) -> Iterator[ComplexityRow]:
-    """Counts everything.
-
-    Args:
-        most: The largest n.
-        queries: Number of queries for each body and size.
-        seed: Seed of bodies and poses.
-        progress: Told what comes next.
-
-    Yields:
-        Rows, as they are measured.
-    """
+    """Counts everything for up to `most` vertices, with so many queries of each body and size."""
     sizes = [n for n in SIZES if n <= most] or [most]
     for n in sizes:
         for name in SPACE_FAMILIES:
@@ -119,14 +109,7 @@ def measure(
 
 
 def growth(rows: Sequence[ComplexityRow]) -> list[GrowthRow]:
-    """Fits the growth of each method on each family.
-
-    Args:
-        rows: Rows of `measure`.
-
-    Returns:
-        A row for each that was measured at two sizes or more.
-    """
+    """Fits the growth of each method on each family: a row for each that was measured at two sizes or more."""
     curves: dict[tuple[str, str, str], list[ComplexityRow]] = {}
     for row in rows:
         curves.setdefault((row.where, row.family, row.method), []).append(row)
@@ -206,14 +189,9 @@ def _gjk(body: Polytope, pose_p: Floats, pose_r: Floats) -> tuple[bool, Count]:
 
 
 def polygon(name: str, n: int) -> Floats:
-    """A convex polygon about 2 m across, counter-clockwise.
+    """A convex polygon (n, 2) about 2 m across, counter-clockwise.
 
-    Args:
-        name: "ellipse", or "crowded": nearly all vertices of a circle in a narrow angle.
-        n: Number of vertices.
-
-    Returns:
-        (n, 2), m.
+    "ellipse", or "crowded": nearly all vertices of a circle in a narrow angle.
     """
     if name == "ellipse":
         angles = 2 * np.pi * np.arange(n) / n

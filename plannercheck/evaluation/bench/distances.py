@@ -19,7 +19,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.drake_checker import drake_model
 from plannercheck.evaluation.bench.other_libraries import coal_geometry_data, coal_geometry_model
-from plannercheck.evaluation.bench.timing import Contender, Work, measured
+from plannercheck.evaluation.bench.timing import Contender, TimedRow, Work, measured
 from plannercheck.motions.checker import Checker
 
 LIMIT = 0.1  # m
@@ -29,27 +29,19 @@ _ON_A_MOTION, _FEW = 100, 20
 
 
 @dataclass(frozen=True)
-class DistanceRow:
+class DistanceRow(TimedRow):
     """What one method took.
 
     Attributes:
         robot: Its name.
         scene: Its name.
         states: How they were drawn.
-        method: The method's name.
-        microseconds: The least time a state.
-        ratio: That time over that of `distances` with gradients.
-        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
         near: Pairs within the limit a state.
     """
 
     robot: str
     scene: str
     states: str
-    method: str
-    microseconds: float
-    ratio: float
-    noise: float
     near: float
 
 
@@ -79,13 +71,10 @@ def _of_states(
     near = len(checker.distances(q, LIMIT)) / len(q)
     return [
         DistanceRow(
+            *times.row(name),
             checker.robot.name,
             checker.scene.name,
             drawn,
-            name,
-            1e6 * times.seconds[name],
-            times.seconds[name] / times.seconds["distances"],
-            times.noise("distances", name),
             near,
         )
         for name in works

@@ -44,11 +44,7 @@ class LevelledBody:
     """
 
     def __init__(self, body: Polytope) -> None:
-        """Finds the edges of every level.
-
-        Args:
-            body: A body with volume.
-        """
+        """Finds the edges of every level of a body with volume."""
         self.vertices = body.vertices
         alive = [np.arange(len(body.vertices)), *alive_levels(body)]
         self.top = alive[-1]
@@ -100,17 +96,7 @@ class Walked:
 
 
 def walk(first: LevelledBody, second: LevelledBody, pose_first: Floats, pose_second: Floats) -> Walked:
-    """Whether two bodies share a point.
-
-    Args:
-        first: The first body.
-        second: The second body.
-        pose_first: (4, 4), m.
-        pose_second: (4, 4), m.
-
-    Returns:
-        The verdict, with counters.
-    """
+    """Whether two bodies share a point at poses (4, 4), m, with counters."""
     return _Walk(_Posed(first, pose_first), _Posed(second, pose_second)).run()
 
 

@@ -78,15 +78,9 @@ class FidelityRow:
 
 
 def measure(robot: str, states: int, seed: int) -> list[FidelityRow]:
-    """Judges random states of a robot by its hulls, its meshes, and coal.
+    """Judges random states of a robot, by name or file, by its hulls, its meshes, and coal.
 
-    Args:
-        robot: A name or a file.
-        states: Number of states.
-        seed: Seed of the states.
-
-    Returns:
-        A row for meshes as solids; if some are open, one more for each other way to take these.
+    A row for meshes as solids; if some are open, one more for each other way to take these.
 
     Raises:
         PlannercheckError: If there is no compiler for the loop around coal.

@@ -76,14 +76,7 @@ def together(sets: Sequence[Timed]) -> Timed:
 
 
 def measure(path: Path, robot: Robot, every: int, first: int | None, limit: float) -> Timed:
-    """Does every so-many-th problem of a set.
-
-    Args:
-        path: The set's folder or archive.
-        robot: Any robot with the problems' joints.
-        every: Take every so-many-th problem.
-        first: Most problems that are taken; None for all.
-        limit: Time limit of a search, s.
+    """Plans every so-many-th problem of a set, at most the first ones, each within a time limit, s.
 
     Raises:
         PlannercheckError: If no problem is solved.

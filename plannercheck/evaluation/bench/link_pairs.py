@@ -78,18 +78,7 @@ class _Queries:
 def measure(
     checker: Checker, q: Floats, most: int, rounds: int, skipped: Callable[[str], None] = lambda reason: None
 ) -> list[LinkPairRow]:
-    """Times all pairs by turns.
-
-    Args:
-        checker: Of meshes.
-        q: Configurations (n, nq).
-        most: Queries of a pair at most, the first of those that there are.
-        rounds: How often each runs.
-        skipped: Is told why coal is left out.
-
-    Returns:
-        The rows, by pair; colliding queries first.
-    """
+    """Times at most so many queries of each pair of meshes by turns: rows by pair, colliding queries first."""
     colliding, poses = with_hulls(checker).colliding_pairs(q), checker.body_poses(q)
     found = [
         each for k in range(len(checker.pairs)) for each in _queries(checker, k, colliding[:, k], poses, most, skipped)

@@ -61,14 +61,7 @@ class BoxesRow:
 
 
 def measure(robot_name: str, count: int, are_near: bool, seed: int) -> BoxesRow:
-    """Measures a scene in a process of its own.
-
-    Args:
-        robot_name: A shipped robot, or the file of one.
-        count: Number of boxes.
-        are_near: Whether all of them are within the robot's reach.
-        seed: Seed of the boxes.
-    """
+    """Measures a scene of `count` boxes, all within the robot's reach or not, in a process of its own."""
     done = run_isolated_lines(_RUN, json.dumps([robot_name, count, are_near, seed]), time_limit=_PATIENCE)
     if done.returncode:
         raise PlannercheckError(f"a process with {count} boxes failed: {done.stderr.strip().splitlines()[-1:]}")

@@ -76,18 +76,7 @@ def along_motions(random: Floats) -> Floats:
 
 
 def random_sets(checker: Checker, where: str, length: float, n: int, seed: int) -> list[MotionSet]:
-    """Random motions of one length, free ones and colliding ones apart.
-
-    Args:
-        checker: The exact one.
-        where: The scene's name.
-        length: rad.
-        n: Number of motions of each kind, fewer where they are rare.
-        seed: Seed of the random numbers.
-
-    Returns:
-        The kinds of which there are any.
-    """
+    """Random motions of one length, rad, free ones and colliding ones apart; n of each, fewer where they are rare."""
     rng = np.random.default_rng(seed)
     found: dict[bool, list[tuple[Floats, Floats]]] = {True: [], False: []}
     for _ in range(_MOST_DRAWS):

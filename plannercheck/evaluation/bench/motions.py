@@ -16,23 +16,19 @@ from plannercheck.common.array_types import Bools
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.motion_methods import METHODS, MotionMethod, Ready
 from plannercheck.evaluation.bench.motion_sets import MotionSet
-from plannercheck.evaluation.bench.timing import Contender, Times, measured
+from plannercheck.evaluation.bench.timing import Contender, TimedRow, Times, measured
 
 
 @dataclass(frozen=True)
-class MotionRow:
+class MotionRow(TimedRow):
     """What one method did on motions of one kind.
 
     Attributes:
         robot: Its name.
         where: The scene, or the problem set.
         kind: Kind of the motions.
-        method: Its name.
         motions: Judged in a round.
         free: Part of them that is proved free.
-        microseconds: The least time a motion.
-        ratio: That time over that of `check_motions`.
-        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
         false_free: Part of the motions that it calls free though they are refused.
         false_collision: Part of the motions that it calls colliding though they are proved free.
         note: What was timed.
@@ -41,12 +37,8 @@ class MotionRow:
     robot: str
     where: str
     kind: str
-    method: str
     motions: int
     free: float
-    microseconds: float
-    ratio: float
-    noise: float
     false_free: float
     false_collision: float
     note: str
@@ -58,17 +50,7 @@ def measure(
     skipped: Callable[[str], None] = lambda reason: None,
     methods: Sequence[MotionMethod] = METHODS,
 ) -> list[MotionRow]:
-    """Times all methods by turns.
-
-    Args:
-        motions: Motions to judge.
-        rounds: Number of turns of each method.
-        skipped: Function that is told why a method is left out.
-        methods: The first is what others' ratios are to.
-
-    Returns:
-        A row for each method that could be built.
-    """
+    """Times all methods by turns; ratios are to the first one. A row for each that could be built."""
     ready: dict[str, Ready] = {}
     counts: dict[str, list[int]] = {}
     for method in methods:
@@ -89,18 +71,14 @@ def _row(
     motions: MotionSet, name: str, found: Ready, truth: Sequence[Bools], counts: Sequence[int], times: Times
 ) -> MotionRow:
     right = np.concatenate([verdicts[:n] for verdicts, n in zip(truth, counts, strict=True)])
-    first = next(iter(times.seconds))
     said = np.concatenate([work() for work in found.works])
     return MotionRow(
+        *times.row(name),
         motions.cases[0].checker.robot.name,
         motions.where,
         motions.kind,
-        name,
         len(right),
         float(right.mean()),
-        1e6 * times.seconds[name],
-        times.seconds[name] / times.seconds[first],
-        times.noise(first, name),
         float((said & ~right).mean()),
         float((~said & right).mean()),
         found.note,

@@ -63,12 +63,7 @@ class Nearest:
 
 
 def nearest_of_few(first: Floats, second: Floats) -> Nearest:
-    """The nearest points of the hulls of few points.
-
-    Args:
-        first: (n, 3), m.
-        second: (k, 3), m.
-    """
+    """The nearest points of the hulls of few points, (n, 3) and (k, 3), m."""
     weights = _weights((first[:, None] - second[None]).reshape(-1, 3)).reshape(len(first), len(second))
     of_first, of_second = weights.sum(axis=1), weights.sum(axis=0)
     return Nearest(of_first @ first, of_second @ second, np.flatnonzero(of_first), np.flatnonzero(of_second))
@@ -77,13 +72,7 @@ def nearest_of_few(first: Floats, second: Floats) -> Nearest:
 def share_a_point(first: Support, second: Support, start: Floats) -> tuple[bool, int]:
     """Whether two bodies share a point, by Gilbert, Johnson and Keerthi (1988): stops at the first separating plane.
 
-    Args:
-        first: The first body.
-        second: The second body.
-        start: Direction (3,) to begin with, about from the second to the first.
-
-    Returns:
-        The verdict, and how many rounds of supports it took.
+    It starts with a direction (3,), about from the second to the first, and counts rounds of supports.
     """
     actives = np.zeros((0, 3))
     apart = start

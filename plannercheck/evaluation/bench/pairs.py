@@ -70,17 +70,9 @@ def measure(
     skipped: Callable[[str], None] = lambda reason: None,
     ellipsoids: bool = False,
 ) -> list[PairRow]:
-    """Times all methods by turns, size by size.
+    """Times all methods by turns: on so many pairs of each size, at least 4 vertices, and gap; rows by size and gap.
 
-    Args:
-        sizes: Numbers of vertices, each at least 4.
-        pairs: Number of pairs of each size and gap.
-        rounds: How often each method runs.
-        skipped: Is told why a method is left out.
-        ellipsoids: Whether points are on ellipsoids, which balls bound less closely, instead of on spheres.
-
-    Returns:
-        The rows, by size and gap.
+    `ellipsoids`: points are on ellipsoids, which balls bound less closely, not on spheres.
     """
     rows = []
     for vertices in sizes:

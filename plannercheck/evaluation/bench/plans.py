@@ -125,18 +125,7 @@ def measure(
     rounds: int,
     skipped: Callable[[str], None] = lambda reason: None,
 ) -> dict[str, Tally]:
-    """Plans all tasks of a set.
-
-    Args:
-        tasks: Problems to plan.
-        seeds: Seeds of each problem, at least 1.
-        settings: Settings of the planners of OMPL.
-        rounds: Number of runs of each search; the least time counts.
-        skipped: Function that is told once why a planner is left out.
-
-    Returns:
-        A tally for each planner.
-    """
+    """Plans all tasks of a set with each seed: a tally a planner. The least time of a search's `rounds` counts."""
     tallies = {name: Tally() for name, _ in PLANNERS}
     missing: set[str] = set()
     for task in tasks:

@@ -42,12 +42,7 @@ _STYLES: Mapping[str, tuple[str, str, bool, str]] = {
 def time_against_error(rows: Sequence[StateRow], path: Path) -> list[Path]:
     """Draws time a state against the geometric error, and against the share of wrong states, scene by scene.
 
-    Args:
-        rows: Rows of `plannercheck bench states`.
-        path: Path of the files that are written, without suffix.
-
-    Returns:
-        The files.
+    The path is without a suffix; the files are returned.
     """
     cases = list(dict.fromkeys((row.robot, row.scene) for row in rows))
     figure = _figure(5.2 * len(cases), 8.4)
@@ -79,15 +74,7 @@ def _draw_states(axes: Any, rows: Sequence[StateRow], across: Callable[[StateRow
 
 
 def time_against_vertices(rows: Sequence[PairRow], path: Path) -> list[Path]:
-    """Draws time a pair against the vertices of its bodies, a panel a gap.
-
-    Args:
-        rows: Rows of `plannercheck bench pairs`.
-        path: Path of the files that are written, without suffix.
-
-    Returns:
-        The files.
-    """
+    """Draws time a pair against the vertices of bodies, a panel a gap; path and files as of `time_against_error`."""
     series: dict[str, dict[str, list[tuple[float, float]]]] = {_gap_title(gap): {} for gap in GAPS}
     for row in rows:
         series[_gap_title(row.gap)].setdefault(row.method, []).append((row.vertices, row.microseconds))
@@ -110,12 +97,7 @@ _COMPLEXITY_PANELS = (
 def visited_against_vertices(rows: Sequence[ComplexityRow], path: Path) -> list[Path]:
     """Draws the worst query's visited vertices and rounds against n, a column an algorithm, one more for hard bodies.
 
-    Args:
-        rows: Rows of `plannercheck bench complexity`.
-        path: Path of the files that are written, without suffix.
-
-    Returns:
-        The files.
+    Path and files as of `time_against_error`.
     """
     counts: Mapping[str, Callable[[ComplexityRow], float]] = {
         "visited vertices, worst query": lambda row: row.visited_worst,

@@ -46,11 +46,7 @@ def checker_of(problem: Problem, robot: Robot) -> Checker:
 def tasks(path: Path, robot: Robot, every: int = 1, first: int | None = None) -> Iterator[Task]:
     """The problems of a set that can be planned; starts or goals in collision or beyond the limits are left out.
 
-    Args:
-        path: The set's folder or archive.
-        robot: Any robot with the problems' joints.
-        every: Take every so-many-th problem.
-        first: Most problems that are taken; None for all.
+    Every so-many-th problem is taken, at most the first ones. Any robot with the problems' joints does.
     """
     for problem in islice(islice(load_problems(path), 0, None, every), first):
         checker = checker_of(problem, robot)

@@ -67,17 +67,9 @@ class ScaleRow:
 
 
 def measure(robot: Robot, boxes: Sequence[int], states: int, rounds: int, seed: int) -> list[ScaleRow]:
-    """Times the scenes by turns.
+    """Times scenes of these numbers of boxes, of which the first `NEAR` are near the robot, by turns: a row a scene.
 
-    Args:
-        robot: The robot.
-        boxes: Number of boxes in each scene; the first `NEAR` of them are near the robot.
-        states: Random configurations to check; a tenth as many motions are checked.
-        rounds: How often each scene runs.
-        seed: Seed of boxes and states.
-
-    Returns:
-        A row a scene.
+    Random configurations are checked, and a tenth as many motions.
     """
     q = robot.random_configurations(states, seed)
     made: dict[str, Built[Checker]] = {}

@@ -57,17 +57,7 @@ class SolidCostRow:
 
 
 def measure(name: str, states: int, seed: int, rounds: int) -> list[SolidCostRow]:
-    """Times a robot's hulls and its solids.
-
-    Args:
-        name: A robot's name or file.
-        states: Number of random states; of motions a sixth.
-        seed: Seed of the states.
-        rounds: Turns of each.
-
-    Returns:
-        A row for each kind of work.
-    """
+    """Times a robot's hulls and its solids: a row for each kind of work, random states and a sixth as many motions."""
     robots = _robots(name)
     checkers = {geometry: Checker(robot) for geometry, robot in robots.items()}
     padded = {geometry: Checker(robot, padding=_PADDING) for geometry, robot in robots.items()}

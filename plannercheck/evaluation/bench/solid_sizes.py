@@ -23,7 +23,7 @@ from plannercheck.evaluation.bench.build_cost import Built, built
 from plannercheck.evaluation.bench.compiled_coal_loop import library
 from plannercheck.evaluation.bench.pair_peers import COAL_AT_BEST, Bodies, Judge, Posed, coal_at_best
 from plannercheck.evaluation.bench.pairs import OURS, in_batch
-from plannercheck.evaluation.bench.timing import Contender, measured
+from plannercheck.evaluation.bench.timing import Contender, TimedRow, measured
 from plannercheck.evaluation.stress.contact_poses import identities, random_directions, turns_onto
 from plannercheck.evaluation.stress_solids.solid_families import Family, screw, torus
 
@@ -43,17 +43,13 @@ _TRIED = 4
 
 
 @dataclass(frozen=True)
-class SolidSizeRow:
+class SolidSizeRow(TimedRow):
     """What one method did on pairs of one shape, size and gap.
 
     Attributes:
         shape: Its name; both bodies have it.
         triangles: Number of triangles of each body.
         gap: How far the bodies were moved apart from where they touch, over their size.
-        method: Its name.
-        microseconds: The least time a pair.
-        ratio: That over ours.
-        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
         meet: Part of the pairs that share points.
         wrong: Verdicts that differ from ours.
         pairs: Pairs in a round.
@@ -66,10 +62,6 @@ class SolidSizeRow:
     shape: str
     triangles: int
     gap: float
-    method: str
-    microseconds: float
-    ratio: float
-    noise: float
     meet: float
     wrong: int
     pairs: int
@@ -86,18 +78,7 @@ def measure(
     rounds: int,
     skipped: Callable[[str], None] = lambda reason: None,
 ) -> list[SolidSizeRow]:
-    """Times all methods by turns, shape by shape and size by size.
-
-    Args:
-        sizes: About how many triangles.
-        shapes: Names in `SHAPES`.
-        pairs: Pairs of each shape, size and gap.
-        rounds: How often each method runs.
-        skipped: Is told why coal is left out.
-
-    Returns:
-        The rows, by shape, size and gap.
-    """
+    """Times all methods by turns, on so many pairs of each shape, of about these numbers of triangles, and gap."""
     with suppress(PlannercheckError):  # which coal's judge raises again
         library()  # compiled now, not while building is timed
     rows = []
@@ -144,19 +125,15 @@ def _timed(
     truth = judges[OURS_NAME]()
     contenders = {name: Contender([judge.work], len(truth)) for name, judge in judges.items()}
     times = measured(contenders, rounds)
-    seconds = times.seconds
     rows = []
     for name, judge in judges.items():
         busy, of_hull, memory = costs[name]
         rows.append(
             SolidSizeRow(
+                *times.row(name),
                 shape,
                 triangles,
                 gap,
-                name,
-                1e6 * seconds[name],
-                seconds[name] / seconds[OURS_NAME],
-                times.noise(OURS_NAME, name),
                 float(truth.mean()),
                 int((judge() != truth).sum()),
                 len(truth),

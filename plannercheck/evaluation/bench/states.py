@@ -18,7 +18,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.build_cost import built
 from plannercheck.evaluation.bench.methods import Method
 from plannercheck.evaluation.bench.solid_checkers import has_solids, nested_pairs
-from plannercheck.evaluation.bench.timing import Contender, Times, measured, seconds_of
+from plannercheck.evaluation.bench.timing import Contender, TimedRow, Times, measured, seconds_of
 from plannercheck.motions.checker import Checker
 
 Report = Callable[[str], None]
@@ -29,7 +29,7 @@ _MOST_PARTS = 32
 
 
 @dataclass(frozen=True)
-class StateRow:
+class StateRow(TimedRow):
     """What one method did on one robot in one scene.
 
     Attributes:
@@ -37,13 +37,9 @@ class StateRow:
         scene: Its name.
         pairs: Pairs of bodies a state.
         which: "random" states, or states "along motions".
-        method: Its name.
         kind: The kind of method (methods.py).
         states: States judged in a round.
         valid: Part of them that is valid, exactly.
-        microseconds: The least time a state.
-        ratio: The time over that of `check_states`.
-        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
         false_free: Part of the states that it calls free though they collide.
         false_collision: Part of the states that it calls colliding though they are free.
         false_free_inside: Those of the false free ones in which bodies collide only by one being inside the other, so
@@ -58,13 +54,9 @@ class StateRow:
     scene: str
     pairs: int
     which: str
-    method: str
     kind: str
     states: int
     valid: float
-    microseconds: float
-    ratio: float
-    noise: float
     false_free: float
     false_collision: float
     false_free_inside: float | None
@@ -109,18 +101,9 @@ def measure(
     skipped: Report = lambda reason: None,
     which: str = "random",
 ) -> list[StateRow]:
-    """Times all methods by turns.
+    """Times all methods by turns on configurations (n, nq): a row for each that could be built, ratios to the first.
 
-    Args:
-        checker: The exact one.
-        methods: Methods to compare; ratios are to the first one.
-        q: Configurations (n, nq); slow methods judge the first of them.
-        rounds: How often each runs.
-        skipped: Is told why a method is left out: a library is not installed, or has no shape for a body.
-        which: Kind of the configurations, for the rows.
-
-    Returns:
-        A row for each method that could be built.
+    Slow methods judge the first of the configurations. `which` names these in the rows.
     """
     ready = [found for method in methods if (found := _ready(method, q, skipped)) is not None]
     times = measured({item.method.name: Contender(item.works, item.states, item.overheads) for item in ready}, rounds)
@@ -178,21 +161,17 @@ def _row(
     inside: _OnlyInside | None,
     times: Times,
 ) -> StateRow:
-    right, seconds = truth[: item.states], times.seconds[item.method.name]
-    first = next(iter(times.seconds))
+    right = truth[: item.states]
     missed = item.verdicts & ~right
     return StateRow(
+        *times.row(item.method.name),
         checker.robot.name,
         checker.scene.name,
         len(checker.pairs),
         which,
-        item.method.name,
         item.method.kind,
         item.states,
         float(right.mean()),
-        1e6 * seconds,
-        seconds / times.seconds[first],
-        times.noise(first, item.method.name),
         float(missed.mean()),
         float((~item.verdicts & right).mean()),
         None if inside is None else inside.share(missed),

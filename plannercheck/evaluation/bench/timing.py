@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from statistics import median
 from typing import Any, NamedTuple
 
@@ -57,17 +58,32 @@ class Times(NamedTuple):
         """The least ratio of these contenders' times that says anything: by their turns, and most contenders'."""
         return max(median(self.differ.values()), *(self.differ[name] for name in names))
 
+    def row(self, name: str) -> tuple[str, float, float, float]:
+        """The fields of a contender's `TimedRow`."""
+        first = next(iter(self.seconds))
+        spent = self.seconds[name]
+        return name, 1e6 * spent, spent / self.seconds[first], self.noise(first, name)
+
+
+@dataclass(frozen=True)
+class TimedRow:
+    """The time of one contender; rows of measurements add what else they found.
+
+    Attributes:
+        method: Its name.
+        microseconds: The least time a piece: a state, a motion, a pair, a trajectory.
+        ratio: That time over that of the first contender.
+        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
+    """
+
+    method: str
+    microseconds: float
+    ratio: float
+    noise: float
+
 
 def measured(contenders: Mapping[str, Contender], rounds: int) -> Times:
-    """Times contenders by turns.
-
-    Args:
-        contenders: What to time, by name.
-        rounds: See `least_seconds`; two turns at least.
-
-    Returns:
-        The times.
-    """
+    """Times contenders by turns, two turns at least; `rounds` as for `least_seconds`."""
     off = {f"{name}, taken off": each.overheads for name, each in contenders.items() if each.overheads}
     halves = _least_of_halves({**{name: each.works for name, each in contenders.items()}, **off}, max(2, rounds))
     spent = {name: _least(each) for name, each in halves.items()}
@@ -125,10 +141,6 @@ def one_by_one(judge: Callable[..., bool], *arguments: Iterable[Any]) -> Bools:
     """Verdicts of calls from Python, with nothing else of Python's between two of them.
 
     A comprehension and NumPy's array of its list would add a tenth to a single state's time.
-
-    Args:
-        judge: The function.
-        arguments: Its first arguments, its second ones, ...
     """
     return np.frombuffer(bytes(map(judge, *arguments)), dtype=bool)
 

@@ -17,7 +17,7 @@ from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench import other_libraries
 from plannercheck.evaluation.bench.drake_checker import drake
-from plannercheck.evaluation.bench.timing import Contender, measured
+from plannercheck.evaluation.bench.timing import Contender, TimedRow, measured
 from plannercheck.motions.checker import Checker
 from plannercheck.trajectories.trajectory import Trajectory
 
@@ -28,27 +28,19 @@ _SWING = 0.25  # of each sine, rad
 
 
 @dataclass(frozen=True)
-class TrajectoryRow:
+class TrajectoryRow(TimedRow):
     """What one method took for trajectories.
 
     Attributes:
         robot: Its name.
         scene: Its name.
-        method: The method's name.
         trajectories: Judged in a round.
-        microseconds: The least time a trajectory.
-        ratio: That time over that of the chords.
-        noise: How many times longer the same code took when it ran twice: a smaller ratio says nothing.
         refused: How many it calls colliding; all are proved free.
     """
 
     robot: str
     scene: str
-    method: str
     trajectories: int
-    microseconds: float
-    ratio: float
-    noise: float
     refused: int
 
 
@@ -76,15 +68,7 @@ def free_trajectories(checker: Checker, n: int, seed: int) -> list[Trajectory]:
 def measure(
     checker: Checker, n: int, rounds: int, seed: int, skipped: Callable[[str], None] = lambda reason: None
 ) -> list[TrajectoryRow]:
-    """Times all methods by turns.
-
-    Args:
-        checker: The exact one, of a robot whose joints take one number each.
-        n: Number of trajectories.
-        rounds: Number of turns of each method.
-        seed: Seed of the random numbers.
-        skipped: Function that is told why a method is left out.
-    """
+    """Times all methods by turns on n trajectories; the robot's joints take one number each."""
     drawn = free_trajectories(checker, n, seed)
     chords = [(points[:-1].copy(), points[1:].copy()) for points in map(_points, drawn)]
     starts, ends = (np.concatenate(parts) for parts in zip(*chords, strict=True))
@@ -112,16 +96,12 @@ def measure(
         else:
             counts[f"3,001 samples, {name}"] = min(_FEW, n)
     times = measured({name: Contender(work, counts[name]) for name, work in works.items()}, rounds)
-    first = next(iter(works))
     return [
         TrajectoryRow(
+            *times.row(name),
             checker.robot.name,
             checker.scene.name,
-            name,
             counts[name],
-            1e6 * times.seconds[name],
-            times.seconds[name] / times.seconds[first],
-            times.noise(first, name),
             counts[name] - sum(map(bool, work[0]())),
         )
         for name, work in works.items()

@@ -98,15 +98,9 @@ class VampModel:
         return one_by_one(self._robot.validate, rows, itertools.repeat(self.environment))
 
     def search(self, start: Floats, goal: Floats, seed: int) -> Callable[[], VampPlan]:
-        """A search by VAMP's RRT-Connect with the settings that VAMP has for the robot.
+        """A search by VAMP's RRT-Connect from (nq,) to (nq,), rad, with the settings that VAMP has for the robot.
 
-        Args:
-            start: (nq,) rad.
-            goal: (nq,) rad.
-            seed: 1 is the first run of VAMP's Halton sampler; others skip ahead.
-
-        Returns:
-            Searches, once.
+        Seed 1 is the first run of VAMP's Halton sampler; others skip ahead.
         """
         _, planner, settings, _ = self._vamp.configure_robot_and_planner_with_kwargs(self._name, "rrtc")
         sampler = self._robot.halton()

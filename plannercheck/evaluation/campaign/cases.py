@@ -26,15 +26,7 @@ def save(path: Path, campaign: str, document: Mapping[str, Any]) -> None:
 
 
 def load(path: Path, campaigns: Mapping[str, Callable[[], Campaign[_T]]]) -> tuple[Campaign[_T], _T]:
-    """Reads a case.
-
-    Args:
-        path: The file.
-        campaigns: What makes each campaign, by name.
-
-    Returns:
-        The campaign and the case.
-    """
+    """Reads a case from a file: its campaign, made by its name, and the case."""
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
         campaign = campaigns[document["campaign"]]()

@@ -20,18 +20,7 @@ RIGHT = "right"
 def pair_lines(
     tally: Tally[Any], families: Sequence[str], offsets: Sequence[str], peers: Sequence[str], more: Sequence[str]
 ) -> list[str]:
-    """All tables.
-
-    Args:
-        tally: The counts of a run.
-        families: Families that there may be.
-        offsets: Offsets that there may be.
-        peers: Names of the peers that took part.
-        more: Lines that follow the tables.
-
-    Returns:
-        Lines of text.
-    """
+    """All tables of a run's counts as lines of text: of these families, offsets and peers, and then `more` lines."""
     asked = [entry for entry in tally.counts if entry.who == TRUTH]
     pairs, sharing = (sum(tally.counts[e] for e in asked if e.shared or not only) for only in (False, True))
     each = Counter[str]()

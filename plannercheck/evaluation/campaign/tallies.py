@@ -96,17 +96,7 @@ class Column(NamedTuple):
 
 
 def table(what: str, row_of: Callable[[Entry], str], rows: Sequence[str], columns: Sequence[Column]) -> list[str]:
-    """A line for each row that has any, and one of all.
-
-    Args:
-        what: Head of the rows.
-        row_of: The row of an outcome.
-        rows: All rows that there may be, in order.
-        columns: The columns.
-
-    Returns:
-        Lines of text.
-    """
+    """Lines of text: one for each of the rows, under the head `what`, that has any outcomes, and one of all."""
     sums = [Counter[str]() for _ in columns]
     for column, found in zip(columns, sums, strict=True):
         for entry, count in column.counts.items():

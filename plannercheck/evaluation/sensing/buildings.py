@@ -46,17 +46,9 @@ class Cells(NamedTuple):
 def building(
     length: float = 40.0, width: float = 20.0, storeys: int = 3, resolution: float = 0.05, seed: int = 0
 ) -> Cells:
-    """The occupied cells of a building whose corner is at the world's origin.
+    """The occupied cells of a building whose corner is at the world's origin; lengths are in m.
 
-    Args:
-        length: Along x, m.
-        width: Along y, m.
-        storeys: How many.
-        resolution: Edge of the smallest cells, m.
-        seed: Seed of rooms, doors and furniture.
-
-    Returns:
-        The cells.
+    The `resolution` is the edge of the smallest cells; the seed is that of rooms, doors and furniture.
     """
     rng = np.random.default_rng(seed)
     shape = tuple(int(np.ceil(edge / resolution)) for edge in (length, width, _STOREY))
@@ -118,11 +110,7 @@ def _furnish(full: Bools, slab: int, step: float, rng: np.random.Generator, holl
 def pruned(keys: Keys) -> tuple[Keys, Keys]:
     """Joins eight cells that make a larger one, again and again.
 
-    Args:
-        keys: (n, 3) distinct cells of one step.
-
-    Returns:
-        Low corners (m, 3) and sizes (m,) in steps.
+    From distinct cells (n, 3) of one step to low corners (m, 3) and sizes (m,) in steps.
     """
     left, level, done = keys, 0, []
     while len(left):

@@ -45,14 +45,9 @@ class DepthCamera:
         return np.stack([*np.meshgrid(x, y), np.ones((self.height, self.width))], axis=-1)
 
     def points(self, depth: Floats, pose: Floats) -> Floats:
-        """The points of a depth image in the world.
+        """The points (n, 3) in the world of a depth image (height, width) by a camera at a pose (4, 4), m.
 
-        Args:
-            depth: (height, width) m; 0 where nothing was seen.
-            pose: (4, 4) of the camera in the world, m.
-
-        Returns:
-            (n, 3) m, row by row, without the pixels that saw nothing.
+        They are row by row, without the pixels of depth 0, which saw nothing.
         """
         seen = depth > 0
         local = self.directions[seen] * depth[seen][:, None]

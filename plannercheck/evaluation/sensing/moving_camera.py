@@ -119,14 +119,9 @@ def step_rows(found: Sequence[Frame]) -> list[StepRow]:
 
 
 def frames(robot: Robot, scene: Scene, count: int, points: int, seed: int) -> Iterator[Frame]:
-    """Goes through frames, one after the other.
+    """Goes through `count` frames of at most so many points, of a scene with a start and a goal for the robot.
 
-    Args:
-        robot: The robot.
-        scene: What the camera sees, with a start and a goal for the robot.
-        count: How many frames.
-        points: How many points each has at most.
-        seed: Seed of noise, states and searches.
+    The seed is that of noise, states and searches.
     """
     with _camera(robot, scene, points, seed) as seen_at:
         yield from _followed(robot, scene, count, seed, seen_at)

@@ -29,15 +29,7 @@ _AT_ONCE = 2_000_000
 
 
 def depth_image(bodies: Iterable[tuple[GeometryObject, Floats]], camera: DepthCamera, pose: Floats) -> Floats:
-    """What a camera sees.
-
-    Args:
-        bodies: Bodies and their poses (4, 4) in the world, m.
-        camera: The camera.
-        pose: (4, 4) of the camera in the world, m.
-
-    Returns:
-        (height, width) depth in m; 0 where no body is.
+    """Depths (height, width), m, that a camera at a pose (4, 4) sees of bodies at their poses; 0 where no body is.
 
     Raises:
         PlannercheckError: If a body has no volume.

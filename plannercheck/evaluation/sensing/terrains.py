@@ -14,16 +14,7 @@ _FALL = 2.2
 
 
 def terrain(count: int, seed: int, height: float = 3.0) -> Floats:
-    """Heights of rough ground.
-
-    Args:
-        count: Points along each side.
-        seed: Seed of the waves.
-        height: Highest over lowest point, m.
-
-    Returns:
-        (count, count) m, from 0 to `height`.
-    """
+    """Heights (count, count) of rough ground, m, from 0 to `height`; the seed is that of its waves."""
     rng = np.random.default_rng(seed)
     across = np.fft.fftfreq(count)[:, None] * count
     along = np.fft.rfftfreq(count)[None] * count

@@ -188,29 +188,13 @@ MESHES = (
 
 
 def family(name: str, n: int, seed: int) -> Points:
-    """A family's points, about 1 m across.
-
-    Args:
-        name: A key of FAMILIES.
-        n: Approximate number of points, at least 8.
-        seed: Seed of the random numbers.
-
-    Returns:
-        Points (about n, 3), m.
-    """
+    """The points (about n, 3) of a family in FAMILIES, about 1 m across; n is at least 8."""
     return FAMILIES[name](n, np.random.default_rng(seed))
 
 
 @lru_cache
 def mesh_points(name: str) -> Points:
-    """The vertices of a robot's collision mesh, (n, 3), m.
-
-    Args:
-        name: One of MESHES, relative to example-robot-data's robots.
-
-    Returns:
-        The mesh's points, as shipped.
-    """
+    """The vertices (n, 3) of a robot's collision mesh, one of MESHES, as shipped, m."""
     import coal
 
     path = example_robot_data() / "example-robot-data" / "robots" / name

@@ -68,16 +68,9 @@ class Solid:
 
 
 def contact_poses(p: Solid, r: Solid, gaps: Points, rng: np.random.Generator) -> tuple[Points, Points]:
-    """Poses at given gaps, of random features and directions.
+    """Poses (k, 4, 4) of p and of r at gaps (k,), m, of random features and directions; below 0 the bodies overlap.
 
-    Args:
-        p: The first body.
-        r: The second body.
-        gaps: Wished gaps, (k,), m; below 0 the bodies overlap.
-        rng: Random number generator.
-
-    Returns:
-        Poses of p and of r, (k, 4, 4) each; r is up to 1 m away from the origin.
+    The second body is up to 1 m away from the origin.
     """
     k = len(gaps)
     point_p, normal_p = random_features(p, k, rng)

@@ -136,17 +136,7 @@ def _weights(kinds: Indices, rng: np.random.Generator) -> Points:
 
 
 def specimen(family: str, n: int, size: float, rng: np.random.Generator) -> Specimen:
-    """A random body of a family.
-
-    Args:
-        family: One of HULLS or INFLATED.
-        n: Approximate number of points, at least 8.
-        size: Approximate size, m.
-        rng: Random number generator.
-
-    Returns:
-        The prepared body.
-    """
+    """A random body of a family in HULLS or INFLATED: of about n points, at least 8, and about this size, m."""
     base, inflation_radius = INFLATED.get(family, (family, 0.0))
     return prepared(family, base_points(base, n, rng) * size, inflation_radius * size)
 

@@ -18,16 +18,10 @@ _STEPS = 2.0**14
 
 
 def neighbours(kind: str, size: float, n: int, rng: np.random.Generator) -> tuple[Specimen, Specimen, Points]:
-    """Two bodies that share something.
+    """Two bodies that share something, by a kind in NEIGHBOURS; the larger one has this size, m, and about n points.
 
-    Args:
-        kind: One of NEIGHBOURS.
-        size: Size of the larger body, m, a power of two.
-        n: Approximate number of its points.
-        rng: Random number generator.
-
-    Returns:
-        The second to be moved, the first, and the unit direction (3,) from the first to the second.
+    The second to be moved, the first, and the unit direction (3,) from the first to the second. The size is a power of
+    two.
     """
     r = prepared(kind, _on_lattice(_solid_points(n, rng)))
     face = r.polytope.faces[rng.integers(len(r.polytope.faces))]

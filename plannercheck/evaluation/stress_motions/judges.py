@@ -60,17 +60,10 @@ _PARTS = 3
 def judge(
     draw: Draw, build: Callable[[], Subject], rng: np.random.Generator, proofs: int = 0, pieces: bool = False
 ) -> Judged:
-    """Judges all motions of a draw.
+    """Judges all motions of a draw, with checkers that `build` makes anew.
 
-    Args:
-        draw: The draw.
-        build: Makes a new checker of the draw.
-        rng: Random numbers: orders, and states to be looked at.
-        proofs: Number of accepted motions to prove and verify.
-        pieces: Whether to count what convex pieces refuse of a planner's motions among solids.
-
-    Returns:
-        The outcome.
+    So many of the accepted motions are proved and verified. `pieces`: what convex pieces refuse of a planner's motions
+    among solids is counted.
     """
     judged = Judged()
     fresh, used = build(), build()

@@ -34,10 +34,13 @@ class Given(ABC):
     """A body as numbers.
 
     Attributes:
+        kind: Its name in documents.
+        by_part: Its arrays that have a row for each part that a smaller body may do without.
         padding: All points within this distance of the body belong to it, m.
     """
 
     kind: ClassVar[str]
+    by_part: ClassVar[tuple[str, ...]] = ()
     padding: float
 
     @abstractmethod
@@ -51,11 +54,11 @@ class Given(ABC):
     @property
     def parts(self) -> int:
         """How many parts it has that a smaller body may do without."""
-        return 0
+        return len(getattr(self, self.by_part[0])) if self.by_part else 0
 
     def some(self, rows: list[int]) -> Given:
         """A body of the same kind that has some of the parts."""
-        return self
+        return replace(self, **{name: getattr(self, name)[rows] for name in self.by_part})
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +66,7 @@ class Balls(Given):
     """Balls about points (n, 3), m, of radii (n,) or (1,), m."""
 
     kind: ClassVar[str] = "balls"
+    by_part: ClassVar[tuple[str, ...]] = ("points",)
     points: Floats
     radii: Floats
 
@@ -76,13 +80,8 @@ class Balls(Given):
         """The core's body."""
         return _prepared(core.PartSet.balls(self.points, self.radii), self.padding)
 
-    @property
-    def parts(self) -> int:
-        """Balls."""
-        return len(self.points)
-
     def some(self, rows: list[int]) -> Given:
-        """Fewer balls."""
+        """Fewer balls; one radius of all stays."""
         radii = self.radii if len(self.radii) == 1 else self.radii[rows]
         return replace(self, points=self.points[rows], radii=radii)
 
@@ -92,6 +91,7 @@ class Cells(Given):
     """Cells from keys (n, 3) on, of sizes (n,), in steps of a lattice, m, from an origin (3,) on, m."""
 
     kind: ClassVar[str] = "cells"
+    by_part: ClassVar[tuple[str, ...]] = ("keys", "sizes")
     keys: NDArray[Any]
     sizes: NDArray[Any]
     step: float
@@ -108,15 +108,6 @@ class Cells(Given):
         """The core's body."""
         keys, sizes = (np.ascontiguousarray(each, dtype=np.int32) for each in (self.keys, self.sizes))
         return _prepared(core.PartSet.cells(keys, sizes, self.step, self.origin), self.padding)
-
-    @property
-    def parts(self) -> int:
-        """Cells."""
-        return len(self.keys)
-
-    def some(self, rows: list[int]) -> Given:
-        """Fewer cells."""
-        return replace(self, keys=self.keys[rows], sizes=self.sizes[rows])
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,6 +156,7 @@ class Hull(Given):
     """The hull of points (n, 3), m."""
 
     kind: ClassVar[str] = "hull"
+    by_part: ClassVar[tuple[str, ...]] = ("points",)
     points: Floats
 
     def pieces(self) -> tuple[Piece, ...]:
@@ -174,15 +166,6 @@ class Hull(Given):
     def prepare(self) -> Polytope:
         """The core's body."""
         return Polytope(self.points, inflation_radius=self.padding)
-
-    @property
-    def parts(self) -> int:
-        """Corners."""
-        return len(self.points)
-
-    def some(self, rows: list[int]) -> Given:
-        """Fewer corners."""
-        return replace(self, points=self.points[rows])
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,15 +37,7 @@ def random_half_space(size: float, rng: np.random.Generator) -> Body:
 
 
 def lowered(body: Body, poses: Floats, under: Under, poses_under: Floats, size: float) -> Floats:
-    """The body's poses (gaps, 4, 4), each at its gap of GAPS over a plane.
-
-    Args:
-        body: The body.
-        poses: Its poses near the plane, (gaps, 4, 4).
-        under: The half-space.
-        poses_under: Its poses, (gaps, 4, 4).
-        size: Which gaps are parts of, m.
-    """
+    """Poses (gaps, 4, 4) of a body near a plane, each moved to its gap of GAPS, in parts of the size (m), over it."""
     poses = poses.copy()
     for pose, pose_under, (name, gap) in zip(poses, poses_under, GAPS.items(), strict=True):
         normal, _ = plane_in_world(under, pose_under)

@@ -26,17 +26,9 @@ _ROUNDING = 1e-9
 
 
 def meets_half_space(body: Body, poses: Floats, under: Under, poses_under: Floats, every: bool = False) -> Bools:
-    """Whether a body that is no half-space shares a point with one, at poses (k, 4, 4).
+    """Whether a body that is no half-space shares a point with one: (k,), at poses (k, 4, 4) of each.
 
-    Args:
-        body: The body.
-        poses: Its poses.
-        under: The half-space.
-        poses_under: Its poses.
-        every: Whether no corner is left out.
-
-    Returns:
-        Verdicts (k,).
+    `every`: no corner is left out.
     """
     found = np.zeros(len(poses), dtype=bool)
     for k, (pose, pose_under) in enumerate(zip(poses, poses_under, strict=True)):
@@ -66,13 +58,7 @@ def plane_in_whole_numbers(
 ) -> tuple[list[Whole], tuple[Whole, Whole, int], int]:
     """Other numbers and a posed plane, in multiples of one unit.
 
-    Args:
-        given: Arrays.
-        under: The half-space.
-        pose: Its pose.
-
-    Returns:
-        The arrays, over 2^-unit; g, t and d det M, over its third, first and fourth power; the unit.
+    The arrays, over 2^-unit; g, t and d det M, over its third, first and fourth power; the unit.
     """
     (*others, normal, offset, plane), unit = whole_numbers([*given, under.normal, np.array([under.offset]), pose[:3]])
     a, b, c, t = plane.T

@@ -24,17 +24,9 @@ _UNPROVED = 2
 
 
 def decide(p: Body, poses_p: Floats, r: Body, poses_r: Floats, every: bool = False) -> Bools:
-    """Whether two bodies share a point at poses (k, 4, 4).
+    """Whether two bodies, of which only r may be a half-space, share a point at poses (k, 4, 4): (k,).
 
-    Args:
-        p: The first body.
-        poses_p: Its poses.
-        r: The second body; a half-space can only be this one.
-        poses_r: Its poses.
-        every: Whether no pair of pieces is left out, and whole numbers alone decide.
-
-    Returns:
-        Verdicts (k,).
+    `every`: no pair of pieces is left out, and whole numbers alone decide.
     """
     if r.half_space is not None:
         return meets_half_space(p, poses_p, r.half_space, poses_r, every)

@@ -28,16 +28,7 @@ _INSIDE = (3, 4)
 
 
 def campaign(seed: int, peers: tuple[Callable[[], Peer[Draw]], ...] = (), of_links: bool = False) -> PairCampaign[Body]:
-    """The campaign of a seed.
-
-    Args:
-        seed: Seed of the random numbers.
-        peers: Other libraries to be counted, too.
-        of_links: Whether bodies are links of the shipped robots, not of families.
-
-    Returns:
-        The campaign.
-    """
+    """The campaign of a seed: of bodies of families, or of links of the shipped robots; peers are counted, too."""
     return PairCampaign(
         "solids",
         partial(link_draw if of_links else numbered_draw, seed),

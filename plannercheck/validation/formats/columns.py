@@ -65,13 +65,7 @@ class Columns:
         return self.joints if self.named is None else self.named
 
     def places(self, header: Sequence[str]) -> list[int]:
-        """Where each joint's column is.
-
-        Args:
-            header: Names of a file's columns.
-
-        Returns:
-            (nq,) indices into the header.
+        """The index in a file's header of each joint's column, (nq,).
 
         Raises:
             PlannercheckError: If a joint has no column or several, or a column is of a joint that is held.

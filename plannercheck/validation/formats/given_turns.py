@@ -25,15 +25,10 @@ _MOST_PIECES = 10**6
 
 
 def largest_turns(robot: AnyRobot, rows: Floats, of_joints: ConfigurationMap | None = None) -> Floats:
-    """How far joints whose motions take the short way turn from row to row.
+    """How far, (k - 1,) rad, joints whose motions take the short way turn at most from row to row.
 
-    Args:
-        robot: The robot.
-        rows: (k, n) numbers, of which a continuous joint takes one, its angle, rad.
-        of_joints: How the numbers become configurations; None if the rows are configurations.
-
-    Returns:
-        (k - 1,) the largest angle of any continuous joint, rad.
+    Rows are (k, n) numbers, of which a continuous joint takes one, its angle; `of_joints` says how they become
+    configurations, None if they are.
     """
     steps = np.abs(np.diff(rows, axis=0))
     if of_joints is not None:  # each continuous joint has a cosine and a sine, followers as well

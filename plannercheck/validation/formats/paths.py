@@ -70,15 +70,9 @@ class PathFile(OwnsArrays):
 
 
 def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathFile:
-    """Reads a path.
+    """Reads a path, whose suffix and content tell the format, of configurations of `width` numbers.
 
-    Args:
-        path: The file; its suffix and content tell the format.
-        joint_names: Joint names of the group, for files that name joints.
-        width: Numbers a configuration must have, nq.
-
-    Returns:
-        The path.
+    The names of the group's joints are for files that name joints.
 
     Raises:
         PlannercheckError: If the file can't be read, lacks a joint, moves one outside the group, or has no states.
@@ -103,15 +97,7 @@ def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathF
 
 
 def read_robot_path(path: str | Path, robot: AnyRobot) -> PathFile:
-    """Reads a path of a robot, see `read_path`; one without a group may be given by one number a joint.
-
-    Args:
-        path: The file.
-        robot: Whose it is.
-
-    Returns:
-        The path, its states as the robot takes them.
-    """
+    """Reads a robot's path, see `read_path`; that of a robot without a group may have one number a joint."""
     fewer = robot.joint_values.maps if isinstance(robot, Robot) else ()
     if fewer and Path(path).suffix.lower() in _TABLES:
         _check_exists(Path(path))

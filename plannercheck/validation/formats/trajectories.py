@@ -49,13 +49,7 @@ class Trajectory:
 
 
 def read_trajectory(document: Node) -> Trajectory | None:
-    """Reads a trajectory.
-
-    Args:
-        document: Parsed YAML or JSON.
-
-    Returns:
-        The trajectory; None if there is none in the document.
+    """Reads the trajectory of a parsed document; None if there is none.
 
     Raises:
         PlannercheckError: If its parts name different joints, or if something moves that joints do not.

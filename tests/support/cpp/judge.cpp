@@ -1,7 +1,7 @@
 // Judges configurations and motions of a prepared cell, for comparison with Python: judge CELL STATES STARTS ENDS OUT.
 // Inputs are files of doubles. OUT gets a byte for each state and one for each motion; then the same of the first
-// kEdited ones after each of some edits of the scene; then of the cell, and with the first edit, trajectories and
-// distances. Prints processor times.
+// kEdited ones after each of some edits of the scene; then common points of what collides in the cell; then of the
+// cell, and with the first edit, trajectories and distances. Prints processor times.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -17,7 +17,7 @@ namespace {
 
 using plannercheck::Checker;
 
-constexpr std::size_t kEdited = 2000, kMeasured = 500;
+constexpr std::size_t kEdited = 2000, kMeasured = 500, kExplained = 200;
 
 std::vector<double> doubles(const char* path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
@@ -76,6 +76,16 @@ std::vector<Checker> edited(const Checker& checker) {
 
 void append(const std::vector<double>& numbers, std::vector<std::uint8_t>& out) {
   for (const std::byte byte : std::as_bytes(std::span(numbers))) out.push_back(std::to_integer<std::uint8_t>(byte));
+}
+
+// Points that the pairs share that collide at some states.
+void explain(const Checker& checker, const Inputs& given, std::vector<std::uint8_t>& out) {
+  const std::size_t nq = checker.nq();
+  plannercheck::Workspace workspace;
+  for (std::size_t i = 0; i < std::min(kExplained, given.states.size() / nq); ++i) {
+    const auto verdict = checker.explain(std::span(given.states).subspan(i * nq, nq), workspace).value();
+    for (const auto& each : verdict.collisions) append({each.point.begin(), each.point.end()}, out);
+  }
 }
 
 // Verdicts and control points of trajectories from the start of a motion to its end and back: straight, cubic and
@@ -147,6 +157,7 @@ int main(int count, char** arguments) {
   const std::vector<Checker> others = edited(checker);
   std::printf("an edit takes %.2f ms\n", 1e3 * seconds(begin) / static_cast<double>(others.size()));
   for (const Checker& other : others) judge(other, given, kEdited, verdicts, false);
+  explain(checker, given, verdicts);
   for (const Checker& each : {checker, others.front()}) {
     judge_trajectories(each, given, verdicts);
     measure(each, given, verdicts);

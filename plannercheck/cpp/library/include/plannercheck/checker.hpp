@@ -72,10 +72,14 @@ struct NamedPair {
   std::string first, second;
 };
 
+struct Collision : NamedPair {
+  std::array<double, 3> point{};  // that both bodies share, in the world, m: computed exactly, then rounded
+};
+
 // All pairs that collide at one configuration.
 struct Verdict {
   bool valid = true;
-  std::vector<NamedPair> collisions;
+  std::vector<Collision> collisions;
 };
 
 // How far a motion is proved free, by its parameter from 0 to 1, of a trajectory by its time, s; if it is not free,
@@ -95,7 +99,7 @@ struct Distance {
   double lower = 0;     // a proved lower bound, m: of two hulls that are apart, along the normal
   std::array<double, 3> on_first{}, on_second{};  // nearest points in the world, m
   std::array<double, 3> normal{};                 // of length 1, in the world, from the second to the first
-  double gap = 0;       // all nearest pairs of points are this near to each other, m; infinite if that is not proved
+  double gap = 0;       // all nearest pairs of points are this near to the given one, m; infinite if not proved
   bool unique = false;  // whether there is one such pair, so that the distance has the gradient
   std::vector<double> gradient;  // by the configuration, a number for each of Pinocchio's tangent, m/rad and m/m
 };
@@ -181,7 +185,7 @@ class PLANNERCHECK_API Checker {
   // number may be off at every instant, all at once; none if empty.
   Result<bool> check_trajectory(const Trajectory& trajectory, Workspace& workspace, std::span<const double> tube = {},
                                 double tolerance = kDefaultTolerance) const noexcept;
-  // All pairs that collide at q, by name.
+  // All pairs that collide at q, by name, and a common point of each.
   Result<Verdict> explain(std::span<const double> q, Workspace& workspace) const noexcept;
   // How far a motion is free, and what stops it.
   Result<MotionVerdict> explain_motion(std::span<const double> q0, std::span<const double> q1, Workspace& workspace,
