@@ -14,13 +14,13 @@ namespace {
 constexpr double kWidestCover = 0x1p-5;
 
 // So many pieces are tried first, and one cover has at most so many.
-constexpr std::size_t kFirstGuess = 4, kMostPieces = 32;
+constexpr std::size_t kFirstGuess = 4, kMostCovered = 32;
 
 // Distances from a straight motion, its middle and its ends err by fewer than 16 roundings of the largest number.
 constexpr double kCoverRounding = 16 * 0x1p-53;
 
 // A straight motion whose square is below this is a point.
-constexpr double kShortest = 0x1p-1000;
+constexpr double kShortestSquare = 0x1p-1000;
 
 // Whether a piece begins where the one before ends.
 bool goes_on(const Segments& pieces, std::size_t piece, std::size_t width) {
@@ -39,7 +39,7 @@ void PieceCovers::find(const Segments& pieces, std::size_t n, std::size_t width,
     if (end - begin == 1) continue;
     set_columns(pieces, begin, end);
     for (std::size_t first = begin, count = 0; first < end; first += count) {
-      count = fitting(pieces.degree, first - begin, std::min(end - first, kMostPieces), guess);
+      count = fitting(pieces.degree, first - begin, std::min(end - first, kMostCovered), guess);
       if (count == 1) continue;
       keep(pieces, first, first + count, tolerance, range);
       guess = count;
@@ -102,7 +102,7 @@ void PieceCovers::measure(std::size_t from, std::size_t to, Deviation& out) {
     square += along * along;
     for (std::size_t i = from; i <= to; ++i) places_[i] += (column[i] - start) * along;
   }
-  const double scale = square > kShortest ? 1 / square : 0;
+  const double scale = square > kShortestSquare ? 1 / square : 0;
   for (std::size_t i = from; i <= to; ++i) places_[i] = larger(0.0, smaller(1.0, places_[i] * scale));
   for (std::size_t c = 0; c < width_; ++c) {
     const double *const column = &columns_[c * stride_], start = column[from], along = column[to] - start;
