@@ -148,7 +148,7 @@ def inputs(checker: pc.Checker, states: int, motions: int) -> list[np.ndarray]:
 
 def out_of_reach(checker: pc.Checker) -> np.ndarray:
     """States at which only pairs collide that can't within the limits, if there are such."""
-    q = 3 * checker.robot.random_configurations(5000, 5)
+    q = 2 * checker.robot.random_configurations(5000, 5)
     colliding, unreachable = checker.colliding_pairs(q), np.asarray(checker.unreachable)
     return q[colliding.any(axis=1) & ~colliding[:, ~unreachable].any(axis=1)]
 

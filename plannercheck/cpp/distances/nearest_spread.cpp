@@ -21,10 +21,6 @@ constexpr double kHeightRounding = 64 * 0x1p-53;
 // Bodies apart by less than the bounds' distance over this leave the normal too open.
 constexpr double kNormalError = 1e-8;
 
-// Of the depth: overlapping bodies are moved deeper by it. Smaller parts leave the normal more open; with larger ones,
-// facets that are little deeper count as nearest.
-constexpr double kDeeper = 1.0 / 256;
-
 using VertexSet = std::vector<std::int32_t>;
 
 class ConvexPair {
@@ -42,7 +38,7 @@ class ConvexPair {
   // A bound of how far the directions of nearest differences are from the normal.
   double turn() const {
     if (!is_bounded()) return 0;
-    if (overlap_) return turn_of_overlap();
+    if (overlap_) return found_.turn;
     const double slack = larger(found_.upper - found_.lower, 0) + rounding_;
     return slack < kNormalError * upper_ ? std::sqrt(2 * slack / upper_) : kNoLimit;
   }
@@ -73,17 +69,6 @@ class ConvexPair {
     return body.body->traits().is_bounded ? body.body->origin_radius + body.body->inflation_radius : 0;
   }
   bool is_bounded() const { return a_.body->traits().is_bounded && b_.body->traits().is_bounded; }
-
-  double turn_of_overlap() const {
-    const double depth = -found_.lower, deeper = kDeeper * depth;
-    const Vec3 step = -deeper * found_.direction;
-    PosedPolytope moved = a_;
-    moved.pose.m[3] += step.x, moved.pose.m[7] += step.y, moved.pose.m[11] += step.z;
-    const double off_step = norm_1(moved.pose.translation() - a_.pose.translation() - step);
-    const double least = -convex_distance(moved, b_, 0, counters_).upper;
-    const double slack = larger(depth + deeper - least, 0) + off_step + rounding_;
-    return std::sqrt(2 * slack * (1 + kDeeper) / deeper);
-  }
 
   // The set of vertices that holds the face, of equal ones one; of a half-space none.
   VertexSet face(const PosedPolytope& posed, const HullEdges& edges, Vec3 normal, double turn) const {

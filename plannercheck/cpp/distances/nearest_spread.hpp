@@ -7,9 +7,8 @@
 //
 // - Apart, the nearest difference z is unique. The normal n proves that all differences reach `lower` along it, and
 //   |z| <= upper, so n · z / |z| >= lower / upper: n and z / |z| differ by at most t = √(2 (upper − lower) / upper).
-// - A overlaps B by D at most. A is moved deeper, by −s n, and the depth is then D + s − e at least. For a nearest
-//   point z of the boundary, |z| <= D and |z − s n| >= D + s − e, so n and −z / |z| differ by at most
-//   t = √(2 e (D + s) / (s D)). Every direction −z / |z| is the normal of a facet of A − B.
+// - A overlaps B: every direction in which the depth is least is the normal of a facet of A − B, and
+//   penetration_depth.hpp bounds how far these are from n.
 // - Over a half-space, n is the normal: t = 0.
 //
 // The nearest points of A are on its face F that is lowest along a direction d within t of n. A step between vertices

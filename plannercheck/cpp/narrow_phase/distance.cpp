@@ -31,8 +31,13 @@ PairDistance hulls_overlap(const PosedPolytope& body_a, const PosedPolytope& bod
   const double hulls_least = depth.lower > 0 ? depth.lower : -hulls.upper;
   const double least = hulls_least + inflation_radius * (1 - kRadiusRounding);
   const Vec3 point = depth.on_body_a - body_a.body->inflation_radius * depth.direction;
-  return {true,           -most, smaller(-least * (1 - kRadiusRounding), 0), point, point + most * depth.direction,
-          depth.direction};
+  return {true,
+          -most,
+          smaller(-least * (1 - kRadiusRounding), 0),
+          point,
+          point + most * depth.direction,
+          depth.direction,
+          depth.turn};
 }
 
 PairDistance between_hulls(const PosedPolytope& body_a, const PosedPolytope& body_b, const HullDistance& found,

@@ -27,6 +27,7 @@ struct PairDistance {
   double lower = 0, upper = 0;  // m, of the distance or, if they overlap, of minus the depth
   Vec3 on_body_a, on_body_b;    // in the world, on the surfaces; if they overlap, the deepest point and where it leaves
   Vec3 direction;               // in the world, from B to A: along which A leaves
+  double turn = std::numeric_limits<double>::infinity();  // see HullDepth; of hulls that are apart infinite
 
   // The distance of bodies apart; of others minus a depth that surely separates them.
   double measured() const { return overlap ? lower : upper; }

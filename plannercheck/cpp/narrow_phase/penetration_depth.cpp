@@ -23,6 +23,8 @@ constexpr double kTie = 8 * 0x1p-53;
 constexpr double kClosed = 4;
 // Faces whose normals differ by less are of one plane.
 constexpr double kSamePlane = 1e-6;
+// Of a normal's length, and of the difference of two.
+constexpr double kUnitRounding = 16 * 0x1p-53;
 // Rounds of doubles, of which each adds a corner, and of exact hulls, which are built anew in each.
 constexpr int kMostRounds = 20000, kMostExactRounds = 400;
 
@@ -169,9 +171,14 @@ class DepthSearch {
   void take_face(std::int32_t nearest) {
     const Vec3 normal = polytope_.plane(nearest).normal;
     best_.direction = -normal;
-    double innermost = -std::numeric_limits<double>::infinity();
+    double innermost = -std::numeric_limits<double>::infinity(), widest = 0;
     for (std::int32_t f = 0; f < polytope_.face_count(); ++f) {
-      if (!(polytope_.height(f) <= best_.upper) || norm(polytope_.plane(f).normal - normal) > kSamePlane) continue;
+      if (!(polytope_.height(f) <= best_.upper + difference_error_)) continue;
+      // A plane's height is a bound with all of its normal's error, times a distance of at least `lower`.
+      const ExpandingPolytope::Plane& plane = polytope_.plane(f);
+      const double turned = norm(plane.normal - normal);
+      widest = larger(widest, turned + (plane.offset - polytope_.height(f)) / best_.lower);
+      if (turned > kSamePlane) continue;
       const std::array<std::int32_t, 3>& corner = polytope_.corners(f);
       Vec3 point;
       double sum = 0, least = 0;
@@ -183,6 +190,7 @@ class DepthSearch {
       }
       if (sum > 0 && least > innermost) innermost = least, best_.on_body_a = (1 / sum) * point;
     }
+    best_.turn = std::sqrt(2 * (best_.upper - best_.lower) / best_.upper) + widest + kUnitRounding;
   }
 
   // Around the exact hull of all corners found. Its planes are known to double-double; it grows where it is nearest to
