@@ -17,7 +17,7 @@ constexpr double kWidestCover = 0x1p-5;
 constexpr std::size_t kFirstGuess = 4, kMostCovered = 32;
 
 // Distances from a straight motion, its middle and its ends err by fewer than 16 roundings of the largest number.
-constexpr double kCoverRounding = 16 * 0x1p-53;
+constexpr double kTubeRounding = 16 * 0x1p-53;
 
 // A straight motion whose square is below this is a point.
 constexpr double kShortestSquare = 0x1p-1000;
@@ -137,7 +137,7 @@ void PieceCovers::keep(const Segments& pieces, std::size_t first, std::size_t pa
     const double largest = larger(std::fabs(a), std::fabs(e)) + larger(-low, high);
     start[c] = a + (low + high) / 2;
     end[c] = e + (low + high) / 2;
-    tube[c] = (tube[c] + (high - low) / 2 + kCoverRounding * largest) * (1 + 0x1p-51);
+    tube[c] = (tube[c] + (high - low) / 2 + kTubeRounding * largest) * (1 + 0x1p-51);
   }
   tube[width_] = (tube[width_] + tolerance) * (1 + 0x1p-52);
   if (stays_within({start, end, 1, tube}, width_, range.low, range.high)) {
