@@ -89,6 +89,9 @@ class Tuning:
     sorted_states: bool = _switch("Like states of a set are judged together.")
     float_poses: bool = _switch("Filters of sets look at poses in floats, whose error is bounded.")
     thin_tubes: bool = _switch("Along curves, tubes as thin as rounding are covered as rounding is, at no cost.")
+    covers: bool = _switch(
+        "Several pieces of a trajectory, one after the other, are proved by one straight motion whose tube holds them."
+    )
     hollows: bool = _switch(
         "Along motions, sets of parts in the hollow of a solid are settled where they are further from all of it than "
         "they go; off, on intervals on which they go less far than the tolerance."

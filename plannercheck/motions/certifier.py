@@ -173,7 +173,8 @@ class MotionCertifier:
                     free[rows] = False
                     continue
                 taken = _rows(points, rows), _rows(tubes, rows)
-                answers = np.asarray(part.core.check(self._kernel, *taken, tolerance, error, threads))
+                low, high = self._errors.low, self._errors.high
+                answers = np.asarray(part.core.check(self._kernel, low, high, error, *taken, tolerance, threads))
                 free[rows] = verdicts(answers, tolerance, rows, isinstance(motions, Curves))
         return free
 

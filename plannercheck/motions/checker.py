@@ -233,7 +233,8 @@ class Checker(StateChecker):
         Returns:
             True if it is free.
         """
-        return bool(self.check_trajectories([trajectory], tube, tolerance, start_time=start_time)[0])
+        checker, (trajectory,) = self._on_clock([trajectory], start_time)
+        return TrajectoryChecks(checker, tube, tolerance).is_free(trajectory)
 
     def check_trajectories(
         self,

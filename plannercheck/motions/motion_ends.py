@@ -65,8 +65,8 @@ class Curves(NamedTuple):
 
     Attributes:
         points: (n, degree + 1, nq) control points.
-        tubes: (n, nq + 1) by how much each number may be off at every instant, and how far bodies have to stay apart,
-            m; none if empty.
+        tubes: (n, nq + 1), or one for all, by how much each number may be off at every instant, and how far bodies have
+            to stay apart, m; none if empty.
     """
 
     points: Floats
@@ -75,7 +75,7 @@ class Curves(NamedTuple):
     @property
     def need_all_pairs(self) -> bool:
         """Whether bodies of any have to stay apart, or a tube is so wide that pairs apart by limits count as well."""
-        return bool((self.tubes[:, :-1] > _NARROW).any() or self.tubes[:, -1:].any())
+        return bool(np.count_nonzero(self.tubes[:, -1:]) or np.count_nonzero(self.tubes > _NARROW))
 
     def ranges(self) -> tuple[Floats, Floats]:
         """The least and the largest (n, nq) of each number on each curve, the tube included."""

@@ -6,7 +6,7 @@ pair that stops it, and the clearance. Pieces of one degree, of all trajectories
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import accumulate
@@ -15,6 +15,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from plannercheck.checking.distances import Distances
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Bools, Floats, Ints64
 from plannercheck.common.arrays import named_numbers
@@ -51,8 +52,15 @@ class TrajectoryChecker(AnyChecker, Protocol):
     def certifier_of(self, path: MotionPath) -> MotionCertifier:
         """Proves motions along a path free."""
 
+    @property
+    def paddings(self) -> Floats:
+        """(bodies,) each body's part of the padding, m."""
+
     def clearances(self, q: ArrayLike, lower_bound: bool = False) -> Floats:
         """The least distance of all pairs (n,) at configurations (n, nq)."""
+
+    def distances(self, q: ArrayLike, limit: float, nearest: int | None = None, gradients: bool = True) -> Distances:
+        """The pairs within a limit, m, at configurations (n, nq)."""
 
 
 class TrajectoryChecks:
@@ -77,6 +85,10 @@ class TrajectoryChecks:
         free = self._free_pieces(trajectories, self.tube, self._room, threads)
         starts = [0, *accumulate(len(each.curve.pieces) for each in trajectories[:-1])]
         return np.logical_and.reduceat(free, starts)
+
+    def is_free(self, trajectory: Trajectory) -> bool:
+        """Whether a trajectory is proved free."""
+        return bool(np.logical_and.reduce(self.free_pieces(trajectory)))
 
     def free_pieces(self, trajectory: Trajectory, wider: Floats | None = None) -> Bools:
         """Which pieces of a trajectory are proved free; `wider`: (pieces, nq) what each has besides the tube."""
@@ -119,19 +131,16 @@ class TrajectoryChecks:
             check_trajectory_of(self._checker.robot, trajectory)
         curves = [each.curve for each in trajectories]
         counts = [len(curve.pieces) for curve in curves]
-        tubes = self._tubes(curves, tube, room).repeat(counts, axis=0)
+        tubes = self._tubes(curves, tube, room)
+        if len(curves) > 1 or wider is not None:
+            tubes = tubes.repeat(counts, axis=0)
         if wider is not None:
             tubes[:, :-1] = (tubes[:, :-1] + wider) * (1 + 2.0**-52)
-        starts = accumulate(counts[:-1], initial=0)
-        by_count: dict[int, list[tuple[Ints64, Floats]]] = {}
-        for start, curve in zip(starts, curves, strict=True):
-            for count, (pieces, points) in curve.by_count.items():
-                by_count.setdefault(count, []).append((start + pieces, points))
         free = np.empty(sum(counts), dtype=bool)
-        for some in by_count.values():
-            rows, joined = (np.concatenate(arrays) for arrays in zip(*some, strict=True))
+        for rows, points in _by_count(curves):
+            around = tubes if len(tubes) == 1 else tubes[rows]
             try:
-                free[rows] = self._certifier.check_curves(Curves(joined, tubes[rows]), self._tolerance, threads)
+                free[rows] = self._certifier.check_curves(Curves(points, around), self._tolerance, threads)
             except ImpreciseError as error:
                 raise PlannercheckError(f"{_named(trajectories, int(rows[error.row]))}: {error.reason}") from None
         return free
@@ -142,7 +151,8 @@ class TrajectoryChecks:
 
     def _tubes(self, curves: Sequence[Curve], tube: Floats, room: float) -> Floats:
         """(n, nq + 1) a tube around the polynomials that each curve stands for, and how far bodies stay apart, m."""
-        tubes = np.full((len(curves), len(tube) + 1), room)
+        tubes = np.empty((len(curves), len(tube) + 1))
+        tubes[:, -1] = room
         tubes[:, :-1] = (tube + np.array([curve.error for curve in curves])) * (1 + 2.0**-52)
         return tubes
 
@@ -212,16 +222,32 @@ class TrajectoryChecks:
         return _largest(lambda size: self._is_free(trajectory, around * size, 0.0), _SMALLEST_TUBE, _LARGEST_TUBE)
 
     def _least_clearance(self, trajectory: Trajectory) -> tuple[float, float]:
-        """The instant, s, of those that are looked at, at which the clearance is least, and the clearance, m."""
+        """The instant, s, of those that are looked at, at which the clearance is least, and the clearance, m.
+
+        Of pairs that never move relative to each other, which no motion asks for, paddings are taken off.
+        """
         breaks = trajectory.curve.breaks
         looks = min(_LOOKS_A_PIECE * (len(breaks) - 1), _MOST_LOOKS) + 1
         times = np.linspace(breaks[0], breaks[-1], looks)
         clearances = self._checker.clearances(trajectory.position(times))
         least = int(clearances.argmin())
-        return float(times[least]), float(clearances[least])
+        return float(times[least]), min(float(clearances[least]), self._still_clearance(trajectory, clearances[least]))
+
+    def _still_clearance(self, trajectory: Trajectory, least: float) -> float:
+        """How far pairs that never move relative to each other stay apart, m, if that is less than `least`."""
+        checker = self._checker
+        widest = 2 * float(checker.paddings.max(initial=0.0))
+        if not 0 < least < np.inf or not widest:
+            return least
+        near = checker.distances(trajectory.position([trajectory.curve.breaks[0]]), least + widest, gradients=False)
+        still = ~np.isin(near.pair, self._certifier.pairs_by_table()[-1].rows)
+        paddings = checker.paddings[checker.pairs[near.pair[still]]].sum(axis=1)
+        return float((near.distance[still] - paddings).min(initial=least))
 
     def _checked_tube(self, given: Floats) -> Floats:
         nq, robot = self._own, self._checker.robot
+        if given.size == 1 and not given.item():  # the default
+            return np.zeros(robot.nq)
         if given.shape not in ((1,), (nq,)) or not ((given >= 0) & (given <= LARGEST_VALUE)).all():
             raise PlannercheckError(
                 f"tube must be a number from 0 to {LARGEST_VALUE:g}, or a row of {nq}, rad and m, not"
@@ -255,6 +281,21 @@ def check_trajectory_of(robot: Robot, trajectory: Trajectory) -> None:
         raise PlannercheckError(
             f"columns of {robot.name!r} form unit vectors, which turn by slerp: give trajectory.of_robot(robot)"
         )
+
+
+def _by_count(curves: Sequence[Curve]) -> Iterable[tuple[Ints64, Floats]]:
+    """Of all pieces, one curve after the other, those with as many control points: their numbers, and the points."""
+    if len(curves) == 1:
+        return curves[0].by_count.values()
+    found: dict[int, list[tuple[Ints64, Floats]]] = {}
+    starts = accumulate((len(curve.pieces) for curve in curves), initial=0)
+    for start, curve in zip(starts, curves, strict=False):
+        for count, (pieces, points) in curve.by_count.items():
+            found.setdefault(count, []).append((start + pieces, points))
+    return [
+        (np.concatenate(rows), np.concatenate(points))
+        for rows, points in (zip(*f, strict=True) for f in found.values())
+    ]
 
 
 def _named(trajectories: Sequence[Trajectory], piece: int) -> str:

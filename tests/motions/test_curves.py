@@ -305,3 +305,15 @@ def test_numbers_that_are_not_finite_leave_nothing_behind(tmp_path):
     with pytest.raises(PlannercheckError, match="piece 0: lengths"):
         certifier.check_curves(Curves(points, np.array([[np.inf, 0.0, 0.0]])), 1e-4, 1)
     assert certifier.check_curves(Curves(points, none), 1e-4, 1).all()
+
+
+def test_paddings_of_bodies_that_stand_still_are_taken_off_the_clearance(tmp_path):
+    """A held post is 5 cm from a ball, of which the padding takes 1; the robot is further away, and can't be nearer."""
+    post = """<link name="post"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+    <joint name="z" type="prismatic"><parent link="base"/><child link="post"/><axis xyz="0 0 1"/>
+    <limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
+    path = tmp_path / "slider.urdf"
+    path.write_text(SLIDER.format("prismatic").replace("</robot>", post))
+    checker = pc.Checker(pc.Robot.from_urdf(path).with_group(["x", "y"]), balls((0, 0, 0.25)), padding=0.01)
+    run = pc.Trajectory([0, 1], [[1.0, 1.0], [2.0, 1.0]], controller="linear")
+    assert checker.explain_trajectory(run).clearance == pytest.approx(0.04, rel=0.01)

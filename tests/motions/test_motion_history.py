@@ -172,7 +172,8 @@ def test_what_was_prepared_for_a_kinematics_does_not_serve_the_next_one_at_its_p
     ends = np.array([[0.0]]), np.array([[1.5]])
 
     def answer(certifier, kernel):
-        return certifier.check(kernel, np.stack(ends, axis=1), np.empty((0, 0)), 1e-4, 1e-12, 1).tolist()
+        motions = np.stack(ends, axis=1), np.empty((0, 0))
+        return certifier.check(kernel, np.array([-9.0]), np.array([9.0]), 1e-12, *motions, 1e-4, 1).tolist()
 
     def certifier():
         return pc.Checker(

@@ -70,28 +70,31 @@ class BoundCertifier : public Pooled<MotionCertifier> {
 using ControlPoints = InputArray<double, -1, -1, -1>;
 
 // The motions of control points (n, degree + 1, width). `tubes`: (n, width + 1) by how much numbers may be off and how
-// far bodies have to stay apart, or none (0, …).
+// far bodies have to stay apart, one for all (1, width + 1), or none (0, …).
 Segments curves(const ControlPoints& points, const Configurations* tubes = nullptr) {
   const std::size_t rows = points.shape(1), width = points.shape(2);
   if (rows < 2 || rows > kMostDegree + 1) throw std::invalid_argument("a curve has another number of control points");
   Segments motions{points.data(), points.data() + (rows - 1) * width, rows * width, rows - 1};
   if (tubes != nullptr && tubes->shape(0) != 0) {
-    if (tubes->shape(0) != points.shape(0) || tubes->shape(1) != width + 1) {
+    const bool is_one = tubes->shape(0) == 1;
+    if ((!is_one && tubes->shape(0) != points.shape(0)) || tubes->shape(1) != width + 1) {
       throw std::invalid_argument("there is no tube for each motion");
     }
-    motions.tubes = tubes->data(), motions.tube_stride = width + 1;
+    motions.tubes = tubes->data(), motions.tube_stride = is_one ? 0 : width + 1;
   }
   return motions;
 }
 
-// MotionAnswer of each of n motions.
-auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, ControlPoints points, Configurations tubes,
-                   double tolerance, double kinematic_error, int threads) {
+// MotionAnswer of each of n motions; `low` and `high`: where the kinematic error holds for more than these motions.
+auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, InputArray<double, -1> low,
+                   InputArray<double, -1> high, double kinematic_error, ControlPoints points, Configurations tubes,
+                   double tolerance, int threads) {
   const Segments motions = curves(points, &tubes);
+  const PoseRange range{low.data(), high.data()};
   return bound.of_rows<std::uint8_t>(
       points.shape(0), threads,
       [&](std::size_t row, std::size_t n, std::uint8_t* answers, MotionCertifier::Workspace& w) {
-        bound.core().check(kinematics, motions.from(row), n, tolerance, kinematic_error, answers, w);
+        bound.core().check_pieces(kinematics, motions.from(row), n, tolerance, kinematic_error, range, answers, w);
       });
 }
 
@@ -141,9 +144,10 @@ nb::object known_validity(BoundCertifier& bound, const Kinematics& kinematics, c
     if (!known.hold(motions[i])) return nb::none();
   }
   std::atomic<bool> answered{true};
+  const PoseRange range{known.low.data(), known.high.data()};
   const auto free = bound.of_rows<std::uint8_t>(
       n, threads, [&](std::size_t row, std::size_t count, std::uint8_t* answers, MotionCertifier::Workspace& w) {
-        bound.core().check(kinematics, motions.from(row), count, tolerance, known.error, answers, w);
+        bound.core().check_pieces(kinematics, motions.from(row), count, tolerance, known.error, range, answers, w);
         for (std::size_t i = 0; i < count; ++i) {
           if (answers[i] > static_cast<std::uint8_t>(MotionAnswer::kRefused)) answered = false;
           answers[i] = answers[i] == static_cast<std::uint8_t>(MotionAnswer::kFree) ? 1 : 0;

@@ -36,6 +36,7 @@ void bind_tuning(nb::module_& m) {
       .def_rw("float_poses", &Tuning::float_poses)
       .def_rw("thin_tubes", &Tuning::thin_tubes)
       .def_rw("hollows", &Tuning::hollows)
+      .def_rw("covers", &Tuning::covers)
       .def_rw("halves", &Tuning::halves);
 }
 

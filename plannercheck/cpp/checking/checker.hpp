@@ -44,6 +44,7 @@ struct Tuning : PairOptions {
   bool float_poses = true;    // for the filters of sets; those in doubles where a pair is left
   bool thin_tubes = true;     // along curves, tubes as thin as rounding count as rounding
   bool hollows = true;        // along motions, parts in the hollow of a solid by their distance from all of it
+  bool covers = true;         // of pieces of trajectories, several are tried by one straight motion
   bool halves = true;         // curves too long for one grid of few states are cut in halves; not in Python's record
 };
 

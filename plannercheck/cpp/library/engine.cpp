@@ -168,8 +168,9 @@ class LevelEngine final : public Engine {
   void check_motions(Table table, const Segments& motions, std::size_t n, double tolerance, std::uint8_t* answers,
                      Scratch& scratch) const override {
     const CompiledTable& pairs = compiled(table);
-    pairs.certifier().check(kinematics_, motions, n, tolerance, cell_->kinematic_error, answers,
-                            certifying(pairs, scratch));
+    const PoseRange range{cell_->usual_low.data(), cell_->usual_high.data()};
+    pairs.certifier().check_pieces(kinematics_, motions, n, tolerance, cell_->kinematic_error, range, answers,
+                                   certifying(pairs, scratch));
   }
 
   MotionReport explain_motion(Table table, const Segment& motion, double tolerance, Scratch& scratch) const override {

@@ -23,6 +23,7 @@
 #include "motions/motion_bounds.hpp"
 #include "motions/motion_report.hpp"
 #include "motions/path.hpp"
+#include "motions/piece_covers.hpp"
 
 namespace plannercheck {
 
@@ -82,6 +83,10 @@ class MotionCertifier {
   // The answers of n motions. `kinematic_error`: bounds the error of the computed poses, m.
   void check(const Kinematics& kinematics, const Segments& motions, std::size_t n, double tolerance,
              double kinematic_error, std::uint8_t* answers, Workspace& workspace) const;
+  // The same of pieces with tubes, of which several in a row may be proved by one straight motion (piece_covers.hpp).
+  // `range`: where the kinematic error holds.
+  void check_pieces(const Kinematics& kinematics, const Segments& pieces, std::size_t n, double tolerance,
+                    double kinematic_error, const PoseRange& range, std::uint8_t* answers, Workspace& workspace) const;
   // The same in the order of the motion: where it is refused first. With `proofs`, records the proofs of all pairs,
   // which takes longer since no bounds settle anything.
   MotionReport explain(const Kinematics& kinematics, const Segment& motion, double tolerance, double kinematic_error,

@@ -154,6 +154,29 @@ void MotionCertifier::check(const Kinematics& kinematics, const Segments& motion
   }
 }
 
+void MotionCertifier::check_pieces(const Kinematics& kinematics, const Segments& pieces, std::size_t n,
+                                   double tolerance, double kinematic_error, const PoseRange& range,
+                                   std::uint8_t* answers, Workspace& w) const {
+  const bool are_covered = tuning_.covers && pieces.tubes != nullptr && model_.parts.empty();
+  w.covers.find(pieces, are_covered ? n : 0, at(model_.width), tolerance, range);
+  const auto check_some = [&](std::size_t first, std::size_t past) {
+    check(kinematics, pieces.from(first), past - first, tolerance, kinematic_error, answers + first, w);
+  };
+  const std::size_t covers = w.covers.size();
+  if (covers == 0) return check_some(0, n);
+  w.cover_answers.resize(covers);
+  check(kinematics, w.covers.motions(), covers, tolerance, kinematic_error, w.cover_answers.data(), w);
+  std::size_t judged = 0;
+  for (std::size_t k = 0; k < covers; ++k) {
+    if (w.cover_answers[k] != static_cast<std::uint8_t>(MotionAnswer::kFree)) continue;
+    const std::size_t first = w.covers.first(k), past = w.covers.past(k);
+    check_some(judged, first);
+    std::fill(answers + first, answers + past, static_cast<std::uint8_t>(MotionAnswer::kFree));
+    judged = past;
+  }
+  check_some(judged, n);
+}
+
 MotionReport MotionCertifier::explain(const Kinematics& kinematics, const Segment& motion, double tolerance,
                                       double kinematic_error, std::vector<MotionProof>* proofs,
                                       Workspace& workspace) const {

@@ -48,6 +48,8 @@ struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
   MotionCollisions::Workspace collisions;
   std::vector<std::int32_t> candidates, bodies, frames;
   std::shared_ptr<CheckerCore::Workspace> states;
+  PieceCovers covers;
+  std::vector<std::uint8_t> cover_answers;
   std::array<std::uint8_t, kMotionsAtOnce>
       is_free{};                                     // of the motions at once: no state of it that was judged collides
   std::array<std::uint8_t, kMotionsAtOnce> found{};  // verdicts of `rows`

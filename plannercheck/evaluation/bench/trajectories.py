@@ -12,6 +12,7 @@ from functools import partial
 
 import numpy as np
 
+from plannercheck.bodies.tuning import Tuning
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench import other_libraries
@@ -71,6 +72,7 @@ def measure(
     drawn = free_trajectories(checker, n, seed)
     chords = [(points[:-1].copy(), points[1:].copy()) for points in map(_points, drawn)]
     starts, ends = (np.concatenate(parts) for parts in zip(*chords, strict=True))
+    plain = Checker(checker.robot, checker.scene, tuning=Tuning(covers=False))
     samples = [t.position(np.linspace(0, DURATION, round(DURATION * RATE) + 1)) for t in drawn]
 
     def by_samples(judge: Callable[[Floats], Bools], some: list[Floats]) -> list[bool]:
@@ -82,6 +84,7 @@ def measure(
         "check_trajectory": [lambda: [checker.check_trajectory(each) for each in drawn]],
         "check_trajectories": [partial(checker.check_trajectories, drawn)],
         "check_trajectories, tube of 0.01": [partial(checker.check_trajectories, drawn, 0.01)],
+        "check_trajectories, no covers": [partial(plain.check_trajectories, drawn)],
         "3,001 samples, check_states": [partial(by_samples, checker.check_states, samples)],
     }
     counts = dict.fromkeys(works, n)

@@ -31,6 +31,8 @@ from plannercheck.motions.trajectory_verdict import TrajectoryVerdict
 
 # Curves of a draw that are raised and cut, and that are explained as trajectories.
 _LIKE, _EXPLAINED = 8, 1
+# How often a curve is halved into short pieces at most: of these, covers prove several at once.
+_MOST_HALVINGS = 5
 # Corners of the largest tube that are looked at, and instants.
 _INSTANTS = 64
 
@@ -44,7 +46,10 @@ def relatives(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: 
         points, tube = numbers_of(draw.motions.q0[row], draw.motions.q1[row])
         place = float(rng.choice([draw.motions.at[row], rng.random()]))
         parts = _cut(draw, used, row, place)
-        for how, pieces in (("raised", [raised(points)]), ("cut", parts if 0 < place < 1 else [points])):
+        likes = {"raised": [raised(points)], "cut": parts if 0 < place < 1 else [points]}
+        if not unit_columns(used.robot).any():
+            likes["in short pieces"] = _short_pieces(list(likes["cut"]), int(rng.integers(1, _MOST_HALVINGS + 1)))
+        for how, pieces in likes.items():
             breaks = np.arange(len(pieces) + 1.0)
             try:
                 answer = used.checker.check_trajectory(used.of_pieces(breaks, pieces), tube, draw.tolerance)
@@ -122,6 +127,13 @@ def _cut(draw: Draw, used: Subject, row: int, place: float) -> tuple[Floats, Flo
     (middle,) = used.states(q0, q1, np.array([place]))
     parts[0][1:, units] = parts[1][:-1, units] = middle[units]
     return parts
+
+
+def _short_pieces(pieces: list[Floats], halvings: int) -> list[Floats]:
+    """Control points of pieces, each halved so many times."""
+    for _ in range(halvings):
+        pieces = [half for piece in pieces for half in cut(piece, 0.5)]
+    return pieces
 
 
 def raised(points: Floats) -> Floats:
