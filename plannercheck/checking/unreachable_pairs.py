@@ -23,8 +23,9 @@ Pinocchio. Nothing is proved about bodies on a joint that takes several numbers 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -146,10 +147,12 @@ def _apart_by_cells(chains: Chains, pairs: Ints) -> Bools:
     """The same, by cells of cuts."""
     apart = np.zeros(len(pairs), dtype=bool)
     branches = [chains.branches(a, b) for a, b in pairs.tolist()]
+    columns_of = {branch: tuple(chains.columns(branch)) for both in branches for branch in both}
+    beyond = [(columns_of[first], columns_of[second]) for first, second in branches]
     for columns in range(MOST_COLUMNS + 1):
         waiting: dict[Cut, list[int]] = {}
         for k in np.flatnonzero(~apart).tolist():
-            for cut in _cuts(chains, branches[k], columns):
+            for cut in _cuts(*beyond[k], columns):
                 waiting.setdefault(cut, []).append(k)
         for cut, rows in waiting.items():
             rows = [k for k in rows if not apart[k]]
@@ -160,11 +163,11 @@ def _apart_by_cells(chains: Chains, pairs: Ints) -> Bools:
     return apart
 
 
-def _cuts(chains: Chains, branches: tuple[Joints, Joints], columns: int) -> Iterator[Cut]:
+@lru_cache(maxsize=4096)
+def _cuts(first: Cut, second: Cut, columns: int) -> set[Cut]:
     """The sets of this many columns to try: the first ones of either branch, and of both."""
-    first, second = (chains.columns(branch) for branch in branches)
     splits = [(*first[:k], *second[: columns - k]) for k in range(columns + 1)]
-    yield from {tuple(sorted(set(split))) for split in splits if len(set(split)) == columns}
+    return {tuple(sorted(set(split))) for split in splits if len(set(split)) == columns}
 
 
 def _apart_in_cells(chains: Chains, cut: Cut, pairs: Ints, ends: list[list[BoundingBall]]) -> Bools:
