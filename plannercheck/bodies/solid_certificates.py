@@ -96,11 +96,19 @@ def contact_certificate(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats
 
 def _of_triangles(*triangles: PosedBody) -> SharedPoint | None:
     """A common point of two triangles, which are the bodies of the certificate."""
-    p, r = (Polytope(each.vertices, inflation_radius=each.inflation_radius) for each in triangles)
+    bodies = [Polytope(each.vertices, inflation_radius=each.inflation_radius) for each in triangles]
+    p, r = bodies
     pose_p, pose_r = (each.pose for each in triangles)
     found = core.certify_pair(p.core, pose_p, r.core, pose_r, pair_options(), True)
-    bodies = PosedBody(p.vertices, pose_p, p.inflation_radius), PosedBody(r.vertices, pose_r, r.inflation_radius)
-    return mixed_point(found, bodies) if found["shared"] else None
+    if not found["shared"]:
+        return None
+    for side, body, triangle in zip(("vertices_a", "vertices_b"), bodies, triangles, strict=True):
+        corners = (triangle.vertices == body.vertices[found[side]][:, None]).all(
+            axis=2
+        )  # a body has an order of its own
+        found[side] = corners.argmax(axis=1)
+    first, second = triangles
+    return mixed_point(found, (first, second))
 
 
 def _enclosure(first_is_inside: bool, inner: tuple[Polytope, int, Floats], outer: tuple[Polytope, Floats]) -> Enclosure:

@@ -86,6 +86,7 @@ class ChainBounds {
   Deviation from_obstacles(std::int32_t chain) const { return deviation(chain) + deviation(-1); }
   // The bounds of a tube, which has to outlive this; null for none.
   void set_tube(const ChainBounds* tube) { tube_ = tube; }
+  bool has_tube() const { return tube_ != nullptr; }
   double speed(std::int32_t chain) const { return speed_[at(chain + 1)]; }
   // The largest of each, over all chains.
   const MotionBound& largest() const { return largest_; }

@@ -269,7 +269,8 @@ unsigned MotionScreen::meeting(const Eight& boxes, Floats box) {
 }
 
 // Where boxes around both paths are not apart: seen from a pair's frame, the two centres approach each other at most at
-// the sum of both speeds, for at most half the time between two states of the grid.
+// the sum of both speeds, for at most half the time between two states of the grid. With a tube, bodies go further as
+// seen from a pair's frame than as seen from the world, as boxes are, and a verdict rests on the former.
 void MotionScreen::find_among_links(const MotionGrid& grid, const MotionFilters& filters, const ChainBounds& bounds,
                                     double beyond, Workspace& w, std::vector<std::int32_t>& found) const {
   // Without a branch that can't be foreseen: each place is written, and overwritten unless it is near.
@@ -279,7 +280,8 @@ void MotionScreen::find_among_links(const MotionGrid& grid, const MotionFilters&
   std::size_t meeting = 0, near = 0;
   for (std::size_t k = 0; k < moving_groups_.size(); ++k) {
     w.near[meeting] = k;
-    meeting += are_apart(w.paths[moving_groups_[k].a], w.paths[moving_groups_[k].b], least_gap) ? 0 : 1;
+    const bool apart = are_apart(w.paths[moving_groups_[k].a], w.paths[moving_groups_[k].b], least_gap);
+    meeting += apart && !bounds.has_tube() ? 0 : 1;
   }
   for (std::size_t k = 0; k < meeting; ++k) {
     const MovingGroup& group = moving_groups_[w.near[k]];

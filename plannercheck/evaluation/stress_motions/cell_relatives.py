@@ -110,7 +110,7 @@ def _split(used: CellSubject, q0: Floats, q1: Floats, time: float, tolerance: fl
 
 
 def _split_time(breaks: Floats, rng: np.random.Generator) -> float:
-    """Where to split: between two knots, or at one, s."""
-    k = int(rng.integers(len(breaks) - 1))
+    """Where to split: between two knots, or at one, s; no part of a piece may take less than 1 ns."""
+    k = int(rng.choice(np.flatnonzero(np.diff(breaks) > 1e-7)))
     at_knot = k > 0 and rng.random() < _AT_KNOTS
     return float(breaks[k] if at_knot else breaks[k] + rng.uniform(0.1, 0.9) * (breaks[k + 1] - breaks[k]))
