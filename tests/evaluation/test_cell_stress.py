@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plannercheck.bodies.tuning import DEFAULT_TUNING
 from plannercheck.checking.scene_clock import Course
 from plannercheck.cli.main import main
 from plannercheck.evaluation.campaign.campaign import run
@@ -134,3 +135,13 @@ def test_the_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["stress", "--motions", "10", "--cells", "--families", "tree"]) == 2
     assert main(["stress", "--motions", "10", "--cells", "--curves"]) == 2
     assert main(["stress", "--cells"]) == 2
+
+
+def test_boxes_in_the_world_change_no_verdict_of_two_robots_in_a_wide_tube():
+    """Seen from the frame of the pair, in which the proof looks, bodies go further than as seen from the world."""
+    case = load(
+        Path(__file__).parent / "hard_cells" / "two-arms-in-a-wide-tube.json", {"motions": lambda: campaign(0)}
+    )[1]
+    (q0,), (q1,) = case.motions.q0, case.motions.q1
+    for tuning in (DEFAULT_TUNING, DEFAULT_TUNING.without("bounds")):
+        assert not CellSubject(case.recipe, None, tuning).check_one(q0, q1, case.tolerance)
