@@ -83,9 +83,9 @@ std::vector<PairsOfGroups> pairs_among(std::vector<MoverGroup>& groups, const st
   }
   std::vector<PairsOfGroups> out{{0, 0, {}}};
   for (auto& [of, some] : by_groups) {
-    const auto [a, b] = of;
+    const std::size_t a = of[0], b = of[1];  // a lambda can't name parts of a pair in Clang 14
     const double alone = kBodyCost * static_cast<double>(some.size());
-    const double share = met(sampled.states, [&](std::size_t s) { return meet(extents[of[0]][s], extents[of[1]][s]); });
+    const double share = met(sampled.states, [&](std::size_t s) { return meet(extents[a][s], extents[b][s]); });
     if (a == b || 2 * kGroupCost + alone * share >= alone) {
       out[0].pairs.insert(out[0].pairs.end(), some.begin(), some.end());
     } else {
