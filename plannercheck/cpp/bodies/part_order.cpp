@@ -77,9 +77,8 @@ class TreeOrder {
     if (middle < to) halve(middle, to, child, half);
   }
 
-  // Sorts along the longest side: no two keys are equal, so that each part's rank is how many are below its own. Not
-  // inlined, as `part_at`: the recursion, which is, would have many copies.
-  [[gnu::noinline]] void sort_few(std::size_t from, std::size_t to) {
+  // Sorts along the longest side: no two keys are equal, so that each part's rank is how many are below its own.
+  void sort_few(std::size_t from, std::size_t to) {
     const std::size_t count = to - from, axis = longest_side(from, to).axis;
     std::array<PlacedPart, kSmallNode> given;
     std::array<std::int32_t, kSmallNode> keys, ranks{};
@@ -98,7 +97,7 @@ class TreeOrder {
 
   // Afterwards no part before `middle` is beyond one after it, along the longest side. Parts are counted in bins along
   // it; those of the bin that `middle` falls into are counted again, in finer ones.
-  [[gnu::noinline]] void part_at(std::size_t from, std::size_t to, std::size_t middle) {
+  void part_at(std::size_t from, std::size_t to, std::size_t middle) {
     auto [axis, span] = longest_side(from, to);
     while (from < middle && middle < to && span.low < span.high) {
       const auto width = static_cast<std::uint32_t>(span.high - span.low);
