@@ -20,7 +20,7 @@ from plannercheck.motions.pair_proof_builder import pair_proofs
 from plannercheck.proofs.link_pairs import save_pair_proofs
 
 # A proof may take so many times as long as the decision.
-_BUILDING = 100
+_BUILDING = 1000
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,12 @@ def write_proofs(matrix: CollisionMatrix, decisions: Sequence[PairDecision], sec
     if not proofs.pairs:
         raise PlannercheckError("no proof was found in time: give --prove more seconds")
     save_pair_proofs(proofs, path)
-    print(f"\n{len(proofs.pairs)} proofs written to {path}; without one are {len(decisions) - len(proofs.pairs)} pairs")
+    known = {(pair.link_a, pair.link_b) for pair in proofs.pairs}
+    missing = [each for each in decisions if each.answer != "open" and (each.link_a, each.link_b) not in known]
+    still_open = len(decisions) - len(known) - len(missing)
+    print(f"\n{len(known)} proofs written to {path}; without one are {still_open} open pairs and {len(missing)} others")
+    for each in missing:
+        print(f"{each.link_a} and {each.link_b}: no proof of {each.answer!r} was found in time")
 
 
 def comment_of(row: DecisionRow) -> str:

@@ -22,6 +22,7 @@ from plannercheck.checking.compiled_tables import CompiledTables
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.certifier import MotionCertifier
 from plannercheck.motions.joint_cells import LEAST_LEVER, are_free, halved
@@ -38,6 +39,10 @@ _BATCH, _MOST_WAITING = 4096, 1_000_000
 # Half a turn of a continuous joint, rad: the nearest double beyond pi.
 _HALF_TURN = np.nextafter(np.pi, 4.0)
 
+# Of so many configurations that collide the deepest is taken. It is at least _ROUNDING deeper, m, than poses are off:
+# proofs have such a margin.
+_MEASURED, _ROUNDING = 64, 1e-12
+
 # Before cells, so many random configurations are tried: a pair that collides often is found at once.
 _TRIED = 2000
 
@@ -49,7 +54,8 @@ class PairDecision(OwnsArrays):
     Attributes:
         link_a: A link.
         link_b: Another link.
-        answer: "never" and "always": proved. "collides": at `example`. "open": none of these is known.
+        answer: "never" and "always": proved. "collides": at `example`, by more than poses are rounded. "open": none of
+            these is known.
         joints: The joints between both, which alone matter; the others stand at the reference.
         cells: How many cells were proved free, or for "always" to collide throughout.
         open_share: The share of the joints' box that is in cells which are not proved; 0 for "never" and "always".
@@ -162,10 +168,11 @@ class PairSearch:
             return self._decision("open", 0, 1.0)
         tried = np.random.default_rng(0).uniform(low, high, (_TRIED, len(low)))
         free = self._are_free(tried)
+        example = self._deepest(tried[~free])
         if not free.any():
-            return self._always(low, high, levers, until, tried[0])
-        if not free.all():
-            return self._decision("collides", 0, 1.0, np.asarray(tried[int(np.argmin(free))]))
+            return self._always(low, high, levers, until, example)
+        if example is not None:
+            return self._decision("collides", 0, 1.0, example)
         waiting, proved, share = [(low[None], high[None])], 0, 1.0
         while waiting and time.process_time() < until and sum(len(lows) for lows, _ in waiting) < _MOST_WAITING:
             lows, highs = self._next(waiting)
@@ -176,18 +183,35 @@ class PairSearch:
             if not len(lows):
                 continue
             middles = (lows + highs) / 2
-            free = self._are_free(middles)
-            if not free.all():
-                return self._decision("collides", proved, share, np.asarray(middles[int(np.argmin(free))]))
+            example = self._deepest(middles[~self._are_free(middles)])
+            if example is not None:
+                return self._decision("collides", proved, share, example)
             waiting.append(halved(lows, highs, levers))
         return self._decision("open", proved, share) if waiting else self._decision("never", proved, 0.0)
 
-    def _always(self, low: Floats, high: Floats, levers: Floats, until: float, example: Floats) -> PairDecision:
+    def _deepest(self, q: Floats) -> Floats | None:
+        """Of configurations (n, nq) that collide one of the deepest; None if all may touch by the poses' rounding."""
+        polytopes = self.tables.all.polytopes
+        if not len(q) or not all(polytopes[k].traits.fills_hull for k in self.pairs.ravel().tolist()):
+            return q[0] if len(q) else None
+        some = q[:_MEASURED]
+        poses, depths = self.body_poses(some), np.zeros(len(some))
+        for pair in self.pairs.tolist():
+            p, r = (polytopes[k].core for k in pair)
+            poses_p, poses_r = (np.ascontiguousarray(poses[:, k]) for k in pair)
+            _, distance, *_ = core.distance_batch(p, poses_p, r, poses_r, True)
+            depths = np.maximum(depths, -distance)
+        deepest = int(depths.argmax())
+        rounding = _ROUNDING + 2 * self._decider.robot.kinematic_error_within(self._decider.lower, self._decider.upper)
+        return np.asarray(some[deepest]) if depths[deepest] > rounding else None
+
+    def _always(self, low: Floats, high: Floats, levers: Floats, until: float, example: Floats | None) -> PairDecision:
         """Cuts the box until every cell is proved to collide throughout, a middle is free, or the time is over."""
         extents = np.maximum(np.abs(self._decider.lower), np.abs(self._decider.upper))
         overlaps = LastingOverlaps(self._decider.robot, self.pairs, self.tables, extents, DEFAULT_EXCESS)
+        some: Answer = "open" if example is None else "collides"
         if not self.columns:
-            return self._decision("always", 1, 0.0, example)
+            return self._decision(some, 0, 1.0) if example is None else self._decision("always", 1, 0.0, example)
         waiting, proved, share = [(low[None], high[None])], 0, 1.0
         while waiting and time.process_time() < until and sum(len(lows) for lows, _ in waiting) < _MOST_WAITING:
             lows, highs = self._next(waiting)
@@ -196,11 +220,11 @@ class PairSearch:
             share -= float(self._shares(lows[hold], highs[hold], low, high).sum())
             lows, highs = lows[~hold], highs[~hold]
             if len(lows) and self._are_free((lows + highs) / 2).any():
-                return self._decision("collides", proved, share, example)
+                return self._decision(some, proved, share, example)
             if len(lows):
                 waiting.append(halved(lows, highs, levers))
         if waiting:
-            return self._decision("collides", proved, share, example)
+            return self._decision(some, proved, share, example)
         return self._decision("always", proved, 0.0, example)
 
     def _next(self, waiting: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:

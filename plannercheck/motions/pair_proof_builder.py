@@ -2,7 +2,7 @@
 
 In: decisions. Out: `PairProofs`, of which the verifier's check (`proofs/pair_checks.py`) took every leaf. Idea: the
 search of pair_decisions.py is run again, and a cell is a leaf once the verifier takes planes along the shortest ways in
-its middle, or a surface of differences of vertices around 0; else it is cut.
+its middle, or a surface of differences of vertices around 0, or a point of theirs near 0; else it is cut.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject
-from plannercheck.common.array_types import Floats, Ints
+from plannercheck.common.array_types import Floats, Ints, Ints64
 from plannercheck.common.arrays import distinct
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
@@ -34,8 +34,9 @@ from plannercheck.proofs.pair_checks import PairChecker
 # Cells that are judged at once, and the most of a proof.
 _BATCH, _MOST_CELLS = 512, 1_000_000
 
-# A surface around 0 gets at most so many corners, and is to be this much further away than needed.
-_MOST_CORNERS, _ROOM = 150, 1 + 1e-6
+# A surface around 0 gets at most so many corners, and is to be this much further away than needed. A triangle that is
+# flatter has no plane in ball arithmetic.
+_MOST_CORNERS, _ROOM, _FLAT = 150, 1 + 1e-6, 1e-12
 
 # Directions in which the first corners of a surface are sought.
 _FIRST = np.array([(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if x or y or z], dtype=float)
@@ -179,7 +180,7 @@ class _PairBuilder:
         assert p is not None
         assert r is not None
         of_a, of_b = (np.ascontiguousarray(poses[:, k]) for k in (a, b))
-        return tuple(core.distance_batch(p.core, of_a, r.core, of_b))
+        return tuple(core.distance_batch(p.core, of_a, r.core, of_b, True))
 
     @cached_property
     def _frames(self) -> list[int]:
@@ -211,7 +212,8 @@ class _PairBuilder:
             for each, k in zip(polytopes, bodies, strict=True)
             if each is not None
         ]
-        found = surface_around_0(sides[0], sides[1], needed)
+        left = needed - sum(self._checker.radii(pair))
+        found = surface_around_0(sides[0], sides[1], left) if left >= 0 else point_near_0(sides[0], sides[1], -left)
         cell = None if found is None else Cell(overlaps=(Overlap(*bodies, *found),))
         try:
             return cell if cell is not None and self._checker.holds(cell, box, "always") else None
@@ -227,10 +229,10 @@ def surface_around_0(
     Its corners, as a vertex of each, and its triangles; None if there is none, or it has too many corners.
     """
     known: dict[tuple[int, int], None] = {}
+    left_out = set[tuple[int, int]]()
 
     def add(directions: Floats) -> None:
-        both = (first @ directions.T).argmax(axis=0), (second @ directions.T).argmin(axis=0)
-        known.update(dict.fromkeys(zip(*(rows.tolist() for rows in both), strict=True)))
+        known.update(dict.fromkeys(each for each in _corners(first, second, directions) if each not in left_out))
 
     add(_FIRST)
     while len(known) <= _MOST_CORNERS:
@@ -240,19 +242,76 @@ def surface_around_0(
             hull = Polytope(points)
         except PlannercheckError:
             return None  # flat
+        if not len(hull.faces):
+            return None  # flat
         a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
         normals = np.cross(b - a, c - a)
         lengths = np.linalg.norm(normals, axis=1)
-        if not len(lengths) or not (lengths > 0).all():
-            return None  # flat
+        place = {row.tobytes(): k for k, row in enumerate(points)}
+        rows = [place[row.tobytes()] for row in hull.vertices]
+        sides = np.stack([((c - b) ** 2).sum(axis=1), ((a - c) ** 2).sum(axis=1), ((b - a) ** 2).sum(axis=1)])
+        flat = np.flatnonzero(lengths <= _FLAT * sides.max(axis=0))
+        if len(flat) and len(hull.vertices) > 4:  # what is on another edge but for rounding is no corner
+            middles = {corners[rows[k]] for k in hull.faces[flat, sides[:, flat].argmax(axis=0)].tolist()}
+            left_out |= middles
+            known = {each: None for each in known if each not in middles}
+            continue
         normals /= lengths[:, None]
         behind = (normals * a).sum(axis=1)
         if behind.min() > needed:
-            place = {row.tobytes(): k for k, row in enumerate(points)}
-            rows = [place[row.tobytes()] for row in hull.vertices]
             return tuple(corners[k] for k in rows), tuple((int(x), int(y), int(z)) for x, y, z in hull.faces)
         before = len(known)
         add(normals[np.argsort(behind)[:4]])
         if len(known) == before:
             return None
     return None
+
+
+def point_near_0(
+    first: Floats, second: Floats, distance: float
+) -> tuple[tuple[tuple[int, int], ...], tuple[()], tuple[float, ...]] | None:
+    """A mean of differences of vertices (n, 3) and (m, 3) that is nearer to 0 than a distance, m.
+
+    Its corners, as a vertex of each, no triangles, and weights; None if there is none. The search is Wolfe's: of the
+    corners' hull the point next to 0 shows the direction of the next corner.
+    """
+    corners, weights = _corners(first, second, _FIRST[:1]), np.ones(1)
+    while len(corners) <= _MOST_CORNERS:
+        points = np.array([first[a] - second[b] for a, b in corners])
+        point = weights @ points
+        if np.linalg.norm(point) * _ROOM < distance:
+            kept = weights > 0
+            chosen = tuple(each for each, keep in zip(corners, kept.tolist(), strict=True) if keep)
+            return chosen, (), tuple(weights[kept].tolist())
+        (new,) = _corners(first, second, -point[None])
+        if new in corners:
+            return None
+        corners, weights = [*corners, new], np.append(weights, 0.0)
+        points = np.vstack([points, first[new[0]] - second[new[1]]])
+        rows, weights = _next_to_0(points, weights)
+        corners = [corners[k] for k in rows.tolist()]
+    return None
+
+
+def _next_to_0(points: Floats, weights: Floats) -> tuple[Ints64, Floats]:
+    """Which points (n, 3) the point of their hull next to 0 is a mean of, and by which weights."""
+    kept: Ints64 = np.arange(len(points))
+    while True:
+        some = points[kept]
+        equations = np.pad(some @ some.T, ((0, 1), (0, 1)), constant_values=1.0)
+        equations[-1, -1] = 0.0
+        best = np.linalg.lstsq(equations, np.append(np.zeros(len(kept)), 1.0), rcond=None)[0][:-1]
+        if (best > 0).all() or len(kept) == 1:
+            return kept, best
+        falls = best <= 0
+        steps = weights[falls] / (weights[falls] - best[falls])
+        weights = weights + steps.min() * (best - weights)
+        stays = weights > 1e-15
+        stays[np.flatnonzero(falls)[steps.argmin()]] = False
+        kept, weights = kept[stays], weights[stays]
+
+
+def _corners(first: Floats, second: Floats, directions: Floats) -> list[tuple[int, int]]:
+    """The vertices whose difference is furthest along each direction (n, 3)."""
+    both = (first @ directions.T).argmax(axis=0), (second @ directions.T).argmin(axis=0)
+    return list(zip(*(rows.tolist() for rows in both), strict=True))

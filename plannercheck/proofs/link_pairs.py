@@ -14,7 +14,9 @@ and only they may be cut.
 
 An overlap is a closed surface of triangles around 0, whose corners are differences of vertices: a point of the first
 body less one of the second, in the middle of the box. If each triangle's plane has 0 more than d behind it, the bodies
-are d deep in each other along every direction, and share a point as long as they are displaced by less.
+are d deep in each other along every direction, and share a point as long as they are displaced by less. Radii of balls
+and capsules add to d. Where they are enough, one point does: the corners' mean by `weights`, which is e away from 0, so
+that the bodies are their radii less e deep in each other.
 """
 
 from __future__ import annotations
@@ -62,13 +64,15 @@ class Overlap:
         first: Index of a body of the first link.
         second: Index of a body of the second link.
         points: Corners: a vertex of the first body, and one of the second.
-        facets: Triangles, counter-clockwise seen from outside: indices of `points`.
+        facets: Triangles, counter-clockwise seen from outside: indices of `points`; none with weights.
+        weights: A positive number a corner, of any sum; none with facets.
     """
 
     first: int
     second: int
     points: tuple[tuple[int, int], ...]
-    facets: tuple[tuple[int, int, int], ...]
+    facets: tuple[tuple[int, int, int], ...] = field(default=(), metadata=OPTIONAL)
+    weights: tuple[float, ...] = field(default=(), metadata=OPTIONAL)
 
 
 @dataclass(frozen=True)

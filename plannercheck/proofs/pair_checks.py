@@ -221,6 +221,11 @@ class PairChecker:
         """How deep the bodies of a pair have to be in each other in a box's middle to overlap in all of it, m."""
         return own.deep_enough(*self._model.pairs[pair])
 
+    def radii(self, pair: int) -> tuple[float, float]:
+        """How far both bodies of a pair reach around their vertices' hulls, m."""
+        a, b = self._model.pairs[pair]
+        return self._model.bodies[a].radius, self._model.bodies[b].radius
+
     def holds(self, cell: Cell, box: Box, answer: str) -> bool:
         """Whether a leaf proves its box, for `answer`."""
         own = self.opened(box)
@@ -250,7 +255,7 @@ class PairChecker:
         if any(body.triangles or body.parts or body.half_space for body in bodies):
             return False
         sides = [(body.vertices, own.at_start(k)) for body, k in zip(bodies, (a, b), strict=True)]
-        return is_deeper(overlap, sides[0], sides[1], self.deep_enough(own, pair))
+        return is_deeper(overlap, sides[0], sides[1], self.deep_enough(own, pair), self.radii(pair))
 
     def _described(self, box: Box) -> str:
         """A box in words: the columns that count."""

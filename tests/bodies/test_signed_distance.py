@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from poses import at, pose_at
+from poses import at, pose_at, pose_within
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
@@ -125,3 +125,19 @@ def test_balls_beyond_the_nearest_keep_their_lower_bounds():
             found = pc.signed_distance(cloud, other, None, pose)
             if found.distance > 0:
                 assert found.distance - found.lower_bound <= 1e-12
+
+
+def test_balls_whose_centres_are_on_a_face():
+    """How deep they are is their radius alone: the hull and the centre touch. TIAGo's fingers do."""
+    rng = np.random.default_rng(5)
+    ball = pc.Polytope(np.zeros((1, 3)), inflation_radius=0.001)
+    box = pc.Polytope(CUBE * [0.2, 0.1, 0.06])
+    for k in range(300):
+        on_face = np.append(rng.uniform(-0.9, 0.9, 2) * [0.1, 0.05], 0.03)
+        pose = pose_within(rng, 1.0)
+        there = pose @ at(*on_face)
+        for order in (1, -1):
+            pair, poses = (ball, box)[::order], (there, pose)[::order]
+            found = pc.signed_distance(*pair, *poses)
+            assert found.distance - found.lower_bound < 1e-12, k
+            assert found.distance == pytest.approx(-0.001, abs=1e-12)

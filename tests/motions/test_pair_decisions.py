@@ -117,3 +117,18 @@ def test_levers_are_the_arms_of_the_joints_between(tmp_path):
     assert search.levers[column] == pytest.approx(min(arms), rel=1e-4)
     slide = PairDecider(disc(tmp_path, 0.0, slide=True, height=1.0)).search("post", "tip")
     assert slide.levers[slide.columns[0]] == 1
+
+
+@pytest.mark.parametrize("inside", [0.0, 1e-14, 1e-9])
+def test_what_touches_by_rounding_stays_open(tmp_path, inside):
+    """Kinova's base and first link are in each other by 8e-15 m: that the poses' rounding may feign."""
+    path = tmp_path / "stack.urdf"
+    path.write_text(
+        '<robot name="stack"><link name="low"><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision>'
+        '</link><joint name="turn" type="revolute"><parent link="low"/><child link="high"/><axis xyz="0 0 1"/>'
+        f'<origin xyz="0 0 {0.2 - inside!r}"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
+        '<link name="high"><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link></robot>'
+    )
+    found = PairDecider(pc.Robot.from_urdf(path)).decide("low", "high", 0.3)
+    assert found.answer == ("collides" if inside > 1e-12 else "open")
+    assert (found.example is None) == (found.answer == "open")

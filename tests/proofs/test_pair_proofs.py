@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 
+import flint
 import numpy as np
 import pytest
 from pointers import arm, disc
@@ -11,9 +12,11 @@ import plannercheck as pc
 from plannercheck.checking.collision_matrix import colliding_rows, with_all_joints
 from plannercheck.cli.main import main
 from plannercheck.motions.pair_decisions import PairDecider
-from plannercheck.motions.pair_proof_builder import pair_proofs, surface_around_0
+from plannercheck.motions.pair_proof_builder import pair_proofs, point_near_0, surface_around_0
 from plannercheck.proofs import load_pair_proofs, save_pair_proofs, verify_pairs
-from plannercheck.proofs.link_pairs import Cell
+from plannercheck.proofs.faults import UnprovedError
+from plannercheck.proofs.link_pairs import Cell, Overlap
+from plannercheck.proofs.overlaps import is_deeper
 from plannercheck.proofs.pair_checks import pair_model_confirmed
 from plannercheck.proofs.well_formed import hashes_of
 
@@ -298,3 +301,107 @@ def test_commands_write_and_verify(tmp_path, capsys):
     assert "--prove" in capsys.readouterr().err
     assert main([*command, "--srdf", srdf]) == 2
     assert "both name an SRDF" in capsys.readouterr().err
+
+
+def wheel(tmp_path, above: float):
+    """A ball of 1 mm on an axis, its centre at a height above a box's top; the box is cut where edges cross."""
+    path = tmp_path / "wheel.urdf"
+    path.write_text(
+        '<robot name="wheel"><link name="box"><collision><geometry><box size="0.2 0.1 0.06"/></geometry></collision>'
+        '</link><joint name="turn" type="revolute"><parent link="box"/><child link="ball"/><axis xyz="0.6 0 0.8"/>'
+        f'<origin xyz="0.01 0.02 {0.03 + above}"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
+        '<link name="ball"><collision><geometry><sphere radius="0.001"/></geometry></collision></link></robot>'
+    )
+    return pc.Robot.from_urdf(path)
+
+
+@pytest.mark.parametrize("above", [0.0, 5e-9, 9.99e-4, -5e-4, -0.02])
+def test_radii_count_for_overlaps(tmp_path, above):
+    """TIAGo's fingers are such balls: their centres are next to the faces that hold them."""
+    proofs = proofs_of(wheel(tmp_path, above), "box", "ball")
+    assert proofs.pairs[0].answer == "always"
+    assert fault_of(proofs) is None
+    assert bool(proofs.pairs[0].cells[0].overlaps[0].weights)
+    save_pair_proofs(proofs, tmp_path / "a.npz")
+    assert load_pair_proofs(tmp_path / "a.npz").pairs == proofs.pairs
+
+
+FORGED_MEANS = {
+    "a weight less": lambda o: replace(o, weights=o.weights[1:]),
+    "a weight more": lambda o: replace(o, weights=(*o.weights, 1.0)),
+    "a negative weight": lambda o: replace(o, weights=(-1.0, *o.weights[1:])),
+    "no weight": lambda o: replace(o, weights=(0.0, *o.weights[1:])),
+    "a weight that is no number": lambda o: replace(o, weights=(float("nan"), *o.weights[1:])),
+    "an endless weight": lambda o: replace(o, weights=(float("inf"),) * len(o.weights)),
+    "triangles, too": lambda o: replace(o, facets=((0, 1, 2), (2, 1, 0))),
+    "neither": lambda o: replace(o, weights=()),
+    "another mean": lambda o: replace(o, weights=(9.0, *o.weights[1:])),
+    "a vertex that there is not": lambda o: replace(o, points=((9, 9), *o.points[1:])),
+}
+
+
+@pytest.mark.parametrize("name", FORGED_MEANS)
+def test_means_that_show_nothing_are_refused(tmp_path, name):
+    proofs = proofs_of(wheel(tmp_path, 9.99e-4), "box", "ball")
+    assert fault_of(proofs) is None
+    assert fault_of(with_overlap(proofs, FORGED_MEANS[name])) is not None
+    body = next(k for k, each in enumerate(proofs.model.bodies) if each.radius > 0)
+    bodies = list(proofs.model.bodies)
+    bodies[body] = replace(bodies[body], radius=bodies[body].radius * 0.998)
+    assert fault_of(with_model(proofs, bodies=tuple(bodies))) is not None
+
+
+def test_corners_on_an_edge_leave_no_sliver():
+    """Triangles of three corners in a row have no plane: TIAGo's fingers have such, of 1e-18 m2."""
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        cube = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+        fine = np.array([[x, y, 1 - 1e-9] for x in np.linspace(-1, 1, 8) for y in (-1.0, 1.0)])
+        turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        first, second = cube @ turn.T, (fine + np.array([0, 0, 1e-10])) @ turn.T
+        points, facets = surface_around_0(first, second, 1e-11) or pytest.fail("no surface")
+        corners = np.array([first[a] - second[b] for a, b in points])
+        for facet in facets:
+            u, v, w = corners[list(facet)]
+            assert np.linalg.norm(np.cross(v - u, w - u)) > 1e-13
+
+
+def test_points_near_0_are_as_near_as_hulls_are():
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        first, second = rng.normal(size=(12, 3)), rng.normal(size=(9, 3)) + np.array([4.0, 0, 0])
+        apart = pc.distance(pc.Polytope(first), pc.Polytope(second)).distance
+        points, _, weights = point_near_0(first, second, apart * 1.0001) or pytest.fail("no point")
+        mean = np.average([first[a] - second[b] for a, b in points], axis=0, weights=weights)
+        assert apart * 0.999999 < np.linalg.norm(mean) < apart * 1.0001
+        assert min(weights) > 0
+        assert point_near_0(first, second, apart * 0.9999) is None
+
+
+@pytest.fixture
+def still():
+    bits, flint.ctx.prec = flint.ctx.prec, 64
+    yield flint.arb_mat(4, 4, [int(k % 5 == 0) for k in range(16)])
+    flint.ctx.prec = bits
+
+
+def test_a_needle_that_points_at_0_is_not_around_it(still):
+    """Its planes pass 0 by 2 mm, its tip by 5 cm: radii of 4 mm do not reach."""
+    needle = np.array([[0.05, 0, 0], [1.05, 0.04, 0], [1.05, -0.02, 0.035], [1.05, -0.02, -0.035]])
+    hull = pc.Polytope(needle)
+    rows = [int(np.flatnonzero((needle == vertex).all(axis=1))[0]) for vertex in hull.vertices]
+    surface = Overlap(0, 1, tuple((k, 0) for k in rows), tuple(tuple(map(int, facet)) for facet in hull.faces))
+    origin = np.zeros((1, 3))
+    assert not is_deeper(surface, (needle, still), (origin, still), 1e-9, (0.004, 0.0))
+    assert is_deeper(surface, (needle, still), (origin + np.array([1.0, 0, 0]), still), 1e-9, (0.004, 0.0))
+
+
+def test_means_lie_between_their_corners(still):
+    """By weights below 0 a point 1 cm beyond a segment is a mean of its ends."""
+    segment, point = np.array([[0.0, 0, 0], [1, 0, 0]]), np.array([[1.01, 0, 0]])
+    beyond = Overlap(0, 1, ((0, 0), (1, 0)), weights=(-0.01, 1.01))
+    with pytest.raises(UnprovedError, match="weights"):
+        is_deeper(beyond, (segment, still), (point, still), 1e-9, (0.001, 0.001))
+    inside = replace(beyond, weights=(0.25, 0.75))
+    assert is_deeper(inside, (segment, still), (point - [0.2605, 0, 0], still), 1e-9, (0.001, 0.0))
+    assert not is_deeper(inside, (segment, still), (point - [0.262, 0, 0], still), 1e-9, (0.001, 0.0))

@@ -114,7 +114,9 @@ PairDistance convex_distance(const PosedPolytope& body_a, const PosedPolytope& b
     }
     overlap = share_a_point(body_a, body_b, counters);
   }
-  const bool in_doubt = !goal.met(found) && !(overlap && found.start.count == 4);
+  // Of hulls that touch, a shared point has no use but for radii: these are how deep the bodies are in each other.
+  const bool known = overlap && found.start.count == 4 && goal.inflation_radius == 0;
+  const bool in_doubt = !goal.met(found) && !known;
   if (in_doubt) found = hull_distance_double_double(body_a, body_b, found, goal, counters);
   if (!(found.lower > 0)) {
     if (!depth) depth = hull_depth(body_a, body_b, found.start, counters);
