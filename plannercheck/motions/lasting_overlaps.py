@@ -68,12 +68,16 @@ class LastingOverlaps:
         poses = self._tables.all.body_poses(self._robot.link_poses(middles))
         found = np.zeros(len(lows), dtype=bool)
         for pair in self._pairs:
-            of_bodies = (np.ascontiguousarray(poses[:, k]) for k in (pair.a, pair.b))
-            poses_a, poses_b = of_bodies
-            overlap, distance, *_ = core.distance_batch(pair.hulls[0].core, poses_a, pair.hulls[1].core, poses_b)
             moved = halves @ pair.rates * _STRETCH + _ROUNDING
-            found |= overlap.astype(bool) & (-distance > moved)
+            found |= -posed_distances(*pair.hulls, poses[:, pair.a], poses[:, pair.b]) > moved
         return found
+
+
+def posed_distances(first: Polytope, second: Polytope, poses_first: Floats, poses_second: Floats) -> Floats:
+    """(n,) signed distances of two hulls at poses (n, 4, 4), m, from above: below 0 they overlap."""
+    both = np.ascontiguousarray(poses_first), np.ascontiguousarray(poses_second)
+    distances: Floats = core.distance_batch(first.core, both[0], second.core, both[1])[1]
+    return distances
 
 
 def _rates(table: JointTable, chains: ChosenChains, chain: int, extents: Floats) -> Floats:

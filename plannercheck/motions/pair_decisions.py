@@ -22,11 +22,10 @@ from plannercheck.checking.compiled_tables import CompiledTables
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import OwnsArrays
-from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.certifier import MotionCertifier
 from plannercheck.motions.joint_cells import LEAST_LEVER, are_free, halved
-from plannercheck.motions.lasting_overlaps import LastingOverlaps
+from plannercheck.motions.lasting_overlaps import LastingOverlaps, posed_distances
 from plannercheck.robots.configurations import COSINE
 from plannercheck.robots.robot import Robot
 
@@ -39,8 +38,8 @@ _BATCH, _MOST_WAITING = 4096, 1_000_000
 # Half a turn of a continuous joint, rad: the nearest double beyond pi.
 _HALF_TURN = np.nextafter(np.pi, 4.0)
 
-# Of so many configurations that collide the deepest is taken. It is at least _ROUNDING deeper, m, than poses are off:
-# proofs have such a margin.
+# So many configurations that collide are measured at once, until one is deep enough: _ROUNDING more, m, than poses are
+# off, since proofs have such a margin. Of these the deepest is taken.
 _MEASURED, _ROUNDING = 64, 1e-12
 
 # Before cells, so many random configurations are tried: a pair that collides often is found at once.
@@ -54,8 +53,8 @@ class PairDecision(OwnsArrays):
     Attributes:
         link_a: A link.
         link_b: Another link.
-        answer: "never" and "always": proved. "collides": at `example`, by more than poses are rounded. "open": none of
-            these is known.
+        answer: "never" and "always": proved. "collides": at `example`, hulls by more than poses are rounded. "open":
+            none of these is known.
         joints: The joints between both, which alone matter; the others stand at the reference.
         cells: How many cells were proved free, or for "always" to collide throughout.
         open_share: The share of the joints' box that is in cells which are not proved; 0 for "never" and "always".
@@ -191,19 +190,20 @@ class PairSearch:
 
     def _deepest(self, q: Floats) -> Floats | None:
         """Of configurations (n, nq) that collide one of the deepest; None if all may touch by the poses' rounding."""
-        polytopes = self.tables.all.polytopes
-        if not len(q) or not all(polytopes[k].traits.fills_hull for k in self.pairs.ravel().tolist()):
-            return q[0] if len(q) else None
-        some = q[:_MEASURED]
-        poses, depths = self.body_poses(some), np.zeros(len(some))
-        for pair in self.pairs.tolist():
-            p, r = (polytopes[k].core for k in pair)
-            poses_p, poses_r = (np.ascontiguousarray(poses[:, k]) for k in pair)
-            _, distance, *_ = core.distance_batch(p, poses_p, r, poses_r, True)
-            depths = np.maximum(depths, -distance)
-        deepest = int(depths.argmax())
+        polytopes, pairs = self.tables.all.polytopes, self.pairs.tolist()
+        if len(q) and not all(polytopes[k].traits.fills_hull for pair in pairs for k in pair):
+            return np.asarray(q[0])
         rounding = _ROUNDING + 2 * self._decider.robot.kinematic_error_within(self._decider.lower, self._decider.upper)
-        return np.asarray(some[deepest]) if depths[deepest] > rounding else None
+        for begin in range(0, len(q), _MEASURED):
+            some: Floats = q[begin : begin + _MEASURED]
+            poses = self.body_poses(some)
+            depths = np.max(
+                [-posed_distances(polytopes[a], polytopes[b], poses[:, a], poses[:, b]) for a, b in pairs], 0
+            )
+            deepest = int(depths.argmax())
+            if depths[deepest] > rounding:
+                return np.asarray(some[deepest])
+        return None
 
     def _always(self, low: Floats, high: Floats, levers: Floats, until: float, example: Floats | None) -> PairDecision:
         """Cuts the box until every cell is proved to collide throughout, a middle is free, or the time is over."""

@@ -180,7 +180,7 @@ class _PairBuilder:
         assert p is not None
         assert r is not None
         of_a, of_b = (np.ascontiguousarray(poses[:, k]) for k in (a, b))
-        return tuple(core.distance_batch(p.core, of_a, r.core, of_b, True))
+        return tuple(core.distance_batch(p.core, of_a, r.core, of_b))
 
     @cached_property
     def _frames(self) -> list[int]:
@@ -251,7 +251,9 @@ def surface_around_0(
         rows = [place[row.tobytes()] for row in hull.vertices]
         sides = np.stack([((c - b) ** 2).sum(axis=1), ((a - c) ** 2).sum(axis=1), ((b - a) ** 2).sum(axis=1)])
         flat = np.flatnonzero(lengths <= _FLAT * sides.max(axis=0))
-        if len(flat) and len(hull.vertices) > 4:  # what is on another edge but for rounding is no corner
+        if len(flat) and len(hull.vertices) == 4:
+            return None
+        if len(flat):  # what is on another edge but for rounding is no corner
             middles = {corners[rows[k]] for k in hull.faces[flat, sides[:, flat].argmax(axis=0)].tolist()}
             left_out |= middles
             known = {each: None for each in known if each not in middles}

@@ -132,3 +132,18 @@ def test_what_touches_by_rounding_stays_open(tmp_path, inside):
     found = PairDecider(pc.Robot.from_urdf(path)).decide("low", "high", 0.3)
     assert found.answer == ("collides" if inside > 1e-12 else "open")
     assert (found.example is None) == (found.answer == "open")
+
+
+def test_what_touches_first_hides_nothing(tmp_path, monkeypatch):
+    """Both links touch at every angle; a bar meets a post at 1 % of them, not the first ones."""
+    monkeypatch.setattr("plannercheck.motions.pair_decisions._MEASURED", 1)
+    path = tmp_path / "lid.urdf"
+    box = '<collision><origin xyz="{0}"/><geometry><box size="{1}"/></geometry></collision>'
+    path.write_text(
+        f'<robot name="lid"><link name="low">{box.format("0 0 0", "0.2 0.2 0.2")}'
+        f'{box.format("-0.5 0 0", "0.02 0.02 1")}</link><link name="high">{box.format("0 0 0", "0.2 0.2 0.2")}'
+        f"{box.format('0.5 0 0', '0.1 0.01 0.1')}</link>"
+        '<joint name="turn" type="revolute"><parent link="low"/><child link="high"/><axis xyz="0 0 1"/>'
+        '<origin xyz="0 0 0.2"/><limit lower="-3.14" upper="3.14" effort="1" velocity="1"/></joint></robot>'
+    )
+    assert PairDecider(pc.Robot.from_urdf(path)).decide("low", "high", 1.0).answer == "collides"
