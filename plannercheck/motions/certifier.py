@@ -160,14 +160,14 @@ class MotionCertifier:
         """Whether each of n validated motions is free: (n,), False if a pair comes within the tolerance, m."""
         check_tolerance(tolerance)
         ranges = motions.ranges()
-        if isinstance(motions, Motions) and self._errors.are_usual(*ranges):
+        if isinstance(motions, Motions) and (motions.given is motions.ends or self._errors.are_usual(*ranges)):
             known = self.judge_sets(motions.starts, motions.ends, tolerance, threads)
             if known is not None:
                 return known.view(bool)
         points, tubes = motions.points, motions.tubes
         free = np.empty(len(points), dtype=bool)
         by_error = self._errors.of_ranges(*ranges)
-        for part, some in self._parts_of(motions):
+        for part, some in self._parts_of(motions, *ranges):
             for error, rows in by_error(some):
                 if part.touching:  # these pairs touch at every state, so no motion is free
                     free[rows] = False
@@ -178,12 +178,14 @@ class MotionCertifier:
                 free[rows] = verdicts(answers, tolerance, rows, isinstance(motions, Curves))
         return free
 
-    def _parts_of(self, motions: Motions | Curves) -> list[tuple[ChainedPairs, NDArray[np.int64]]]:
+    def _parts_of(
+        self, motions: Motions | Curves, least: Floats, largest: Floats
+    ) -> list[tuple[ChainedPairs, NDArray[np.int64]]]:
         """Pairs, and the rows of the motions that they judge: within the limits all the way, and the others.
 
-        Pairs that can't meet within the limits may come nearer to each other than they have to stay apart.
+        The motions' ranges are given. Pairs that can't meet within the limits may come nearer to each other than they
+        have to stay apart.
         """
-        least, largest = motions.ranges()
         rows, limits = np.arange(len(least)), self._limits
         if motions.need_all_pairs:
             return [(self._all_pairs, rows)]
@@ -197,21 +199,28 @@ class MotionCertifier:
     def judge_rows(self) -> JudgeMotion:
         """A compiled judge of one motion between rows (nq,), and None for motions that need more care."""
         judge: JudgeMotion
-        judge = self._compiled_judge(core.motion_row_validity)
+        judge = self._compiled_judge(core.motion_row_validity, self._pairs_within_limits, *self._range)
+        return judge
+
+    @cached_property
+    def judge_rows_beyond(self) -> JudgeMotion:
+        """The same of motions that leave the limits, which all pairs judge; of others, it knows no more."""
+        judge: JudgeMotion = _never_known
+        if self._limits is not None:
+            judge = self._compiled_judge(core.motion_row_validity, self._all_pairs, self._errors.low, self._errors.high)
         return judge
 
     @cached_property
     def judge_sets(self) -> Callable[[Any, Any, float, int], NDArray[np.uint8] | None]:
         """The same of sets of motions, between arrays (n, nq), on a number of threads: (n,) 1 for free."""
         judge: Callable[[Any, Any, float, int], NDArray[np.uint8] | None]
-        judge = self._compiled_judge(core.motion_set_validity)
+        judge = self._compiled_judge(core.motion_set_validity, self._pairs_within_limits, *self._range)
         return judge
 
-    def _compiled_judge(self, of_certifier: Callable[..., Any]) -> Any:
-        robot, part = self._robot, self._pairs_within_limits
-        if part.touching or len(robot.joint_names) != robot.nq:
+    def _compiled_judge(self, of_certifier: Callable[..., Any], part: ChainedPairs, low: Floats, high: Floats) -> Any:
+        if part.touching or len(self._robot.joint_names) != self._robot.nq:
             return _never_known
-        return of_certifier(part.core, self._kernel, *self._range, self._errors.usual, list(self._errors.turning))
+        return of_certifier(part.core, self._kernel, low, high, self._errors.usual, list(self._errors.turning))
 
     def motion_validity(
         self,
@@ -283,7 +292,7 @@ class MotionCertifier:
         """How far one motion or curve, of a set of one, is free; arguments as for `motion_result`."""
         check_tolerance(tolerance)
         ranges = motion.ranges()
-        ((part, row),) = self._parts_of(motion)
+        ((part, row),) = self._parts_of(motion, *ranges)
         if part.touching:
             return MotionResult(False, 0.0, 0.0, part.touching[0])
         ((error, _),) = self._errors.of_ranges(*ranges)(row)

@@ -106,6 +106,8 @@ class Checker(StateChecker):
             if self._judge_motion is None:
                 self._judge_motion = self.motion_certifier.judge_rows
             known = self._judge_motion(q0, q1, tolerance)
+            if known is None:
+                known = self.motion_certifier.judge_rows_beyond(q0, q1, tolerance)
             if known is not None:
                 return known
         return bool(self.check_motions(self._single(q0), self._single(q1), resolution, tolerance, path=path)[0])

@@ -233,6 +233,24 @@ def test_pairs_that_never_meet_within_the_limits_change_no_verdict(name):
     assert live.motion_certifier.statistics()["motions"] == 180  # both parts count
 
 
+def test_one_motion_beyond_the_limits_meets_what_no_motion_within_them_reaches(tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text("""<robot name="arm"><link name="base"/>
+    <link name="arm"><collision><origin xyz="0.5 0 0"/><geometry><box size="0.8 0.1 0.1"/></geometry></collision></link>
+    <joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>""")
+    scene = pc.Scene("behind")
+    pose = np.eye(4)
+    pose[0, 3] = -0.6
+    scene.add_box("post", (0.1, 0.1, 1.0), pose)
+    checker = pc.Checker(pc.Robot.from_urdf(path), scene)
+    assert checker.unreachable.all()
+    for end, free in ((0.9, True), (2.0, True), (3.0, False), (4.0, False)):
+        assert checker.check_motion(np.array([0.0]), np.array([end])) is free
+        assert checker.check_motions(np.array([[0.0]]), np.array([[end]])).tolist() == [free]
+        assert checker.motion_certifier.judge_rows_beyond(np.array([0.0]), np.array([end]), 1e-4) is free
+
+
 def test_statistics_count_what_the_pair_test_did():
     # Padded, some pairs come so near that only the pair test finds whether they share a point.
     checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"), padding=0.02)

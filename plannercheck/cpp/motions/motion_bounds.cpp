@@ -18,7 +18,14 @@ Rate rate_of(const JointDrive& joint, const Path& path) {
   if (joint.column < 0) return {};  // a held joint: no chain asks for it
   if (joint.kind == DriveKind::kPart) return path.bound(joint.column);
   const NumberBound of = path.bound(joint.column, joint.multiplier, joint.offset);
-  return joint.kind == DriveKind::kTurn ? Rate{of.rate, 0, 0, of.change, 0} : Rate{0, of.rate, of.size, 0, of.change};
+  return joint.kind == DriveKind::kTurn ? Rate{of.rate} : Rate{0, of.rate, of.size};
+}
+
+// No part has another rate later on.
+RateChange change_of(const JointDrive& joint, const Path& path) {
+  if (joint.column < 0 || joint.kind == DriveKind::kPart) return {};
+  const double change = path.change(joint.column, joint.multiplier);
+  return joint.kind == DriveKind::kTurn ? RateChange{change} : RateChange{0, change};
 }
 
 // No part has a tube.
@@ -58,33 +65,39 @@ Lanes where(LaneMask mask, Lanes numbers) {
 
 }  // namespace
 
-void rates_of(const MotionChains& chains, const Path& path, std::vector<Rate>& rates) {
-  rates.resize(chains.joints.size());
-  for (std::size_t j = 0; j < chains.joints.size(); ++j) rates[j] = rate_of(chains.joints[j], path);
+void rates_of(const MotionChains& chains, const Path& path, Rates& rates) {
+  rates.joints.resize(chains.joints.size());
+  for (std::size_t j = 0; j < chains.joints.size(); ++j) rates.joints[j] = rate_of(chains.joints[j], path);
+  rates.changes.clear();
+  if (!path.is_curve()) return;
+  for (const JointDrive& joint : chains.joints) rates.changes.push_back(change_of(joint, path));
 }
 
-void tube_rates_of(const MotionChains& chains, const Path& path, std::vector<Rate>& rates) {
-  rates.resize(chains.joints.size());
-  for (std::size_t j = 0; j < chains.joints.size(); ++j) rates[j] = tube_rate_of(chains.joints[j], path);
+void tube_rates_of(const MotionChains& chains, const Path& path, Rates& rates) {
+  rates.joints.resize(chains.joints.size());
+  for (std::size_t j = 0; j < chains.joints.size(); ++j) rates.joints[j] = tube_rate_of(chains.joints[j], path);
 }
 
-MotionBound bound_of(const MotionChains& chains, std::size_t chain, const std::vector<Rate>& rates) {
+MotionBound bound_of(const MotionChains& chains, std::size_t chain, const Rates& rates) {
   MotionBound bound;
   double turned = 0;  // Σ |ω_i| over the joints before this one
   const auto first = static_cast<std::size_t>(chains.first_entry[chain]);
   const auto past = static_cast<std::size_t>(chains.first_entry[chain + 1]);
   for (std::size_t e = first; e < past; ++e) {
     const ChainJoint& entry = chains.entries[e];
-    const Rate& rate = rates[static_cast<std::size_t>(entry.joint)];
+    const Rate& rate = rates.joints[at(entry.joint)];
     double arm = entry.arm;
     for (std::int32_t s = entry.first_slide; s < entry.past_slides; ++s) {
-      arm += rates[static_cast<std::size_t>(chains.slides[static_cast<std::size_t>(s)])].extent;
+      arm += rates.joints[at(chains.slides[at(s)])].extent;
     }
     const double speed = rate.turn * arm + rate.slide;
     bound.arm = larger(bound.arm, arm);
     bound.speed += speed;
     bound.curvature += speed * (rate.turn + 2 * turned);
-    bound.curvature += rate.turn_change * arm + rate.slide_change;
+    if (rates.is_curve()) {
+      const RateChange& change = rates.changes[at(entry.joint)];
+      bound.curvature += change.turn * arm + change.slide;
+    }
     turned += rate.turn;
   }
   bound.speed *= kBoundRounding;
@@ -153,30 +166,28 @@ void ChainTable::add_group(const MotionChains& chains, std::size_t first, std::s
   groups_.push_back(group);
 }
 
-void ChainTable::bound(const MotionChains& chains, const std::vector<Rate>& rates, ChainBounds& out) const {
-  const bool is_curve = std::any_of(rates.begin(), rates.end(),
-                                    [](const Rate& rate) { return rate.turn_change > 0 || rate.slide_change > 0; });
-  return is_curve ? bound_rows<true>(chains, rates, out) : bound_rows<false>(chains, rates, out);
+void ChainTable::bound(const MotionChains& chains, const Rates& rates, ChainBounds& out) const {
+  return rates.is_curve() ? bound_rows<true>(chains, rates, out) : bound_rows<false>(chains, rates, out);
 }
 
 // The steps are those of `bound_of`; joints that are not on a chain add 0 to it.
 template <bool is_curve>
-void ChainTable::bound_rows(const MotionChains& chains, const std::vector<Rate>& rates, ChainBounds& out) const {
+void ChainTable::bound_rows(const MotionChains& chains, const Rates& rates, ChainBounds& out) const {
   out.curvature_.resize(1 + chains_ + kChainLanes), out.speed_.resize(1 + chains_ + kChainLanes);
   Lanes largest_curvature{}, largest_speed{};
   double *curvatures = &out.curvature_[1], *speeds = &out.speed_[1];
   for (const Group& group : groups_) {
     Lanes curvature{}, speed{}, turned{};
     for (std::size_t row = group.first_row; row < group.past_rows; ++row) {
-      const Rate& rate = rates[joints_[row]];
+      const Rate& rate = rates.joints[joints_[row]];
       const LaneMask on_chain = chain_mask(&on_chain_[row * kChainLanes]);
       const Lanes turn = where(on_chain, broadcast(rate.turn)), slide = where(on_chain, broadcast(rate.slide));
       const Lanes arms = load_lanes(&arms_[row * kChainLanes]), moved = turn * arms + slide;
       speed = speed + moved;
       curvature = curvature + moved * (turn + 2 * turned);
       if constexpr (is_curve) {
-        const Lanes change = broadcast(rate.turn_change) * arms + broadcast(rate.slide_change);
-        curvature = curvature + where(on_chain, change);
+        const RateChange& change = rates.changes[joints_[row]];
+        curvature = curvature + where(on_chain, broadcast(change.turn) * arms + broadcast(change.slide));
       }
       turned = turned + turn;
     }
@@ -195,21 +206,19 @@ void ChainTable::bound_rows(const MotionChains& chains, const std::vector<Rate>&
   }
 }
 
-void ChainTable::bound_tube(const MotionChains& chains, const std::vector<Rate>& rates, double room,
-                            ChainBounds& tube) const {
+void ChainTable::bound_tube(const MotionChains& chains, const Rates& rates, double room, ChainBounds& tube) const {
   bound(chains, rates, tube);
   tube.speed_[0] = 0;  // of what stands still
   for (double& shift : tube.speed_) shift += room / 2;
 }
 
-MotionBound ChainTable::at_most(const std::vector<Rate>& rates) const {
+MotionBound ChainTable::at_most(const Rates& rates) const {
   Rate all;
-  for (const Rate& rate : rates) {
-    all.turn += rate.turn, all.slide += rate.slide, all.extent += rate.extent;
-    all.turn_change += rate.turn_change, all.slide_change += rate.slide_change;
-  }
+  RateChange changed;
+  for (const Rate& rate : rates.joints) all.turn += rate.turn, all.slide += rate.slide, all.extent += rate.extent;
+  for (const RateChange& change : rates.changes) changed.turn += change.turn, changed.slide += change.slide;
   const double arm = longest_entry_ + all.extent, speed = (all.turn * arm + all.slide) * kBoundRounding;
-  const double change = all.turn_change * arm + all.slide_change;
+  const double change = changed.turn * arm + changed.slide;
   return {(speed * 2 * all.turn + change) * kBoundRounding, speed, arm * kBoundRounding};
 }
 

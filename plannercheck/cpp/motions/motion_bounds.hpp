@@ -61,6 +61,17 @@ struct MotionChains {
   std::vector<std::int32_t> first_entry;  // per chain, and one past the last
 };
 
+// Of a motion: the rates of all joints, and of a curve bounds of how fast they change; none of a straight motion.
+struct RateChange {
+  double turn = 0, slide = 0;
+};
+struct Rates {
+  std::vector<Rate> joints;
+  std::vector<RateChange> changes;
+
+  bool is_curve() const { return !changes.empty(); }
+};
+
 struct MotionBound {
   double curvature = 0, speed = 0, arm = 0;  // |p''|, |p'|, the longest R; m
 };
@@ -109,12 +120,12 @@ class ChainTable {
   // `chains`: sorted.
   explicit ChainTable(const MotionChains& chains);
 
-  // rates: of all joints. Each bound has the bits of `bound_of`.
-  void bound(const MotionChains& chains, const std::vector<Rate>& rates, ChainBounds& bounds) const;
+  // Each bound has the bits of `bound_of`.
+  void bound(const MotionChains& chains, const Rates& rates, ChainBounds& bounds) const;
   // How far a tube shifts points, given its rates; `room`: how far bodies have to stay apart.
-  void bound_tube(const MotionChains& chains, const std::vector<Rate>& rates, double room, ChainBounds& tube) const;
+  void bound_tube(const MotionChains& chains, const Rates& rates, double room, ChainBounds& tube) const;
   // At least the largest bounds of all chains, by the sums over all joints: far from tight, but found at once.
-  MotionBound at_most(const std::vector<Rate>& rates) const;
+  MotionBound at_most(const Rates& rates) const;
 
  private:
   // Neighbouring chains, one in each lane, and one joint in each row, which chains without it pass over.
@@ -132,14 +143,14 @@ class ChainTable {
 
   void add_group(const MotionChains& chains, std::size_t first, std::size_t past);
   template <bool is_curve>
-  void bound_rows(const MotionChains& chains, const std::vector<Rate>& rates, ChainBounds& bounds) const;
+  void bound_rows(const MotionChains& chains, const Rates& rates, ChainBounds& bounds) const;
 };
 
 // The rates of all joints for a motion.
-void rates_of(const MotionChains& chains, const Path& path, std::vector<Rate>& rates);
+void rates_of(const MotionChains& chains, const Path& path, Rates& rates);
 // The rates of going from the path to an end of its tube.
-void tube_rates_of(const MotionChains& chains, const Path& path, std::vector<Rate>& rates);
+void tube_rates_of(const MotionChains& chains, const Path& path, Rates& rates);
 
-MotionBound bound_of(const MotionChains& chains, std::size_t chain, const std::vector<Rate>& rates);
+MotionBound bound_of(const MotionChains& chains, std::size_t chain, const Rates& rates);
 
 }  // namespace plannercheck

@@ -85,6 +85,7 @@ class MotionScreen {
   std::vector<std::int32_t> chains_;
   std::vector<std::int32_t> moving_pairs_;  // of two bodies that move
   std::vector<MovingGroup> moving_groups_;
+  std::size_t of_two_arms_ = 0;  // the first of them are seen from the world
   std::vector<LinkMovers> movers_by_link_;
   std::vector<Eight> eights_;  // all obstacles
   ObstacleTree tree_;          // where obstacles are many
@@ -95,6 +96,7 @@ class MotionScreen {
   void bound_obstacles(const MotionModel& model, const std::vector<std::int32_t>& still);
 
   double speed(const ChainBounds& bounds, ChainRange chains) const;
+  double shift(const ChainBounds& bounds, ChainRange chains) const;
   Deviation deviation(const ChainBounds& bounds, ChainRange chains) const;
   Deviation from_obstacles(const ChainBounds& bounds, ChainRange chains) const;
   static const double* rows(const Workspace& w, std::size_t ball);

@@ -40,7 +40,7 @@ struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
         path(at(model.width), model.parts) {}
 
   Path path;
-  std::vector<Rate> rates, tube_rates;
+  Rates rates, tube_rates;
   ChainBounds bounds, tube_bounds;
   MotionGrid::Choice all, chosen;  // what the first grids and those inside them pose
   std::uint64_t prepared_for = 0;  // the kinematics by which `all` poses

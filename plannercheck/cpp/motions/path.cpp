@@ -125,17 +125,21 @@ void Path::set(const Segment& motion, bool thin_tubes) {
   std::copy_n(motion.start, width, q0_.begin());
   std::copy_n(motion.end, width, q1_.begin());
   degree_ = motion.degree;
-  largest_ = off_unit_ = 0;
+  off_unit_ = 0;
+  for (std::size_t c = 0; c < width; ++c) sizes_[c] = larger(std::fabs(q0_[c]), std::fabs(q1_[c]));
   if (is_curve()) {
     control_.assign(motion.start, motion.start + (degree_ + 1) * width);
     look_at(0, 1);
+    for (std::size_t c = 0; c < width; ++c) {
+      sizes_[c] = larger(std::fabs(on_curve_[c].low), std::fabs(on_curve_[c].high));
+    }
   }
-  for (std::size_t c = 0; c < width; ++c) {
-    const double low = is_curve() ? on_curve_[c].low : q0_[c], high = is_curve() ? on_curve_[c].high : q1_[c];
-    sizes_[c] = larger(std::fabs(low), std::fabs(high));
-  }
-  for (std::size_t c = 0; c < width; ++c) largest_ = larger(largest_, size(c));
-  set_tube(motion.tube, thin_tubes);
+  double largest = 0;
+  for (const double size : sizes_) largest = larger(largest, size);
+  largest_ = largest;
+  tube_.clear();
+  off_curve_ = 0;
+  if (motion.tube != nullptr) set_tube(motion.tube, thin_tubes);
   for (std::size_t part = 0; part < parts_.size(); ++part) set_part(part);
 }
 
@@ -143,9 +147,6 @@ void Path::set(const Segment& motion, bool thin_tubes) {
 void Path::set_tube(const double* tube, bool thin_tubes) {
   constexpr double kThin = 0x1p-40;
   const std::size_t width = q0_.size();
-  tube_.clear();
-  off_curve_ = 0;
-  if (tube == nullptr) return;
   room_ = tube[width];
   const double widest = *std::max_element(tube, tube + width);
   if (widest <= (thin_tubes ? kThin : 0) && room_ == 0) {

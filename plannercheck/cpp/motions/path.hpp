@@ -53,16 +53,19 @@ inline constexpr std::size_t kMostDegree = 31;
 // Whether each of n numbers stays between bounds on a motion, its tube included; those of unit vectors are at most 1
 // and do not count.
 inline bool stays_within(const Segment& motion, std::size_t n, const double* low, const double* high) {
-  bool within = true;
-  const auto look_at = [&](const double* row) {
+  const auto is_within = [&](const double* row) {
     for (std::size_t c = 0; c < n; ++c) {
-      const double off = motion.tube == nullptr ? 0 : motion.tube[c];
-      within &= row[c] - off >= low[c] && row[c] + off <= high[c];
+      if (!(row[c] >= low[c] && row[c] <= high[c])) return false;
     }
+    for (std::size_t c = 0; c < n && motion.tube != nullptr; ++c) {
+      if (!(row[c] - motion.tube[c] >= low[c] && row[c] + motion.tube[c] <= high[c])) return false;
+    }
+    return true;
   };
-  for (std::size_t k = 0; k < motion.degree; ++k) look_at(motion.start + k * n);
-  look_at(motion.end);
-  return within;
+  for (std::size_t k = 0; k < motion.degree; ++k) {
+    if (!is_within(motion.start + k * n)) return false;
+  }
+  return is_within(motion.end);
 }
 
 // How much a number that no part covers changes on a straight motion.
@@ -82,15 +85,15 @@ struct PathPart {
   std::int32_t column;  // the first one
 };
 
-// Bounds of how fast a part or joint turns (rad) and slides (m) by the parameter, of its largest distance from its
-// origin (m), and of how fast turn and slide change.
+// Bounds of how fast a part or joint turns (rad) and slides (m) by the parameter, and of its largest distance from its
+// origin (m).
 struct Rate {
-  double turn = 0, slide = 0, extent = 0, turn_change = 0, slide_change = 0;
+  double turn = 0, slide = 0, extent = 0;
 };
 
-// Of a number: bounds of its derivative by the parameter, of its magnitude, and of its second derivative.
+// Of a number: bounds of its derivative by the parameter, and of its magnitude.
 struct NumberBound {
-  double rate, size, change;
+  double rate, size;
 };
 
 class Path {
@@ -115,7 +118,11 @@ class Path {
   NumberBound bound(std::int32_t column, double multiplier, double offset) const {
     if (is_curve()) return bound_of_curve(at_column(column), multiplier, offset);
     const double a = multiplier * q0_[at_column(column)], b = multiplier * q1_[at_column(column)];
-    return {std::fabs(b - a), larger(std::fabs(a + offset), std::fabs(b + offset)), 0};
+    return {std::fabs(b - a), larger(std::fabs(a + offset), std::fabs(b + offset))};
+  }
+  // Of a curve: how fast the derivative of multiplier * q[column] changes.
+  double change(std::int32_t column, double multiplier) const {
+    return std::fabs(multiplier) * on_curve_[at_column(column)].change;
   }
   // Of the part that begins at a column.
   Rate bound(std::int32_t column) const;
@@ -157,8 +164,8 @@ class Path {
   static std::size_t at_column(std::int32_t column) { return static_cast<std::size_t>(column); }
   NumberBound bound_of_curve(std::size_t column, double multiplier, double offset) const {
     const CurveBound& on = on_curve_[column];
-    const double a = multiplier * on.low + offset, b = multiplier * on.high + offset, factor = std::fabs(multiplier);
-    return {factor * on.rate, larger(std::fabs(a), std::fabs(b)), factor * on.change};
+    const double a = multiplier * on.low + offset, b = multiplier * on.high + offset;
+    return {std::fabs(multiplier) * on.rate, larger(std::fabs(a), std::fabs(b))};
   }
   void set_tube(const double* tube, bool thin_tubes);
   void cut_up_to(double place);
