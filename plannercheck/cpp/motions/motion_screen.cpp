@@ -107,6 +107,12 @@ MotionScreen::ChainRange MotionScreen::chains(const MotionModel& model, std::vec
 void MotionScreen::group_movers(const MotionModel& model, std::vector<Mover> movers,
                                 const std::vector<std::size_t>& ball_of) {
   std::vector<LinkMovers> groups(balls_.size());
+  std::vector<std::vector<std::int32_t>> seen_from_world(balls_.size());  // chains of bodies in pairs of any kind
+  for (const CertifiedPair& pair : model.pairs) {
+    if (pair.frame >= 0) continue;
+    seen_from_world[ball_of[at(pair.a)]].push_back(pair.chain_a);
+    if (model.bodies[at(pair.b)].link >= 0) seen_from_world[ball_of[at(pair.b)]].push_back(pair.chain_b);
+  }
   for (Mover& mover : movers) {
     if (mover.pair.empty()) continue;
     LinkMovers& group = groups[ball_of[at(mover.body)]];
@@ -117,9 +123,7 @@ void MotionScreen::group_movers(const MotionModel& model, std::vector<Mover> mov
   for (std::size_t ball = 0; ball < groups.size(); ++ball) {
     LinkMovers& group = groups[ball];
     if (group.movers.empty()) continue;
-    std::vector<std::int32_t> of_bodies;
-    for (const Mover& mover : group.movers) of_bodies.push_back(mover.chain);
-    group.ball = ball, group.chains = chains(model, of_bodies);
+    group.ball = ball, group.chains = chains(model, std::move(seen_from_world[ball]));
     movers_by_link_.push_back(std::move(group));
   }
 }
@@ -132,14 +136,14 @@ void MotionScreen::group_pairs(const MotionModel& model, const std::vector<std::
   std::stable_sort(moving_pairs_.begin(), moving_pairs_.end(),
                    [&](std::int32_t p, std::int32_t q) { return key(model.pairs[at(p)]) < key(model.pairs[at(q)]); });
   for (std::size_t first = 0, past = 0; first < moving_pairs_.size(); first = past) {
-    const auto [is_one_arm, a, b, frame] = key(pair(first));
+    const auto [is_seen_from_link, a, b, frame] = key(pair(first));
     std::vector<std::int32_t> of_a, of_b;
     for (past = first; past < moving_pairs_.size() && key(pair(past)) == key(pair(first)); ++past) {
       of_a.push_back(pair(past).chain_a), of_b.push_back(pair(past).chain_b);
     }
     const ChainRange chains_a = chains(model, of_a), chains_b = chains(model, of_b);
     moving_groups_.push_back({a, b, frame, chains_a, chains_b, balls_[a].radius + balls_[b].radius, first, past});
-    of_two_arms_ += is_one_arm ? 0 : 1;
+    from_world_ += is_seen_from_link ? 0 : 1;
   }
 }
 
@@ -278,33 +282,30 @@ unsigned MotionScreen::meeting(const Eight& boxes, Floats box) {
 }
 
 // Seen from a pair's frame, the two centres approach each other at most at the sum of both speeds, for at most half the
-// time between two states of the grid. Links of two arms, which are seen from the world, are first compared by boxes
-// around their paths; links of one arm have boxes that mostly meet (95 percent of a Panda's). With a tube, bodies go
-// further as seen from a pair's frame than boxes show, and a verdict rests on the former.
+// time between two states of the grid. Pairs that are seen from the world, as boxes around paths are, are first
+// compared by these: a verdict rests on how far bodies leave their chords as seen from the pair's frame.
 void MotionScreen::find_among_links(const MotionGrid& grid, const MotionFilters& filters, const ChainBounds& bounds,
                                     double beyond, Workspace& w, std::vector<std::int32_t>& found) const {
   // Without a branch that can't be foreseen: each place is written, and overwritten unless it is near.
   const double room = filters.slack() + beyond;
   const float least_gap = rounded_up(beyond);
   const std::size_t groups = moving_groups_.size();
-  const bool has_tube = bounds.has_tube();
   w.near.resize(groups), w.directions.resize(groups);
   std::size_t* const taken = w.near.data();
   std::size_t meeting = 0, near = 0;
-  for (std::size_t k = 0; k < of_two_arms_; ++k) {
-    const bool apart = are_apart(w.paths[moving_groups_[k].a], w.paths[moving_groups_[k].b], least_gap);
+  for (std::size_t k = 0; k < from_world_; ++k) {
     taken[meeting] = k;
-    meeting += apart && !has_tube ? 0 : 1;
+    meeting += are_apart(w.paths[moving_groups_[k].a], w.paths[moving_groups_[k].b], least_gap) ? 0 : 1;
   }
   const auto look_at = [&](std::size_t k) {
     const MovingGroup& group = moving_groups_[k];
     double way = (speed(bounds, group.chains_a) + speed(bounds, group.chains_b)) * (grid.step() / 2);
-    if (has_tube) way += shift(bounds, group.chains_a) + shift(bounds, group.chains_b);
+    if (bounds.has_tube()) way += shift(bounds, group.chains_a) + shift(bounds, group.chains_b);
     taken[near] = k;
     near += come_within(rows(w, group.a), rows(w, group.b), grid.intervals(), group.radii + way + room) ? 1 : 0;
   };
   for (std::size_t m = 0; m < meeting; ++m) look_at(taken[m]);
-  for (std::size_t k = of_two_arms_; k < groups; ++k) look_at(k);
+  for (std::size_t k = from_world_; k < groups; ++k) look_at(k);
   found.clear();
   for (std::size_t k = 0; k < near; ++k) {
     const MovingGroup& group = moving_groups_[w.near[k]];

@@ -58,10 +58,10 @@ class MotionScreen {
     std::vector<unsigned> paired;    // the same for eight obstacles at a time: one bit each
   };
 
-  // Those on one link.
+  // Those on one link, and a ball around all of its bodies.
   struct LinkMovers {
     std::size_t ball;
-    ChainRange chains;
+    ChainRange chains;  // from the world, of all bodies of the link that are seen from there
     std::vector<Mover> movers;
     std::vector<unsigned> paired;  // of any of them
   };
@@ -85,7 +85,7 @@ class MotionScreen {
   std::vector<std::int32_t> chains_;
   std::vector<std::int32_t> moving_pairs_;  // of two bodies that move
   std::vector<MovingGroup> moving_groups_;
-  std::size_t of_two_arms_ = 0;  // the first of them are seen from the world
+  std::size_t from_world_ = 0;  // so many of them, the first ones, are seen from the world
   std::vector<LinkMovers> movers_by_link_;
   std::vector<Eight> eights_;  // all obstacles
   ObstacleTree tree_;          // where obstacles are many
