@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import plannercheck as pc
+from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.motion_ends import Curves
 from plannercheck.motions.trajectory_checks import TrajectoryChecks
@@ -192,6 +193,27 @@ def test_pairs_that_cannot_meet_take_room_as_well(tmp_path):
     for room, free in ((0.19, True), (0.21, False)):  # with and without Python in between
         curves = Curves(points, np.array([[0.0, room]]))
         assert certifier.check(curves, 1e-4, 1).all() == certifier.check_curves(curves, 1e-4, 1).all() == free
+
+
+def test_a_tube_counts_where_rounding_is_known(tmp_path):
+    """The bound of rounding holds in a range: curves that leave it with their tube alone need more care."""
+    certifier = pc.Checker(slider(tmp_path), balls([0.0, 2.0, 0.0])).certifier_of("slerp")
+    part, errors = certifier.pairs_by_table()[-1], certifier.rounding()
+    for end, first in ((errors.high[0] - 0.01, 0.0), (errors.low[0] + 0.01, 0.0), (0.0, errors.high[0] - 0.01)):
+        points = np.array([[[first, 0.0], [0.0, 0.1], [end, 0.0]]])
+        for tube, known in ((0.005, True), (0.02, False)):
+            found = core.curve_validity(
+                part.core,
+                certifier._kernel,
+                errors.low,
+                errors.high,
+                errors.usual,
+                points,
+                np.array([[tube, 0.0, 0.0]]),
+                1e-4,
+                1,
+            )
+            assert (found is not None) == known
 
 
 def test_pairs_that_cannot_meet_take_a_tube_as_well(tmp_path):

@@ -19,12 +19,12 @@ def arm(folder, name, joint, axis, *bodies):
     return pc.Robot.from_urdf(path)
 
 
-def in_reach_of_hubs(*places):
-    """A box behind each place on the x axis: a hub meets it after a turn, a tip never does."""
+def boxes_at(*places):
+    """A box at each place (x, y), where a hub or a tip meets it after a turn beyond the motions here."""
     scene = pc.Scene("behind")
-    for k, (x, side) in enumerate(places):
+    for k, (x, y) in enumerate(places):
         pose = np.eye(4)
-        pose[:3, 3] = x - 0.024 * side, 0.018 * side, 0
+        pose[:2, 3] = x, y
         scene.add_box(f"box {k}", (0.04, 0.04, 0.04), pose)
     return scene
 
@@ -37,15 +37,18 @@ def contacts(checker, q0, q1):
     return int(touching.sum())
 
 
-# The tip has pairs with the other robot only, and leaves its chords further than the hub, which has one with a box.
+# Where a link has a hub, its tip has pairs with the other robot only, and leaves its chords further than the hub.
 @pytest.mark.parametrize("turn", [0.3, 0.5, 0.7, 1.0])
-def test_two_tips_that_meet_in_the_middle_of_a_motion(tmp_path, turn):
-    robot, met = arm(tmp_path, "robot", "revolute", "0 0 1", HUB, TIP), 0
+@pytest.mark.parametrize(
+    ("left", "box"), [((HUB, TIP), (-0.024, 0.018)), ((TIP,), (-0.98, 0.17))], ids=["both", "right"]
+)
+def test_two_tips_that_meet_in_the_middle_of_a_motion(tmp_path, left, box, turn):
+    robots = arm(tmp_path, "left", "revolute", "0 0 1", *left), arm(tmp_path, "right", "revolute", "0 0 1", HUB, TIP)
+    met, pose = 0, np.diag([-1.0, -1.0, 1.0, 1.0])
     for gap in np.linspace(-0.003, 0.0005, 15):
-        pose = np.diag([-1.0, -1.0, 1.0, 1.0])
         pose[0, 3] = 2.02 + gap
-        cell = pc.Robot.together({"left": robot, "right": (robot, pose)})
-        checker = pc.Checker(cell, in_reach_of_hubs((0, 1), (pose[0, 3], -1)))
+        cell = pc.Robot.together({"left": robots[0], "right": (robots[1], pose)})
+        checker = pc.Checker(cell, boxes_at(box, (pose[0, 3] + 0.024, -0.018)))
         ends = np.array([[turn, turn], [turn, -turn]])
         met += contacts(checker, -ends, ends)
     assert met > 20
@@ -54,7 +57,7 @@ def test_two_tips_that_meet_in_the_middle_of_a_motion(tmp_path, turn):
 def test_a_tip_that_meets_a_rod_in_the_middle_of_a_motion(tmp_path):
     robots = arm(tmp_path, "left", "revolute", "0 0 1", HUB, TIP), arm(tmp_path, "right", "prismatic", "1 0 0", ROD)
     cell = pc.Robot.together({"left": robots[0], "right": (robots[1], np.eye(4))})
-    checker = pc.Checker(cell, in_reach_of_hubs((0, 1)))
+    checker = pc.Checker(cell, boxes_at((-0.024, 0.018)))
     turns, gaps = (m.ravel() for m in np.meshgrid([0.3, 0.5, 0.7, 1.0], np.linspace(-0.0015, 0.0005, 21)))
     q0, q1 = np.stack([-turns, 1.01 + gaps], axis=1), np.stack([turns, 1.01 + gaps], axis=1)
     assert contacts(checker, q0, q1) > 50
