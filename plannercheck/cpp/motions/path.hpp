@@ -53,12 +53,13 @@ inline constexpr std::size_t kMostDegree = 31;
 // Whether each of n numbers stays between bounds on a motion, its tube included; those of unit vectors are at most 1
 // and do not count.
 inline bool stays_within(const Segment& motion, std::size_t n, const double* low, const double* high) {
+  const double* const tube = motion.tube;
   const auto is_within = [&](const double* row) {
-    for (std::size_t c = 0; c < n; ++c) {
+    for (std::size_t c = 0; c < n && tube == nullptr; ++c) {
       if (!(row[c] >= low[c] && row[c] <= high[c])) return false;
     }
-    for (std::size_t c = 0; c < n && motion.tube != nullptr; ++c) {
-      if (!(row[c] - motion.tube[c] >= low[c] && row[c] + motion.tube[c] <= high[c])) return false;
+    for (std::size_t c = 0; c < n && tube != nullptr; ++c) {
+      if (!(row[c] - tube[c] >= low[c] && row[c] + tube[c] <= high[c])) return false;
     }
     return true;
   };
