@@ -75,7 +75,8 @@ class TrajectoryChecks:
         self._checker, self._tolerance, self._room = checker, tolerance, room
         self._certifier = checker.certifier_of("slerp")
         self._units, self._own = checker.robot.configuration_map.units, checker.robot.own_width
-        self.tube = self._checked_tube(named_numbers(tube, "tube"))
+        self._is_bare = isinstance(tube, float) and not tube and not room
+        self.tube = np.zeros(checker.robot.nq) if self._is_bare else self._checked_tube(named_numbers(tube, "tube"))
 
     def are_free(self, trajectories: Sequence[Trajectory], threads: int = 1) -> Bools:
         """Which of n trajectories are proved free (n,), on a number of threads."""
@@ -151,6 +152,8 @@ class TrajectoryChecks:
 
     def _tubes(self, curves: Sequence[Curve], tube: Floats, room: float) -> Floats:
         """(n, nq + 1) a tube around the polynomials that each curve stands for, and how far bodies stay apart, m."""
+        if len(curves) == 1 and self._is_bare and tube is self.tube and not room:
+            return curves[0].own_tube
         tubes = np.empty((len(curves), len(tube) + 1))
         tubes[:, -1] = room
         tubes[:, :-1] = (tube + np.array([curve.error for curve in curves])) * (1 + 2.0**-52)
@@ -246,8 +249,6 @@ class TrajectoryChecks:
 
     def _checked_tube(self, given: Floats) -> Floats:
         nq, robot = self._own, self._checker.robot
-        if given.size == 1 and not given.item():  # the default
-            return np.zeros(robot.nq)
         if given.shape not in ((1,), (nq,)) or not ((given >= 0) & (given <= LARGEST_VALUE)).all():
             raise PlannercheckError(
                 f"tube must be a number from 0 to {LARGEST_VALUE:g}, or a row of {nq}, rad and m, not"

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import OwnsArrays, named_numbers
+from plannercheck.common.arrays import OwnsArrays, named_numbers, read_only
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.configurations import LARGEST_VALUE
 
@@ -72,6 +72,11 @@ class Curve(OwnsArrays):
             rows = (counts == count).nonzero()[0]
             if len(rows):
                 yield rows, points[numbers.searchsorted(piece[rows])]
+
+    @cached_property
+    def own_tube(self) -> Floats:
+        """(1, nq + 1) the tube of the curve's own error, and 0 m that bodies stay apart."""
+        return read_only(np.append(self.error * (1 + 2.0**-52), 0.0)[None])
 
     @cached_property
     def ends(self) -> Floats:

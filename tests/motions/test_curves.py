@@ -1,5 +1,6 @@
 """Trajectories by construction: curves that touch at one instant, corners of tubes that do, and what room is told."""
 
+from dataclasses import replace
 from math import comb
 
 import numpy as np
@@ -193,6 +194,18 @@ def test_pairs_that_cannot_meet_take_room_as_well(tmp_path):
     for room, free in ((0.19, True), (0.21, False)):  # with and without Python in between
         curves = Curves(points, np.array([[0.0, room]]))
         assert certifier.check(curves, 1e-4, 1).all() == certifier.check_curves(curves, 1e-4, 1).all() == free
+
+
+@pytest.mark.parametrize("tube", [0.0, 0, [0.0, 0.0]])
+def test_a_curves_own_error_is_a_tube(tmp_path, tube):
+    """0.05 m are left; one trajectory, of several, with and without a tube that is given."""
+    checker = pc.Checker(slider(tmp_path), balls([0.0, 0.25, 0.0]))
+    curve = pc.Trajectory.bezier([0, 1], [[[-1.0, 0.0], [0.3, 0.0], [1.0, 0.0]]])
+    for error, free in ((0.0, True), (0.045, True), (0.055, False)):
+        curve.curve = replace(curve.curve, error=np.array([0.0, error]))
+        assert checker.check_trajectory(curve, tube) == free
+        assert checker.check_trajectories([curve, curve], tube).tolist() == [free, free]
+        assert checker.explain_trajectory(curve, tube).free == free
 
 
 def test_a_tube_counts_where_rounding_is_known(tmp_path):
