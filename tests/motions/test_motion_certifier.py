@@ -233,7 +233,7 @@ def test_pairs_that_never_meet_within_the_limits_change_no_verdict(name):
     assert live.motion_certifier.statistics()["motions"] == 180  # both parts count
 
 
-def test_one_motion_beyond_the_limits_meets_what_no_motion_within_them_reaches(tmp_path):
+def test_one_motion_beyond_the_limits_meets_what_no_motion_within_them_reaches(tmp_path, monkeypatch):
     path = tmp_path / "arm.urdf"
     path.write_text("""<robot name="arm"><link name="base"/>
     <link name="arm"><collision><origin xyz="0.5 0 0"/><geometry><box size="0.8 0.1 0.1"/></geometry></collision></link>
@@ -249,6 +249,8 @@ def test_one_motion_beyond_the_limits_meets_what_no_motion_within_them_reaches(t
         assert checker.check_motion(np.array([0.0]), np.array([end])) is free
         assert checker.check_motions(np.array([[0.0]]), np.array([[end]])).tolist() == [free]
         assert checker.motion_certifier.judge_rows_beyond(np.array([0.0]), np.array([end]), 1e-4) is free
+    monkeypatch.setattr(pc.Checker, "check_motions", None)  # one motion needs no set
+    assert not checker.check_motion(np.array([0.0]), np.array([3.0]))
 
 
 def test_statistics_count_what_the_pair_test_did():
