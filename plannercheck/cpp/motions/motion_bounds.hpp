@@ -92,9 +92,9 @@ class ChainBounds {
   double curvature(std::int32_t chain) const { return curvature_[at(chain + 1)]; }
   // How far a tube shifts points, and half of what bodies have to stay apart.
   double shift(std::int32_t chain) const { return tube_ != nullptr ? tube_->speed(chain) : 0; }
+  // The same of a chain from the world, with the half of what obstacles have to stay apart.
+  double shift_from_obstacles(std::int32_t chain) const { return has_tube() ? shift(chain) + shift(-1) : 0; }
   Deviation deviation(std::int32_t chain) const { return {curvature(chain), shift(chain)}; }
-  // Of a chain from the world, with the half of what obstacles have to stay apart.
-  Deviation from_obstacles(std::int32_t chain) const { return deviation(chain) + deviation(-1); }
   // The bounds of a tube, which has to outlive this; null for none.
   void set_tube(const ChainBounds* tube) { tube_ = tube; }
   bool has_tube() const { return tube_ != nullptr; }

@@ -54,7 +54,8 @@ class MotionRun : private MotionPairs {
     begin_motion(motion);
     bound();
     if (!is_precise()) return {MotionAnswer::kImprecise, 0, 0, -1};
-    report_.answer = judge(0, 1) ? MotionAnswer::kFree : MotionAnswer::kRefused;
+    const bool is_free = w_.path.is_curve() ? judge_curve(0, 1) : judge_on_grid(0, 1, intervals(1));
+    report_.answer = is_free ? MotionAnswer::kFree : MotionAnswer::kRefused;
     return report_;
   }
 
@@ -85,21 +86,28 @@ class MotionRun : private MotionPairs {
 
   bool is_precise() const { return filters_.slack() <= kRoundingPart * tolerance_; }
 
-  // An interval of the motion by a grid of its own. A curve is cut in halves where one grid of few states would be too
-  // coarse: where its speed changes most, its bounds are those of other parts of it otherwise.
-  bool judge(double from, double to) {
+  // Of the grid of an interval of the motion, by the bounds that hold there.
+  int intervals(double length) const { return intervals_for(w_.bounds.largest().curvature * length * length); }
+
+  // An interval of a curve: cut in halves where one grid of few states would be too coarse, since where its speed
+  // changes most, its bounds are those of other parts of it otherwise.
+  bool judge_curve(double from, double to) {
     const double length = to - from;
-    if (w_.path.is_curve() && length < 1) {
+    if (length < 1) {
       ++w_.motion;  // planes of other intervals are hints
       w_.path.look_at(from, to);
       rates_of(model_.chains, w_.path, w_.rates);
       bound_chains();
     }
-    const int intervals = intervals_for(w_.bounds.largest().curvature * length * length);
-    if (tuning_.halves && w_.path.is_curve() && intervals > kIntervalsAtOnce && length > kShortestCut) {
+    if (tuning_.halves && intervals(length) > kIntervalsAtOnce && length > kShortestCut) {
       const double middle = (from + to) / 2;
-      return judge(from, middle) && judge(middle, to);
+      return judge_curve(from, middle) && judge_curve(middle, to);
     }
+    return judge_on_grid(from, to, intervals(length));
+  }
+
+  // An interval of the motion by a grid of its own.
+  bool judge_on_grid(double from, double to, int intervals) {
     begin();
     place(from, to, intervals);
     if (proofs_ != nullptr) {

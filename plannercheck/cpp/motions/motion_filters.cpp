@@ -83,11 +83,12 @@ constexpr double kCornerRounding = 0x1p-22;
 }  // namespace
 
 Floats MotionFilters::box_around_path(std::int32_t index, std::int32_t chain) const {
-  return box_around_path(grid_.centre(index), sphere_radius(body(index)), bounds_.from_obstacles(chain));
+  const double radius = sphere_radius(body(index)) + bounds_.shift_from_obstacles(chain);
+  return box_around_path(grid_.centre(index), radius, bounds_.curvature(chain));
 }
 
-Floats MotionFilters::box_around_path(const double* centre, double radius, Deviation deviation) const {
-  const double grown = radius + chord_deviation(deviation) + slack_;
+Floats MotionFilters::box_around_path(const double* centre, double radius, double curvature) const {
+  const double grown = radius + chord_deviation(Deviation{curvature}) + slack_;
   std::array<Floats, 6> corners;
 #pragma GCC unroll 3
   for (std::size_t k = 0; k < 3; ++k) {

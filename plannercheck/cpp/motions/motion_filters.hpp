@@ -62,8 +62,8 @@ class MotionFilters {
   // The box around the whole path of a body, given its chain from the world, rounded outwards: the high corner, then
   // the low one with its sign changed.
   Floats box_around_path(std::int32_t body, std::int32_t chain) const;
-  // The same of a ball, given the rows of its centre and its radius.
-  Floats box_around_path(const double* centre, double radius, Deviation deviation) const;
+  // The same of a ball, given the rows of its centre and its radius, with what a tube shifts it.
+  Floats box_around_path(const double* centre, double radius, double curvature) const;
   // What bounding spheres leave open: on chords, against each other or against the box of a static body.
   unsigned near(const CertifiedPair& pair) const;
   // The same against a half-space, given by its plane.

@@ -51,7 +51,8 @@ bool are_apart(Floats a, Floats b, float gap) {
 }
 
 // Whether two points, given by rows, are no further apart than a distance at one of the states.
-bool come_within(const double* a, const double* b, std::size_t intervals, double distance) {
+[[gnu::always_inline]] inline bool come_within(const double* a, const double* b, std::size_t intervals,
+                                               double distance) {
   const Lanes limit = broadcast(distance * distance);
   unsigned within = 0;
   for (std::size_t i = 0; i <= intervals; i += kStep) {
@@ -181,12 +182,12 @@ void MotionScreen::find_by_speeds(const MotionGrid& grid, const MotionFilters& f
                                   double beyond, Workspace& w, std::vector<std::int32_t>& found) const {
   const double room = filters.slack() + beyond;
   pose_balls(grid, w);
-  bound_paths(filters, bounds, beyond, w);
+  if (from_world_ > 0) bound_paths(filters, bounds, beyond, w);
   find_among_links(grid, filters, bounds, beyond, w, found);
   found.insert(found.end(), unbounded_pairs_.begin(), unbounded_pairs_.end());
-  if (eights_.size() * kFloats <= kFewObstaclesOnPaths) return find_near_links(filters, w, found);
+  if (eights_.size() * kFloats <= kFewObstaclesOnPaths) return find_near_links(filters, bounds, beyond, w, found);
   for (const LinkMovers& group : movers_by_link_) {
-    find_in_tree(grid, group, speed(bounds, group.chains), room + from_obstacles(bounds, group.chains).shift, w);
+    find_in_tree(grid, group, speed(bounds, group.chains), room + shift_from_obstacles(bounds, group.chains), w);
     if (w.found.empty()) continue;
     for (const Mover& mover : group.movers) {
       const Floats box = filters.box_around_path(mover.body, mover.chain);
@@ -222,31 +223,38 @@ double MotionScreen::shift(const ChainBounds& bounds, ChainRange range) const {
   return most;
 }
 
-Deviation MotionScreen::deviation(const ChainBounds& bounds, ChainRange range) const {
+double MotionScreen::curvature(const ChainBounds& bounds, ChainRange range) const {
   double most = 0;
   for (std::size_t k = range.first; k < range.past; ++k) most = larger(most, bounds.curvature(chains_[k]));
-  return {most, bounds.has_tube() ? shift(bounds, range) : 0};
+  return most;
 }
 
-Deviation MotionScreen::from_obstacles(const ChainBounds& bounds, ChainRange range) const {
-  return deviation(bounds, range) + bounds.deviation(-1);
+// With the half of what obstacles have to stay apart.
+double MotionScreen::shift_from_obstacles(const ChainBounds& bounds, ChainRange range) const {
+  return shift(bounds, range) + bounds.shift(-1);
 }
 
 // Boxes around one body take no room, as `find_by_paths` has the same ones.
+Floats MotionScreen::box_around_path(const MotionFilters& filters, const ChainBounds& bounds, double beyond,
+                                     const Workspace& w, const LinkMovers& group) const {
+  double radius = balls_[group.ball].radius + (group.movers.size() == 1 ? 0 : beyond);
+  if (bounds.has_tube()) radius += shift_from_obstacles(bounds, group.chains);
+  return filters.box_around_path(rows(w, group.ball), radius, curvature(bounds, group.chains));
+}
+
 void MotionScreen::bound_paths(const MotionFilters& filters, const ChainBounds& bounds, double beyond,
                                Workspace& w) const {
   w.paths.resize(balls_.size(), Floats{} + std::numeric_limits<float>::infinity());
   for (const LinkMovers& group : movers_by_link_) {
-    const double radius = balls_[group.ball].radius + (group.movers.size() == 1 ? 0 : beyond);
-    w.paths[group.ball] = filters.box_around_path(rows(w, group.ball), radius, from_obstacles(bounds, group.chains));
+    w.paths[group.ball] = box_around_path(filters, bounds, beyond, w, group);
   }
 }
 
-void MotionScreen::find_near_links(const MotionFilters& filters, const Workspace& w,
-                                   std::vector<std::int32_t>& found) const {
+void MotionScreen::find_near_links(const MotionFilters& filters, const ChainBounds& bounds, double beyond,
+                                   const Workspace& w, std::vector<std::int32_t>& found) const {
   for (const LinkMovers& group : movers_by_link_) {
     const bool is_one = group.movers.size() == 1;
-    const Floats box = w.paths[group.ball];
+    const Floats box = from_world_ > 0 ? w.paths[group.ball] : box_around_path(filters, bounds, beyond, w, group);
     for (std::size_t first = 0; first < eights_.size(); first += kFloats) {
       const std::uint64_t near = near_boxes(first, box, group.paired);
       if (near == 0) continue;
@@ -281,31 +289,48 @@ unsigned MotionScreen::meeting(const Eight& boxes, Floats box) {
   return ~bits_above(beyond, Floats{}) & ((1U << kFloats) - 1);
 }
 
-// Seen from a pair's frame, the two centres approach each other at most at the sum of both speeds, for at most half the
-// time between two states of the grid. Pairs that are seen from the world, as boxes around paths are, are first
-// compared by these: a verdict rests on how far bodies leave their chords as seen from the pair's frame.
-void MotionScreen::find_among_links(const MotionGrid& grid, const MotionFilters& filters, const ChainBounds& bounds,
-                                    double beyond, Workspace& w, std::vector<std::int32_t>& found) const {
-  // Without a branch that can't be foreseen: each place is written, and overwritten unless it is near.
-  const double room = filters.slack() + beyond;
+// Writes the groups of pairs that boxes around paths leave open, of those that are seen from the world as the boxes
+// are. A verdict rests on how far bodies leave their chords as seen from the pair's frame.
+std::size_t MotionScreen::find_meeting_paths(double beyond, Workspace& w) const {
   const float least_gap = rounded_up(beyond);
-  const std::size_t groups = moving_groups_.size();
-  w.near.resize(groups), w.directions.resize(groups);
-  std::size_t* const taken = w.near.data();
-  std::size_t meeting = 0, near = 0;
+  std::size_t meeting = 0;
   for (std::size_t k = 0; k < from_world_; ++k) {
-    taken[meeting] = k;
+    w.near[meeting] = k;
     meeting += are_apart(w.paths[moving_groups_[k].a], w.paths[moving_groups_[k].b], least_gap) ? 0 : 1;
   }
-  const auto look_at = [&](std::size_t k) {
+  for (std::size_t k = from_world_; k < moving_groups_.size(); ++k) w.near[meeting++] = k;
+  return meeting;
+}
+
+// Writes the groups whose balls may come near each other: all of them are looked at, or those that are written there.
+// Seen from a pair's frame, the two centres approach each other at most at the sum of both speeds, for at most half the
+// time between two states of the grid.
+template <bool are_all>
+std::size_t MotionScreen::find_near_balls(const MotionGrid& grid, const ChainBounds& bounds, double room,
+                                          std::size_t groups, Workspace& w) const {
+  // Without a branch that can't be foreseen: each place is written, and overwritten unless it is near.
+  const bool has_tube = bounds.has_tube();
+  std::size_t* const taken = w.near.data();
+  std::size_t near = 0;
+  for (std::size_t m = 0; m < groups; ++m) {
+    const std::size_t k = are_all ? m : taken[m];
     const MovingGroup& group = moving_groups_[k];
     double way = (speed(bounds, group.chains_a) + speed(bounds, group.chains_b)) * (grid.step() / 2);
-    if (bounds.has_tube()) way += shift(bounds, group.chains_a) + shift(bounds, group.chains_b);
+    if (has_tube) way += shift(bounds, group.chains_a) + shift(bounds, group.chains_b);
     taken[near] = k;
     near += come_within(rows(w, group.a), rows(w, group.b), grid.intervals(), group.radii + way + room) ? 1 : 0;
-  };
-  for (std::size_t m = 0; m < meeting; ++m) look_at(taken[m]);
-  for (std::size_t k = from_world_; k < groups; ++k) look_at(k);
+  }
+  return near;
+}
+
+void MotionScreen::find_among_links(const MotionGrid& grid, const MotionFilters& filters, const ChainBounds& bounds,
+                                    double beyond, Workspace& w, std::vector<std::int32_t>& found) const {
+  const double room = filters.slack() + beyond;
+  const std::size_t groups = moving_groups_.size();
+  w.near.resize(groups), w.directions.resize(groups);
+  const std::size_t near = from_world_ == 0
+                               ? find_near_balls<true>(grid, bounds, room, groups, w)
+                               : find_near_balls<false>(grid, bounds, room, find_meeting_paths(beyond, w), w);
   found.clear();
   for (std::size_t k = 0; k < near; ++k) {
     const MovingGroup& group = moving_groups_[w.near[k]];
@@ -319,7 +344,8 @@ void MotionScreen::find_among_links(const MotionGrid& grid, const MotionFilters&
 bool MotionScreen::boxes_stay_apart(const MovingGroup& group, const MotionGrid& grid, const MotionFilters& filters,
                                     const ChainBounds& bounds, double beyond, Vec3& direction) const {
   const LinkBound &a = balls_[group.a], &b = balls_[group.b];
-  const Deviation both = deviation(bounds, group.chains_a) + deviation(bounds, group.chains_b);
+  Deviation both{curvature(bounds, group.chains_a) + curvature(bounds, group.chains_b)};
+  if (bounds.has_tube()) both.shift = shift(bounds, group.chains_a) + shift(bounds, group.chains_b);
   const double limit =
       filters.chord_deviation(both) + a.inflation_radius + b.inflation_radius + filters.slack() + beyond;
   if (norm_1(direction) > 0 && filters.are_apart(a.box, b.box, group.frame, direction, limit)) return true;

@@ -97,16 +97,23 @@ class MotionScreen {
 
   double speed(const ChainBounds& bounds, ChainRange chains) const;
   double shift(const ChainBounds& bounds, ChainRange chains) const;
-  Deviation deviation(const ChainBounds& bounds, ChainRange chains) const;
-  Deviation from_obstacles(const ChainBounds& bounds, ChainRange chains) const;
+  double curvature(const ChainBounds& bounds, ChainRange chains) const;
+  double shift_from_obstacles(const ChainBounds& bounds, ChainRange chains) const;
   static const double* rows(const Workspace& w, std::size_t ball);
   void pose_balls(const MotionGrid& grid, Workspace& w) const;
+  Floats box_around_path(const MotionFilters& filters, const ChainBounds& bounds, double beyond, const Workspace& w,
+                         const LinkMovers& group) const;
+  std::size_t find_meeting_paths(double beyond, Workspace& w) const;
+  template <bool are_all>
+  std::size_t find_near_balls(const MotionGrid& grid, const ChainBounds& bounds, double room, std::size_t groups,
+                              Workspace& w) const;
   void bound_paths(const MotionFilters& filters, const ChainBounds& bounds, double beyond, Workspace& w) const;
   void find_among_links(const MotionGrid& grid, const MotionFilters& filters, const ChainBounds& bounds, double beyond,
                         Workspace& w, std::vector<std::int32_t>& found) const;
   bool boxes_stay_apart(const MovingGroup& group, const MotionGrid& grid, const MotionFilters& filters,
                         const ChainBounds& bounds, double beyond, Vec3& direction) const;
-  void find_near_links(const MotionFilters& filters, const Workspace& w, std::vector<std::int32_t>& found) const;
+  void find_near_links(const MotionFilters& filters, const ChainBounds& bounds, double beyond, const Workspace& w,
+                       std::vector<std::int32_t>& found) const;
   void find_in_tree(const MotionGrid& grid, const LinkMovers& group, double way, double room, Workspace& w) const;
   std::uint64_t near_boxes(std::size_t first, Floats box, const std::vector<unsigned>& paired) const;
   static void take(const Mover& mover, std::size_t eight, std::uint64_t near, std::vector<std::int32_t>& found);

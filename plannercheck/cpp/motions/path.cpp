@@ -126,16 +126,16 @@ void Path::set(const Segment& motion, bool thin_tubes) {
   std::copy_n(motion.end, width, q1_.begin());
   degree_ = motion.degree;
   off_unit_ = 0;
-  for (std::size_t c = 0; c < width; ++c) sizes_[c] = larger(std::fabs(q0_[c]), std::fabs(q1_[c]));
   if (is_curve()) {
     control_.assign(motion.start, motion.start + (degree_ + 1) * width);
     look_at(0, 1);
-    for (std::size_t c = 0; c < width; ++c) {
-      sizes_[c] = larger(std::fabs(on_curve_[c].low), std::fabs(on_curve_[c].high));
-    }
   }
   double largest = 0;
-  for (const double size : sizes_) largest = larger(largest, size);
+  for (std::size_t c = 0; c < width; ++c) {
+    const double low = is_curve() ? on_curve_[c].low : q0_[c], high = is_curve() ? on_curve_[c].high : q1_[c];
+    sizes_[c] = larger(std::fabs(low), std::fabs(high));
+    largest = larger(largest, sizes_[c]);
+  }
   largest_ = largest;
   tube_.clear();
   off_curve_ = 0;
