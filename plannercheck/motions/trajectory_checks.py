@@ -29,7 +29,7 @@ from plannercheck.motions.trajectory_verdict import Stop, TrajectoryVerdict
 from plannercheck.proofs.proof import Proof
 from plannercheck.robots.configurations import LARGEST_VALUE
 from plannercheck.robots.robot import Robot
-from plannercheck.trajectories.curve import Curve
+from plannercheck.trajectories.curve import ROUNDED_UP, Curve
 from plannercheck.trajectories.limits import Excess
 from plannercheck.trajectories.trajectory import Trajectory
 
@@ -136,7 +136,7 @@ class TrajectoryChecks:
         if len(curves) > 1 or wider is not None:
             tubes = tubes.repeat(counts, axis=0)
         if wider is not None:
-            tubes[:, :-1] = (tubes[:, :-1] + wider) * (1 + 2.0**-52)
+            tubes[:, :-1] = (tubes[:, :-1] + wider) * ROUNDED_UP
         free = np.empty(sum(counts), dtype=bool)
         for rows, points in _by_count(curves):
             around = tubes if len(tubes) == 1 else tubes[rows]
@@ -156,7 +156,7 @@ class TrajectoryChecks:
             return curves[0].own_tube
         tubes = np.empty((len(curves), len(tube) + 1))
         tubes[:, -1] = room
-        tubes[:, :-1] = (tube + np.array([curve.error for curve in curves])) * (1 + 2.0**-52)
+        tubes[:, :-1] = (tube + np.array([curve.error for curve in curves])) * ROUNDED_UP
         return tubes
 
     def explain(

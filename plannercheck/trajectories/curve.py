@@ -26,6 +26,9 @@ _SHORTEST = 0.9e-9
 # Highest degree of a piece.
 MOST_DEGREE = 20
 
+# Times a sum of two lengths, it is at least what the sum is without rounding.
+ROUNDED_UP = 1 + 2.0**-52
+
 
 @dataclass(frozen=True, eq=False)
 class Curve(OwnsArrays):
@@ -76,7 +79,7 @@ class Curve(OwnsArrays):
     @cached_property
     def own_tube(self) -> Floats:
         """(1, nq + 1) the tube of the curve's own error, and 0 m that bodies stay apart."""
-        return read_only(np.append(self.error * (1 + 2.0**-52), 0.0)[None])
+        return read_only(np.append(self.error * ROUNDED_UP, 0.0)[None])
 
     @cached_property
     def ends(self) -> Floats:

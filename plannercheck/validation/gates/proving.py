@@ -13,6 +13,7 @@ from plannercheck.common.array_types import Bools, Floats
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.motion_ends import Curves
 from plannercheck.motions.trajectory_checks import TrajectoryChecks
+from plannercheck.trajectories.curve import ROUNDED_UP
 from plannercheck.validation.gates.settings import GateSettings
 from plannercheck.validation.gates.stops import Stops
 
@@ -35,7 +36,7 @@ class ChunkProofs:
         """(m,) which curves are proved free, by control points (m, degree + 1, nq) that are off by an error (nq,)."""
         told = self._settings
         tubes = np.empty((len(points), points.shape[2] + 1))
-        tubes[:, :-1] = (told.tube + error) * (1 + 2.0**-52)
+        tubes[:, :-1] = (told.tube + error) * ROUNDED_UP
         tubes[:, -1] = told.margin
         return self.certifier.check_curves(Curves(points, tubes), told.tolerance, 1)
 
