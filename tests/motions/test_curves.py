@@ -118,16 +118,21 @@ def test_a_tube_as_thin_as_rounding_touches(tmp_path):
     assert not checker.check_trajectory(beside, tube=1e-10)
 
 
-def test_two_tubes_meet(tmp_path):
-    """Both balls move on one line, 0.3 m apart; each has half of it."""
+ONE_BALL = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
+TWO_BOXES = "".join(
+    f'<collision><origin xyz="0 {y} 0"/><geometry><box size="0.2 0.2 0.2"/></geometry></collision>' for y in (-0.2, 0.2)
+)
+
+
+@pytest.mark.parametrize("bodies", [ONE_BALL, TWO_BOXES])
+def test_two_tubes_meet(bodies, tmp_path):
+    """Both links move on one line, 0.3 m apart; each has half of it."""
     side = (
         SLIDER.format("prismatic")
         .replace('axis xyz="0 1 0"', 'axis xyz="1 0 0"')
         .replace('parent link="cart"', 'parent link="base"')
-    )
-    side = side.replace(
-        '<link name="cart"/>',
-        '<link name="cart"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>',
+        .replace(ONE_BALL, bodies)
+        .replace('<link name="cart"/>', f'<link name="cart">{bodies}</link>')
     )
     (tmp_path / "two.urdf").write_text(side)
     checker = pc.Checker(pc.Robot.from_urdf(tmp_path / "two.urdf"))
