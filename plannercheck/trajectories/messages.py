@@ -30,7 +30,7 @@ from plannercheck.common.checked_yaml import (
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.scenes.moveit_messages import transform
 from plannercheck.trajectories.controllers import Points
-from plannercheck.trajectories.joint_columns import Joints, columns_of
+from plannercheck.trajectories.joint_columns import Joints, columns_of, moved_outside, without_followers
 
 TRAJECTORY_KEYS = ("header", "joint_names", "points")
 POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
@@ -99,25 +99,22 @@ def points_of(message: Node, robot: Joints) -> Points:
             times.append(_seconds(required(point, "time_from_start")))
             for key, found in rows.items():
                 found.append(numbers(point[key], key, len(names)) if point.get(key) else [np.nan] * len(names))
-    columns = {key: _ordered(found, order) for key, found in rows.items()}
-    return Points(np.array(times), joint_names=robot.joint_names, held=_held(names, rows, robot), **columns)
+    tables = {key: np.array(found, dtype=np.float64).reshape(len(found), -1) for key, found in rows.items()}
+    held = _held(names, tables, robot)
+    columns = {key: found[:, order] for key, found in tables.items()}
+    return Points(np.array(times), joint_names=robot.joint_names, held=held, **columns)
 
 
-def _held(names: list[str], rows: dict[str, list[Any]], robot: Joints) -> dict[str, float]:
+def _held(names: list[str], tables: dict[str, Floats], robot: Joints) -> dict[str, float]:
     """Where the joints outside the planning group stand still."""
-    others = [k for k, name in enumerate(names) if name not in robot.joint_names]
-    positions, *derivatives = (np.array(found, dtype=np.float64)[:, others] for found in rows.values())
+    others = [k for k in without_followers(names, tables, robot) if names[k] not in robot.joint_names]
+    positions, *derivatives = (found[:, others] for found in tables.values())
     moves = (positions != positions[0]).any(axis=0)
     for found in derivatives:
         moves |= (np.nan_to_num(found) != 0).any(axis=0)
     if moves.any():
-        moving = ", ".join(names[others[k]] for k in np.flatnonzero(moves).tolist())
-        raise PlannercheckError(f"moves {moving}, outside the planning group: choose a group with them")
+        raise moved_outside([names[others[k]] for k in np.flatnonzero(moves).tolist()], robot)
     return {names[k]: float(value) for k, value in zip(others, positions[0].tolist(), strict=True)}
-
-
-def _ordered(rows: list[list[float]], order: list[int]) -> Floats:
-    return np.array(rows, dtype=np.float64).reshape(len(rows), -1)[:, order]
 
 
 def _seconds(duration: Any) -> float:
