@@ -113,6 +113,8 @@ def held_elsewhere(proof: ProofData, others: Mapping[str, float]) -> str | None:
     for name, value in others.items():
         if name not in known:
             return f"the path has the joint {name!r}, which the proof does not know"
+        if name not in held:
+            return f"the path holds the joint {name!r}, which follows a moving joint in the proof: leave it out"
         if name in held and held[name] != [value * known[name].multipliers[0]] and held[name] != [value]:
             return f"the path holds the joint {name!r} at {value!r}, the proof at {held[name]}"
     return None

@@ -148,7 +148,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     if srdf is not None:
         warn_about_ignored_elements(srdf, tree)
     if isinstance(reference, str):
-        reference = group_state(None if srdf is None else srdf.root, reference, model.names)
+        reference = group_state(srdf, reference, description.group, model.names, tree)
     joints = group_of(description, model, tree, mimics)
     disabled = description.disabled_pairs
     if mjcf is not None:

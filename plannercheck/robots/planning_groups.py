@@ -12,7 +12,8 @@ from xml.etree.ElementTree import Element
 
 import pinocchio as pin
 
-from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
+from plannercheck.common.user_warnings import warn
 from plannercheck.robots.configurations import followed, joint_by_name, joint_width
 from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.srdf import group_joints, virtual_joints
@@ -50,9 +51,15 @@ def srdf_group(
     """The moving joints of an SRDF group, in document order; the tree is the URDF's, `mimics` follow others."""
     moving = list(model.names)[1:]
     joints = group_joints(srdf, name, tree)
-    resting = set(tree.joints.values()) | (virtual_joints(srdf) if srdf is not None else set())
-    for joint in joints:
-        if joint not in moving and joint not in resting:
+    resting = set(tree.joints.values())
+    virtual = virtual_joints(srdf) - resting if srdf is not None else set()
+    for joint in (joint for joint in joints if joint not in moving):
+        if joint in virtual:
+            warn(
+                f"group {name!r} has the virtual joint {shortened(joint)}, which does not move: the root link stays "
+                "where it is, unless the robot is loaded with floating=True and the group names root_joint"
+            )
+        elif joint not in resting:
             raise unknown_name(f"joint of group {name!r}", joint, moving)
     own = tuple(joint for joint in joints if joint in moving and joint not in mimics)
     if not own:

@@ -15,14 +15,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element
 
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.input_limits import INPUT_LIMITS, check_xml
 from plannercheck.common.package_data import is_file
 from plannercheck.common.user_warnings import warn
+from plannercheck.robots.urdf_checks import numbers
 
 if TYPE_CHECKING:
     from plannercheck.robots.link_tree import LinkTree
+
+# What Pinocchio calls the joint of a root that floats; SRDFs name it in states without <virtual_joint>.
+_ROOT_JOINT = "root_joint"
 
 # The elements that say which pairs of links are tested, and their attributes.
 _OF_LINKS = {
@@ -30,6 +35,9 @@ _OF_LINKS = {
     "enable_collisions": ("link1", "link2"),
     "disable_default_collisions": ("link",),
 }
+
+# What a group consists of.
+_OF_GROUPS = ("joint", "link", "chain", "group")
 
 
 @dataclass(frozen=True)
@@ -224,6 +232,14 @@ def warn_about_ignored_elements(srdf: Srdf, tree: LinkTree) -> None:
     if nameless:
         needed = "; ".join(f"{tag} needs {'= and '.join(keys)}=" for tag, keys in _OF_LINKS.items())
         warn(f"SRDF {srdf.path}: {nameless} elements that name no links change nothing: {needed}")
+    for group in srdf.root.findall("group"):
+        strange = {str(part.tag): None for part in group if part.tag not in _OF_GROUPS}
+        if strange:
+            warn(
+                f"SRDF {srdf.path}: group {shortened(group.get('name'))!r} holds "
+                f"{', '.join(f'<{shortened(tag)}>' for tag in strange)}, which change nothing: a group has "
+                f"{', '.join(f'<{tag}>' for tag in _OF_GROUPS)}"
+            )
     defaults = [link for link in default_links(srdf.root) if link in known]
     if defaults:
         warn(
@@ -237,13 +253,46 @@ def virtual_joints(root: Element) -> set[str]:
     return {joint.get("name", "") for joint in root.findall("virtual_joint")}
 
 
-def group_state(root: Element | None, name: str, joints: Container[str]) -> dict[str, list[float]]:
-    """Joint values, rad or m, of a named state by joint name, without those of joints that the model lacks."""
-    if root is None:
+def group_state(
+    srdf: Srdf | None, name: str, group: str | None, joints: Container[str], tree: LinkTree
+) -> dict[str, list[float]]:
+    """Joint values, rad or m, of a named state by joint name, without those of joints that the model lacks.
+
+    A state belongs to a group, as in MoveIt: that of the `group` is taken if there is one, else all of the name at
+    once. Joints that the URDF does not have are passed over with a warning, as in MoveIt.
+
+    Raises:
+        PlannercheckError: If there is none of the name, values are no numbers, or two values of one joint differ.
+    """
+    if srdf is None:
         raise PlannercheckError(f"group state {name!r}: there is no SRDF to take it from")
-    states = root.findall("group_state")
-    state = next((s for s in states if s.get("name") == name), None)
-    if state is None:
-        raise unknown_name("group state", name, (s.get("name", "") for s in states))
-    values = {joint.get("name", ""): joint.get("value", "") for joint in state.iter("joint")}
-    return {joint: [float(v) for v in value.split()] for joint, value in values.items() if joint in joints}
+    states = srdf.root.findall("group_state")
+    named = [state for state in states if state.get("name") == name]
+    if not named:
+        raise unknown_name("group state", name, (state.get("name", "") for state in states))
+    own = [state for state in named if group is not None and state.get("group") == group]
+    values: dict[str, list[float]] = {}
+    unknown: dict[str, None] = {}
+    known = {*tree.joints.values(), *virtual_joints(srdf.root), _ROOT_JOINT}
+    with error_context(f"SRDF {srdf.path}"):
+        for joint in (joint for state in own or named for joint in state.iter("joint")):
+            key = joint.get("name", "")
+            if key in joints:
+                _add_value(values, key, joint.get("value"), name)
+            elif key not in known:
+                unknown[key] = None
+    if unknown:
+        warn(
+            f"SRDF {srdf.path}: group state {name!r} gives joints that the URDF does not know: "
+            f"{', '.join(map(shortened, unknown))}; these values change nothing"
+        )
+    return values
+
+
+def _add_value(values: dict[str, list[float]], joint: str, text: str | None, state: str) -> None:
+    what = f"value of joint {shortened(joint)!r} in group state {shortened(state)!r}"
+    value = numbers(text, max(1, len((text or "").split())), what)
+    if values.setdefault(joint, value) != value:
+        raise PlannercheckError(
+            f"{what} is both {values[joint]} and {value}: keep one, or load the group whose state is meant"
+        )

@@ -6,12 +6,19 @@ In: joints that take one number each, names as a file has them. Out: the column 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.robots.configurations import followed
 from plannercheck.robots.robot import Robot
+from plannercheck.robots.urdf import Mimic
+
+# How far a file's value of a joint that follows another one may be off what the leader gives: rounding.
+_ROUNDING = 1e-9
 
 
 class Joints(Protocol):
@@ -25,12 +32,17 @@ class Joints(Protocol):
     def joint_names(self) -> tuple[str, ...]:
         """The joints, in the order of the columns."""
 
+    @property
+    def mimics(self) -> Mapping[str, Mimic]:
+        """The joints that follow others, by name; none if they are not known."""
+
 
 class NamedJoints(NamedTuple):
     """Joints of which names are all that is known."""
 
     name: str
     joint_names: tuple[str, ...]
+    mimics: Mapping[str, Mimic] = MappingProxyType({})
 
 
 def check_robot(robot: Robot) -> None:
@@ -79,3 +91,40 @@ def columns_of(names: Sequence[str], robot: Joints, may_hold: bool = False) -> l
         fault = f"names {', '.join(twice)} more than once" if twice else f"lacks {', '.join(missing)}"
         raise PlannercheckError(f"{fault}: give each joint of {robot.name} once")
     return [names.index(name) for name in robot.joint_names]
+
+
+def without_followers(names: Sequence[str], tables: Mapping[str, Floats], robot: Joints) -> list[int]:
+    """The columns but those of joints that follow the robot's.
+
+    Args:
+        names: Joints of the columns, the robot's among them.
+        tables: (n, names) by quantity: "positions", and what else the file has.
+        robot: Whose joints others follow.
+
+    Raises:
+        PlannercheckError: If a follower is elsewhere than its leader takes it.
+    """
+    kept = []
+    for k, name in enumerate(names):
+        leader, multiplier, offset = followed(name, robot.mimics, robot.joint_names)
+        if name == leader or leader not in robot.joint_names:
+            kept.append(k)
+            continue
+        for quantity, table in tables.items():
+            right = multiplier * table[:, names.index(leader)] + (offset if quantity == "positions" else 0.0)
+            wrong = ~np.isclose(table[:, k], right, rtol=_ROUNDING, atol=_ROUNDING, equal_nan=True)
+            if wrong.any():
+                point = int(np.argmax(wrong))
+                raise PlannercheckError(
+                    f"point {point}: joint {name!r} follows {leader!r}, which makes its {quantity}"
+                    f" {right[point]:.9g}, not {table[point, k]:.9g}: correct them, or leave {name!r} out"
+                )
+    return kept
+
+
+def moved_outside(moving: Sequence[str], robot: Joints) -> PlannercheckError:
+    """The error of joints that move though a group has not got them; those that follow others are in no group."""
+    leaders = dict.fromkeys(followed(name, robot.mimics, ())[0] for name in moving)
+    return PlannercheckError(
+        f"moves {', '.join(moving)}, outside the planning group: choose a group with {', '.join(leaders)}"
+    )

@@ -27,11 +27,11 @@ from plannercheck.common.checked_yaml import (
     sequence,
     text,
 )
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.unique_keys import object_of
 from plannercheck.scenes.moveit_messages import transform
 from plannercheck.trajectories.controllers import Points
-from plannercheck.trajectories.joint_columns import Joints, columns_of
+from plannercheck.trajectories.joint_columns import Joints, columns_of, moved_outside, without_followers
 
 TRAJECTORY_KEYS = ("header", "joint_names", "points")
 POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
@@ -62,15 +62,35 @@ def warn_of_start(path: Path, document: Node) -> None:
 
 
 def joint_trajectories(document: Node) -> list[Node]:
-    """The JointTrajectory messages in a document, in order."""
+    """The JointTrajectory messages in a document, in order; none if it has neither points nor trajectories.
+
+    Raises:
+        PlannercheckError: If a trajectory that it has is none, or something moves that joints do not.
+    """
     if "points" in document:
         return [document]
     for key in ("multi_dof_joint_trajectory", "multi_dof_trajectory"):  # of MoveIt, and of control_msgs' goals
         with error_context(key):
             _check_base(mapping(document.get(key), repr(key)))
-    inner = document.get("joint_trajectory", document.get("trajectory", []))
-    items = inner if isinstance(inner, list) else [inner]
-    return [found for item in items if isinstance(item, dict) for found in joint_trajectories(mapping(item, "it"))]
+    keys = [key for key in ("joint_trajectory", "trajectory") if key in document]
+    if len(keys) > 1:
+        raise PlannercheckError("has both 'joint_trajectory' and 'trajectory': leave one out")
+    found: list[Node] = []
+    for key in keys:
+        inner = document[key]
+        for k, item in enumerate(inner if isinstance(inner, list) else [inner]):
+            with error_context(f"{key} {k}" if isinstance(inner, list) else key):
+                found += _in_entry(mapping(item, "it"))
+    return found
+
+
+def _in_entry(node: Node) -> list[Node]:
+    """The messages in a trajectory of a document; at least one."""
+    found = joint_trajectories(node)
+    if not found:
+        held = ", ".join(map(shortened, node)) or "nothing"
+        raise PlannercheckError(f"must have 'points', or a 'joint_trajectory' that has them; it has {held}")
+    return found
 
 
 def _check_base(node: Node) -> None:
@@ -97,35 +117,32 @@ def points_of(message: Node, robot: Joints) -> Points:
             check_keys(point, POINT_KEYS)
             if not point.get("positions"):
                 raise PlannercheckError("has no positions: a controller would integrate velocities, which is refused")
-            times.append(_seconds(required(point, "time_from_start")))
+            times.append(seconds(required(point, "time_from_start")))
             for key, found in rows.items():
                 found.append(numbers(point[key], key, len(names)) if point.get(key) else [np.nan] * len(names))
-    columns = {key: _ordered(found, order) for key, found in rows.items()}
-    return Points(np.array(times), joint_names=robot.joint_names, held=_held(names, rows, robot), **columns)
+    tables = {key: np.array(found, dtype=np.float64).reshape(len(found), -1) for key, found in rows.items()}
+    held = _held(names, tables, robot)
+    columns = {key: found[:, order] for key, found in tables.items()}
+    return Points(np.array(times), joint_names=robot.joint_names, held=held, **columns)
 
 
-def _held(names: list[str], rows: dict[str, list[Any]], robot: Joints) -> dict[str, float]:
+def _held(names: list[str], tables: dict[str, Floats], robot: Joints) -> dict[str, float]:
     """Where the joints outside the planning group stand still."""
-    others = [k for k, name in enumerate(names) if name not in robot.joint_names]
-    positions, *derivatives = (np.array(found, dtype=np.float64)[:, others] for found in rows.values())
+    others = [k for k in without_followers(names, tables, robot) if names[k] not in robot.joint_names]
+    positions, *derivatives = (found[:, others] for found in tables.values())
     moves = (positions != positions[0]).any(axis=0)
     for found in derivatives:
         moves |= (np.nan_to_num(found) != 0).any(axis=0)
     if moves.any():
-        moving = ", ".join(names[others[k]] for k in np.flatnonzero(moves).tolist())
-        raise PlannercheckError(f"moves {moving}, outside the planning group: choose a group with them")
+        raise moved_outside([names[others[k]] for k in np.flatnonzero(moves).tolist()], robot)
     return {names[k]: float(value) for k, value in zip(others, positions[0].tolist(), strict=True)}
 
 
-def _ordered(rows: list[list[float]], order: list[int]) -> Floats:
-    return np.array(rows, dtype=np.float64).reshape(len(rows), -1)[:, order]
-
-
-def _seconds(duration: Any) -> float:
+def seconds(duration: Any) -> float:
     """Seconds of a Duration message, or of a number."""
     if not isinstance(duration, dict):
         return number(duration, "time_from_start")
-    check_keys(duration, ("sec", "nanosec", "secs", "nsecs"))
+    check_keys(duration, ("sec", "nanosec") if "sec" in duration or "nanosec" in duration else ("secs", "nsecs"))
     whole, parts = (
         _whole(next((duration[key] for key in keys if key in duration), 0), keys[0])
         for keys in (("sec", "secs"), ("nanosec", "nsecs"))

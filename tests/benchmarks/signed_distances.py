@@ -17,12 +17,17 @@ cost: depths of round bodies beside verdicts and coal's depths, in processor tim
 """
 
 import argparse
+import sys
 import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+
 from clearance import random_poses
 from signed_distance_oracle import OracleBody, signed_distances
 

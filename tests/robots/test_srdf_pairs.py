@@ -1,6 +1,7 @@
-"""Which pairs an SRDF leaves out: as MoveIt 2's AllowedCollisionMatrix of an srdf::Model has it."""
+"""What an SRDF says: pairs as MoveIt 2's AllowedCollisionMatrix of an srdf::Model has them, states and groups."""
 
 import itertools
+import re
 import warnings
 
 import numpy as np
@@ -125,3 +126,63 @@ def test_carried_objects_are_not_tested_against_links_that_are_disabled_by_defau
     held = len(checker.robot.bodies) - 1
     against = {checker.robot.bodies[min(pair)].link for pair in checker.pairs.tolist() if held in pair}
     assert against == {"a", "c", "d"}
+
+
+# ---- states and groups
+
+GROUPS = '<group name="arm"><joint name="ab"/></group><group name="hand"><joint name="de"/></group>'
+
+
+def state(group, name="home", **values):
+    joints = "".join(f'<joint name="{joint}" value="{value}"/>' for joint, value in values.items())
+    return f'<group_state name="{name}" group="{group}">{joints}</group_state>'
+
+
+def stated(urdf, elements, group=None):
+    srdf = urdf.with_suffix(".srdf")
+    srdf.write_text(f'<robot name="r">{elements}</robot>')
+    return pc.Robot.from_urdf(urdf, srdf, group=group, reference="home")
+
+
+@pytest.mark.parametrize(
+    ("group", "ab", "de"),
+    [("arm", [0.5], None), ("hand", None, [0.25]), (None, [0.5], [0.25]), (["ab", "de"], [0.5], [0.25])],
+)
+def test_a_state_is_that_of_the_group(urdf, group, ab, de):
+    """MoveIt keeps default states by group (JointModelGroup::addDefaultState)."""
+    robot = stated(urdf, GROUPS + state("arm", ab=0.5) + state("hand", de=0.25), group)
+    found = dict(zip(robot.joint_names, robot.reference.tolist(), strict=True))
+    for joint, value in (("ab", ab), ("de", de)):
+        assert value is None or found[joint] == value[0]
+
+
+@pytest.mark.parametrize(
+    ("states", "words"),
+    [
+        (state("arm", ab="abc"), "value of joint 'ab' in group state 'home' must be a finite number, not 'abc'"),
+        (state("arm", ab="0,5"), "must be a finite number, not '0,5'"),
+        (state("arm", ab="nan"), "must be a finite number, not 'nan'"),
+        (state("arm", ab=""), "must be a finite number, not ''"),
+        ('<group_state name="home" group="arm"><joint name="ab"/></group_state>', "not missing"),
+        (state("arm", ab=0.5).replace("<joint", '<joint name="ab" value="0.1"/><joint'), "is both [0.1] and [0.5]"),
+        (state("arm", ab=0.5) + state("other", ab=0.25), "is both [0.5] and [0.25]: keep one"),
+    ],
+)
+def test_states_that_can_not_be_read_name_file_and_joint(urdf, states, words):
+    with pytest.raises(pc.PlannercheckError, match=rf"SRDF .*r\.srdf.*{re.escape(words)}"):
+        stated(urdf, states)
+
+
+def test_joints_of_states_that_the_urdf_lacks_are_warned_of_but_not_virtual_ones(urdf):
+    virtual = '<virtual_joint name="v" type="planar" parent_frame="odom" child_link="a"/>'
+    assert stated(urdf, virtual + state("arm", ab=0.5, v="1 2 3", root_joint="0")).reference[0] == 0.5
+    with pytest.warns(RuntimeWarning, match="'home' gives joints that the URDF does not know: ba, cb; these values"):
+        stated(urdf, state("arm", ab=0.5, ba=1, cb=2))
+
+
+def test_what_a_group_holds_and_no_joint_moves_is_warned_of(urdf):
+    virtual = '<virtual_joint name="v" type="planar" parent_frame="odom" child_link="a"/>'
+    loaded(urdf, virtual + '<group name="g"><joint name="v"/><joint name="ab"/></group>')
+    with pytest.warns(RuntimeWarning, match="group 'g' has the virtual joint v, which does not move"):
+        pc.Robot.from_urdf(urdf, urdf.with_suffix(".srdf"), group="g")
+    loaded(urdf, '<group name="g"><Joint name="ab"/><joint name="bc"/></group>', "group 'g' holds <Joint>")

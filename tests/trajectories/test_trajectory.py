@@ -10,6 +10,7 @@ from scipy.interpolate import BSpline, CubicSpline, PPoly
 
 import plannercheck as pc
 from plannercheck.trajectories.curve import Curve, bernstein
+from plannercheck.validation.formats.paths import read_robot_path
 
 TIMES = np.array([0.5, 1.25, 3.0])
 RNG = np.random.default_rng(4)
@@ -303,6 +304,59 @@ def test_malformed_messages_are_named(tmp_path: Path, change: dict, words: str):
     (tmp_path / "t.json").write_text(json.dumps(file))
     with pytest.raises(pc.PlannercheckError, match=f"(?s){words}"):
         pc.Trajectory.load(tmp_path / "t.json", robot)
+
+
+_GRIPPER = """<robot name="g"><link name="b"/><link name="l"/><link name="r"/><link name="a"/>
+<joint name="lift" type="prismatic"><parent link="b"/><child link="a"/>
+<limit lower="0" upper="1" effort="1" velocity="1"/></joint>
+<joint name="left" type="prismatic"><parent link="a"/><child link="l"/>
+<limit lower="0" upper="1" effort="1" velocity="1"/></joint>
+<joint name="right" type="prismatic"><parent link="a"/><child link="r"/>
+<limit lower="-9" upper="9" effort="1" velocity="1"/>
+<mimic joint="left" multiplier="-3" offset="0.5"/></joint></robot>"""
+
+
+@pytest.mark.parametrize(
+    ("names", "rows", "words"),
+    [
+        (["left", "right"], [[0.1, 0.2], [0.2, -0.1]], None),
+        (["left", "right"], [[0.1, 0.2 + 1e-12], [0.1, 0.2]], None),
+        (["left", "right"], [[0.1, 0.2], [0.2, 0.2]], "point 1: joint 'right' follows 'left'.*positions -0.1, not 0.2"),
+        (["left", "right"], [[0.1, 0.3], [0.1, 0.3]], "point 0: joint 'right' follows 'left'.*positions 0.2, not 0.3"),
+        (
+            ["lift", "right"],
+            [[0.1, 0.2], [0.1, 0.3]],
+            "moves right, outside the planning group: choose a group with left$",
+        ),
+    ],
+)
+@pytest.mark.parametrize("read", [pc.Trajectory.load, read_robot_path])
+def test_joints_that_follow_others_do_so_in_messages(tmp_path: Path, read, names, rows, words):
+    (tmp_path / "g.urdf").write_text(_GRIPPER)
+    robot = pc.Robot.from_urdf(tmp_path / "g.urdf").with_group(names[:1])
+    file = message(names, [point(row, k) for k, row in enumerate(rows)])
+    (tmp_path / "t.json").write_text(json.dumps(file))
+    if words:
+        with pytest.raises(pc.PlannercheckError, match=rf"t\.json.*{words}"):
+            read(tmp_path / "t.json", robot)
+        return
+    found = read(tmp_path / "t.json", robot)
+    path = isinstance(found, pc.Trajectory)
+    assert (found.points.positions if path else found.states).tolist() == [row[:1] for row in rows]
+    assert (found.points.held if path else found.others) == {}
+
+
+def test_velocities_of_joints_that_follow_others_do_so(tmp_path: Path):
+    (tmp_path / "g.urdf").write_text(_GRIPPER)
+    robot = pc.Robot.from_urdf(tmp_path / "g.urdf").with_group(["left"])
+    for speed in (-0.3, 0.3):
+        ends = [point([0.1, 0.2], 0, velocities=[0.1, speed]), point([0.2, -0.1], 1, velocities=[0, 0])]
+        (tmp_path / "t.json").write_text(json.dumps(message(["left", "right"], ends)))
+        if speed < 0:
+            assert pc.Trajectory.load(tmp_path / "t.json", robot).points.velocities.tolist() == [[0.1], [0]]
+            continue
+        with pytest.raises(pc.PlannercheckError, match=r"point 0: joint 'right'.*velocities -0.3, not 0.3: correct"):
+            pc.Trajectory.load(tmp_path / "t.json", robot)
 
 
 def test_several_trajectories_in_a_row_are_refused(tmp_path: Path):

@@ -40,6 +40,12 @@ def trajectory(names, rows):
     return {"joint_names": list(names), "points": points}
 
 
+def timed(*times):
+    """A trajectory whose points are at these times."""
+    points = [{"positions": [1, 2, 3], "time_from_start": time} for time in times]
+    return {"joint_names": list("abc"), "points": points}
+
+
 @pytest.mark.parametrize("suffix", [".yaml", ".json"])
 def test_moveit_trajectories(tmp_path, suffix):
     write = yaml.safe_dump if suffix == ".yaml" else json.dumps
@@ -53,6 +59,9 @@ def test_moveit_trajectories(tmp_path, suffix):
         assert np.array_equal(found.states, STATES)
         assert found.others == {"extra": 0.5}
     display["trajectory"][1] = {"joint_trajectory": trajectory(NAMES, STATES[1:].tolist())}
+    file.write_text(write(display))
+    assert np.array_equal(read(file).states, STATES[[0, 1, 1, 2]])
+    display["trajectory"].insert(0, {"joint_trajectory": trajectory(NAMES, [])})
     file.write_text(write(display))
     assert np.array_equal(read(file).states, STATES[[0, 1, 1, 2]])
 
@@ -163,6 +172,32 @@ SUFFIXES = ("json", "yaml", "npy", "npz", "csv", "txt")
             "a.yaml",
             yaml.safe_dump({"joint_names": list("abc"), "points": [{"positions": [1, 2, 3], "velocity": [1, 1, 1]}]}),
             "point 0: unknown key 'velocity'",
+        ),
+        ("a.yaml", yaml.safe_dump(timed(2, 0)), "point 1: is at 0 s, before the point before it: give points in time"),
+        ("a.yaml", yaml.safe_dump(timed({"sec": 1, "secs": 2})), "point 0: unknown key 'secs'"),
+        *(
+            (
+                "a.yaml",
+                yaml.safe_dump({"trajectory": [entry, {"joint_trajectory": trajectory("abc", [(1, 2, 3)])}]}),
+                words,
+            )
+            for entry, words in (
+                (None, "trajectory 0: must have 'points', or a 'joint_trajectory' that has them; it has nothing"),
+                ("abc", "trajectory 0: it must be a mapping of keys to values, not 'abc'"),
+                (
+                    {"joint_trajectry": trajectory("abc", [(1, 2, 3)])},
+                    "trajectory 0: must have .* it has joint_trajectry$",
+                ),
+                (
+                    {"joint_trajectory": {"joint_names": list("abc"), "point": []}},
+                    "trajectory 0: joint_trajectory: must have 'points'.* it has joint_names, point$",
+                ),
+            )
+        ),
+        (
+            "a.yaml",
+            yaml.safe_dump({key: trajectory("abc", [(1, 2, 3)]) for key in ("joint_trajectory", "trajectory")}),
+            "has both 'joint_trajectory' and 'trajectory': leave one out",
         ),
         ("a.path", "Geometric path with 2 states\nRealVectorState [1 2 3]\n", "2 states hold 3 numbers"),
         ("a.txt", "hello world\n", "no table of numbers"),

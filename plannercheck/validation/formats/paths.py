@@ -15,7 +15,7 @@ import json
 import os
 import re
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
@@ -34,6 +34,8 @@ from plannercheck.common.unique_keys import object_of
 from plannercheck.robots.configurations import ConfigurationMap
 from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.robot import Robot
+from plannercheck.robots.urdf import Mimic
+from plannercheck.trajectories.joint_columns import NamedJoints, moved_outside, without_followers
 from plannercheck.validation.formats.chunks import read_chunks, read_states
 from plannercheck.validation.formats.columns import WidthError
 from plannercheck.validation.formats.given_turns import cut_at_turns, largest_turns
@@ -70,10 +72,12 @@ class PathFile(OwnsArrays):
     pieces: Ints64 | None = None
 
 
-def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathFile:
+def read_path(
+    path: str | Path, joint_names: Sequence[str], width: int, mimics: Mapping[str, Mimic] | None = None
+) -> PathFile:
     """Reads a path, whose suffix and content tell the format, of configurations of `width` numbers.
 
-    The names of the group's joints are for files that name joints.
+    The names of the group's joints are for files that name joints, as are those of joints that follow others.
 
     Raises:
         PlannercheckError: If the file can't be read, lacks a joint, moves one outside the group, or has no states.
@@ -85,7 +89,7 @@ def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathF
             blocks = [chunk.rows for chunk in read_chunks(path, joint_names, width)]
             found = PathFile(_table(blocks, width), {})
         elif path.suffix.lower() in (".json", ".yaml", ".yml"):
-            found = _from_document(_document(path), joint_names, width)
+            found = _from_document(_document(path), NamedJoints("the group", tuple(joint_names), mimics or {}), width)
         else:
             _check_text(path)
             found = PathFile(_from_text(read_bytes(path).decode("utf-8", "replace"), width), {})
@@ -110,7 +114,7 @@ def read_robot_path(path: str | Path, robot: AnyRobot) -> PathFile:
     errors: list[WidthError] = []
     for names, width, spread in ((robot.joint_names, robot.nq, None), *((m.joint_names, m.width, m) for m in fewer)):
         try:
-            found = read_path(path, names, width)
+            found = read_path(path, names, width, robot.mimics if isinstance(robot, Robot) else None)
         except WidthError as error:
             errors.append(error)
             continue
@@ -143,7 +147,7 @@ def read_proved_path(
     if loaded is not None and loaded.joint_values.maps:
         return read_robot_path(Path(path), loaded)
     try:
-        return read_path(Path(path), joint_names, width)
+        return read_path(Path(path), joint_names, width, None if loaded is None else loaded.mimics)
     except WidthError as error:
         hint = "" if loaded else "; if it gives one number a joint, name the robot, too (--robot, robot=)"
         raise type(error)(f"{error}{hint}") from None
@@ -193,28 +197,28 @@ def _document(path: Path) -> Any:
         raise PlannercheckError("is JSON that is nested too deep") from None
 
 
-def _from_document(document: Any, joint_names: Sequence[str], width: int) -> PathFile:
+def _from_document(document: Any, joints: NamedJoints, width: int) -> PathFile:
     if isinstance(document, list):
         return PathFile(_table(document, width), {})
     if not isinstance(document, dict):
         raise PlannercheckError("must hold a plan, a trajectory or a list of configurations")
     document = mapping(document, "it")
     if "path" in document:
-        return replace(_of_plan(document, joint_names, width), motion_path=_motion_path(document))
+        return replace(_of_plan(document, joints, width), motion_path=_motion_path(document))
     trajectory = read_trajectory(document)
     if trajectory is None:
         raise PlannercheckError("holds no 'path', no 'joint_trajectory' and no 'points'")
-    found = _ordered(trajectory.joint_names, trajectory.positions, joint_names)
-    held = {name: value for name, value in trajectory.held.items() if name not in joint_names}
+    found = _ordered(trajectory.joint_names, trajectory.positions, joints)
+    held = {name: value for name, value in trajectory.held.items() if name not in joints.joint_names}
     return PathFile(found.states, {**held, **found.others}, trajectory.bent_by, None, trajectory.as_given)
 
 
-def _of_plan(plan: dict[str, Any], joint_names: Sequence[str], width: int) -> PathFile:
+def _of_plan(plan: dict[str, Any], joints: NamedJoints, width: int) -> PathFile:
     names = [text(name, "joint_names") for name in sequence(plan.get("joint_names"), "'joint_names'")]
     rows = sequence(plan["path"], "'path'")
-    if not names or (names == list(joint_names) and len(names) < width):  # joints of several numbers
+    if not names or (names == list(joints.joint_names) and len(names) < width):  # joints of several numbers
         return PathFile(_table(rows, width), {})
-    return _ordered(names, _table(rows, len(names)), joint_names)
+    return _ordered(names, _table(rows, len(names)), joints)
 
 
 def _motion_path(plan: dict[str, Any]) -> MotionPath | None:
@@ -225,17 +229,19 @@ def _motion_path(plan: dict[str, Any]) -> MotionPath | None:
     return found
 
 
-def _ordered(names: list[str], rows: Floats, joint_names: Sequence[str]) -> PathFile:
-    """The group's columns in its order; other joints have to stand still."""
+def _ordered(names: list[str], rows: Floats, joints: NamedJoints) -> PathFile:
+    """The group's columns in its order; other joints have to follow them or to stand still."""
+    joint_names = joints.joint_names
     if len(set(names)) != len(names):
         raise PlannercheckError(f"names a joint twice: {', '.join(names)}")
     missing = [joint for joint in joint_names if joint not in names]
     if missing:
         raise WidthError(f"has no joint {missing[0]!r}; it has {', '.join(map(shortened, names))}")
-    others = {name: rows[:, k] for k, name in enumerate(names) if name not in joint_names}
+    kept = without_followers(names, {"positions": rows}, joints)
+    others = {names[k]: rows[:, k] for k in kept if names[k] not in joint_names}
     moving = [name for name, values in others.items() if len(values) and (values != values[0]).any()]
     if moving:
-        raise PlannercheckError(f"moves {', '.join(moving)}, outside the planning group: choose a group with them")
+        raise moved_outside(moving, joints)
     columns = [names.index(joint) for joint in joint_names]
     return PathFile(
         np.ascontiguousarray(rows[:, columns]),

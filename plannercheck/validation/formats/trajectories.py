@@ -22,7 +22,7 @@ from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.scenes.moveit_states import check_robot_state, joint_values
-from plannercheck.trajectories.messages import POINT_KEYS, TRAJECTORY_KEYS, joint_trajectories
+from plannercheck.trajectories.messages import POINT_KEYS, TRAJECTORY_KEYS, joint_trajectories, seconds
 
 # The fields that bend the way between two points.
 _BENDING = ("velocities", "accelerations")
@@ -52,7 +52,7 @@ def read_trajectory(document: Node) -> Trajectory | None:
     """Reads the trajectory of a parsed document; None if there is none.
 
     Raises:
-        PlannercheckError: If its parts name different joints, or if something moves that joints do not.
+        PlannercheckError: If its parts name different joints, times fall, or something moves that joints do not.
     """
     nodes = joint_trajectories(document)
     if not nodes:
@@ -66,12 +66,18 @@ def read_trajectory(document: Node) -> Trajectory | None:
         check_keys(node, TRAJECTORY_KEYS)
         if _names(node) != names:
             raise PlannercheckError(f"its trajectories name different joints: {', '.join(_names(node))}")
+        last = -np.inf
         for k, item in enumerate(sequence(required(node, "points"), "'points'")):
             with error_context(f"point {k}"):
                 point = mapping(item, "it")
                 check_keys(point, POINT_KEYS)
                 rows.append(numbers(required(point, "positions"), "positions", len(names)))
                 bent.update(key for key in _BENDING if _is_set(point, key, len(names)))
+                given = point.get("time_from_start")
+                time = last if given is None else seconds(given)
+                if time < last:
+                    raise PlannercheckError(f"is at {time:g} s, before the point before it: give points in time order")
+                last = time
     held = _held(mapping(document.get("trajectory_start"), "'trajectory_start'"), names)
     positions = np.array(rows, dtype=np.float64).reshape(-1, len(names))
     as_given = np.ones(max(len(rows) - 1, 0), dtype=bool)
