@@ -2,6 +2,7 @@
 
 import os
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -148,3 +149,26 @@ def test_messages_are_without_pythons_classes(arm):
     with pytest.raises(pc.PlannercheckError, match=r"can't be expanded: package 'parts' is not found") as found:
         pc.Robot.from_urdf(arm)
     assert "<class" not in str(found.value)
+
+
+@pytest.mark.parametrize(
+    ("added", "said"),
+    [
+        ('<xacro:include filename="no*.xacro"/>', 'no*.xacro" matched no files'),
+        ('<xacro:property name="pi" value="3"/>', "warning: redefining global symbol: pi"),
+        ('<include filename="block.xacro"/>', "<include> is passed over: write <xacro:include>"),
+        ('<block name="c" size="1"/>', "<block> is passed over: write <xacro:block>"),
+        ('<link name="a"><block/></link>', "<block> is passed over"),
+        ('<gazebo><include filename="x"/></gazebo><xacro:macro name="joint" params=""/>', None),
+    ],
+)
+def test_what_xacro_passes_over_is_one_warning(arm, tmp_path, added, said):
+    text = ARM.replace("<joint", f"{added}<joint", 1)
+    text = text.replace('<xacro:block name="a" size="$(arg size)"/>', "") if "<link" in added else text
+    arm.write_text(text)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        pc.Robot.from_urdf(arm, package_dirs=tmp_path / "ws")
+    found = [str(each.message) for each in caught if "xacro " in str(each.message)]
+    assert len(found) == (said is not None), found
+    assert said is None or (said in found[0] and "arm.urdf.xacro" in found[0]), found
