@@ -50,7 +50,6 @@ from plannercheck.common.checked_yaml import (
     Node,
     check_keys,
     error_context,
-    keys_given_twice,
     mapping,
     number,
     parse_yaml,
@@ -218,14 +217,10 @@ def description_of(name_or_path: str | Path | RobotDescription, above: tuple[Pat
 
 def read_description(path: Path, above: tuple[Path, ...] = ()) -> RobotDescription:
     """Reads a robot's YAML file, or a cell's; the cells that load it are `above`, the outermost first."""
-    text_of_file = read_bytes(path)
-    content = parse_yaml(text_of_file)
+    content = parse_yaml(read_bytes(path), as_written="xacro_args")
     if "objects" in content:
         raise PlannercheckError("is a scene, not a robot")
     if "robots" in content:
-        twice = keys_given_twice(text_of_file, "robots")
-        if twice:
-            raise PlannercheckError(f"'robots' has the name {twice[0]!r} twice: give each robot a name of its own")
         return _read_cell(path, content, above)
     check_keys(content, _KEYS)
     fields = _fields(content, path.parent)
@@ -281,8 +276,10 @@ def _fields(content: Node, folder: Path) -> dict[str, Any]:
         names = sequence(content["package_dirs"], "package_dirs")
         fields["package_dirs"] = tuple(folder / text(name, "package_dirs") for name in names)
     if "xacro_args" in content:
-        given = mapping(content["xacro_args"], "xacro_args")
-        fields["xacro_args"] = {key: str(value) for key, value in given.items()}
+        fields["xacro_args"] = mapping(content["xacro_args"], "xacro_args")
+        for key, value in fields["xacro_args"].items():
+            if not isinstance(value, str):
+                raise PlannercheckError(f"xacro_args: {key!r} must be a text (of nothing: ''), not {value!r:.60}")
     if "floating" in content:
         fields["floating"] = _switch(content["floating"])
     if "group" in content:
