@@ -19,9 +19,10 @@ from plannercheck.common.errors import PlannercheckError, shortened
 _AXES = ("x", "y", "z")
 _COMMENTS = ("#", "//")
 _COMMENT_LETTERS = ("#", "/")
-_UNIT = re.compile(r"\s*[\[(]m[\])]$")  # after a column's name
-# Numbers with a decimal comma, which would be read as two.
-_DECIMAL_COMMAS = re.compile(r"\s*[-+]?\d+,\d+([\s;]+[-+]?\d+,\d+)+\s*")
+_UNIT = re.compile(r"\s*[\[(]m[\])]", re.IGNORECASE)  # after a column's name
+_OTHER_UNIT = re.compile(r"[\[(]\s*(?:[cdkmnu]m|in|inch|ft|feet|(?:milli|centi)met(?:er|re)s?)\s*[\])]", re.IGNORECASE)
+# A number with a decimal comma, which would be read as two.
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 
 
 @dataclass
@@ -64,7 +65,10 @@ def _read_line(table: _Table, line: str) -> None:
     text = line.strip()
     if text[:1] in _COMMENT_LETTERS and text.startswith(_COMMENTS):
         if not table.points:
-            names = _names(text.lstrip("#/"))
+            text = text.lstrip("#/ ")
+            names = _names(text)
+            if _columns(names) is None and _columns(_names(_OTHER_UNIT.sub("", text))):
+                raise PlannercheckError(f"is {shortened(text)!r}: points must be in m, and a heading must say so")
             table.comment = names if _columns(names) else table.comment
         return
     text = text.partition("#")[0]
@@ -86,7 +90,7 @@ def _read_line(table: _Table, line: str) -> None:
 
 
 def _add_point(table: _Table, text: str, words: Sequence[str]) -> None:
-    if "," in text and _DECIMAL_COMMAS.fullmatch(text):
+    if "," in text and _has_decimal_comma(text):
         raise PlannercheckError(f"is {shortened(text)!r}: decimal commas are not read, write points")
     if table.width and len(words) != table.width:
         raise PlannercheckError(f"has {len(words)} columns, the lines before have {table.width}")
@@ -109,6 +113,13 @@ def _add_point(table: _Table, text: str, words: Sequence[str]) -> None:
         table.missing -= 1
 
 
+def _has_decimal_comma(text: str) -> bool:
+    """Whether blanks or semicolons separate a line's numbers, one of which has a comma inside."""
+    fields = re.split(r"[\s;]+", text.strip())
+    is_list = any(field.startswith(",") or field.endswith(",") for field in fields)
+    return len(fields) > 1 and not is_list and any(map(_DECIMAL_COMMA.fullmatch, fields))
+
+
 def _columns(names: Sequence[str]) -> tuple[int, ...] | None:
     """Where x, y and z are; None if they are not among the names, each once."""
     return tuple(map(names.index, _AXES)) if all(names.count(axis) == 1 for axis in _AXES) else None
@@ -116,8 +127,9 @@ def _columns(names: Sequence[str]) -> tuple[int, ...] | None:
 
 def _names(text: str) -> list[str]:
     """The names of columns in a heading, without quotes and the unit m."""
+    text = re.sub(r"\s+(?=[\[(])", "", _UNIT.sub("", text))
     words = re.split(r"[,;]", text) if re.search(r"[,;]", text) else text.split()
-    return [_UNIT.sub("", word.strip().strip("\"'").lower()) for word in words]
+    return [word.strip().strip("\"'").lower() for word in words]
 
 
 def _is_number(word: str) -> bool:
