@@ -13,6 +13,7 @@ import numpy as np
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, shortened
+from plannercheck.common.unique_keys import object_of
 
 _LARGEST = 2**53  # of whole numbers: up to it, JSON's numbers are exact everywhere
 
@@ -108,7 +109,7 @@ class Table:
 def root_of(text: bytes) -> Table:
     """The outermost object of a glTF file's JSON."""
     try:
-        found = json.loads(text, parse_constant=_no_constant, object_pairs_hook=_once)
+        found = json.loads(text, parse_constant=_no_constant, object_pairs_hook=object_of)
     except (ValueError, RecursionError) as error:  # of texts and of encodings
         raise PlannercheckError(f"has no valid JSON: {error}") from None
     if not isinstance(found, dict):
@@ -118,13 +119,6 @@ def root_of(text: bytes) -> Table:
 
 def _no_constant(word: str) -> NoReturn:
     raise ValueError(f"{word} is no number of JSON")
-
-
-def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        raise ValueError("an object has a name twice")
-    return found
 
 
 def _is_index(value: Any) -> bool:

@@ -21,6 +21,7 @@ from plannercheck.cli.common import (
 )
 from plannercheck.common.checked_yaml import Node, check_keys, mapping, required
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.unique_keys import object_of
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.validation.gates.gate import Gate
 from plannercheck.validation.gates.settings import OF_POSITIONS
@@ -107,7 +108,7 @@ def _answer(gate: Gate, line: str) -> tuple[dict[str, Any], GateVerdict | None]:
     """What is printed, and the verdict; None for a line that is malformed."""
     given: Node = {}
     try:
-        given = mapping(json.loads(line), "a line")
+        given = mapping(json.loads(line, object_pairs_hook=object_of), "a line")
         verdict = _judged(gate, given)
     except PlannercheckError as error:
         return {**_id(given), "ok": False, "error": str(error)}, None

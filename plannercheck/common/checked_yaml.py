@@ -23,6 +23,7 @@ import yaml
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.file_kinds import file_kind
 from plannercheck.common.input_limits import YAML_LOADER, check_yaml
+from plannercheck.common.yaml_loader import YamlLoader
 
 Node: TypeAlias = dict[str, Any]
 
@@ -92,22 +93,15 @@ def parse_yaml(text: bytes | str) -> Node:
     if kind and text.strip():
         raise PlannercheckError(f"no valid YAML: {kind}")
     try:
-        document = yaml.load(text, Loader=YAML_LOADER)  # a safe one
+        document = yaml.load(text, Loader=YamlLoader)  # a safe one
+    except PlannercheckError:
+        raise
     except (yaml.YAMLError, UnicodeDecodeError, ValueError) as error:  # the last of numbers and dates that are none
         if getattr(error, "context", None) == _SEVERAL:
             raise PlannercheckError(_of_several(text)) from None
         words = _NAMELESS.sub("at ", " ".join(str(error).split()))
         raise PlannercheckError(f"no valid YAML: {words}") from None
     return mapping(document, "the document")
-
-
-def keys_given_twice(text: bytes | str, key: str) -> list[str]:
-    """The keys that the mapping under a key of a valid document has more than once; of them YAML takes the last."""
-    document = yaml.compose(_without_last_dashes(text), Loader=YAML_LOADER)
-    pairs = document.value if isinstance(document, yaml.MappingNode) else []
-    inner = [value.value for name, value in pairs if name.value == key and isinstance(value, yaml.MappingNode)]
-    names = [str(name.value) for entries in inner for name, _ in entries]
-    return [name for name in dict.fromkeys(names) if names.count(name) > 1]
 
 
 def _without_last_dashes(text: bytes | str) -> bytes | str:

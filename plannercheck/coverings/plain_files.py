@@ -28,6 +28,7 @@ from plannercheck.common.checked_yaml import (
     sequence,
 )
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.unique_keys import object_of
 from plannercheck.coverings.primitives import Primitives
 
 SUFFIXES = (".json",)
@@ -38,7 +39,7 @@ _KEYS = ("spheres", "capsules", "boxes", *_FOAM)
 def read(path: Path, link_names: Sequence[str]) -> dict[str, Primitives]:
     """Reads a model; arguments and errors as of `curobo_files.read`."""
     try:
-        document = json.loads(read_bytes(path))
+        document = json.loads(read_bytes(path), object_pairs_hook=object_of)
     except (ValueError, RecursionError) as error:
         raise PlannercheckError(f"no JSON: {error!s:.100}") from None
     if isinstance(document, list):

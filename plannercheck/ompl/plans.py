@@ -22,6 +22,7 @@ from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.escaping import csv_cell
 from plannercheck.common.html_tables import html_table
 from plannercheck.common.motion_paths import MotionPath, check_path
+from plannercheck.common.unique_keys import object_of
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -65,7 +66,7 @@ class Plan(OwnsArrays):
         with error_context(f"plan file {str(path)!r}"):
             content = read_bytes(Path(path))
         try:
-            values = json.loads(content.decode("utf-8"))
+            values = json.loads(content.decode("utf-8"), object_pairs_hook=object_of)
             rows = np.array(values["path"], dtype=np.float64)
             joints = len(values["joint_names"])
             width = max(joints, rows.shape[1]) if rows.ndim == 2 else joints

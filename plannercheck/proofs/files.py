@@ -24,6 +24,7 @@ from plannercheck.common.checked_yaml import BROKEN_FILE, error_context, read_by
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.input_limits import INPUT_LIMITS
+from plannercheck.common.unique_keys import object_of
 from plannercheck.proofs.data import FORMAT, VERSION, Entry, Hashes, Model, Motion, ProofData
 from plannercheck.proofs.plain_data import from_plain, to_plain
 from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
@@ -154,7 +155,7 @@ def _check_suffix(path: Path) -> None:
 
 def _from_json(path: Path) -> Any:
     try:
-        return json.loads(read_bytes(path), object_pairs_hook=_without_duplicates)
+        return json.loads(read_bytes(path), object_pairs_hook=object_of)
     except PlannercheckError:
         raise
     except (ValueError, RecursionError) as error:
@@ -184,19 +185,11 @@ def _check_unpacked(path: Path) -> None:
         )
 
 
-def _without_duplicates(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
-    """An object of JSON; a repeated key is an error, since readers may take either value."""
-    out = dict(pairs)
-    if len(out) < len(pairs):
-        raise PlannercheckError(f"has the same key twice in one object: {[key for key, _ in pairs]!r:.200}")
-    return out
-
-
 def _array_reader(file: Any) -> Callable[[Sequence[tuple[str, Any]]], Any]:
     unpacked: dict[str, Any] = {}  # each once, however often the document names it
 
     def read(pairs: Sequence[tuple[str, Any]]) -> Any:
-        node = _without_duplicates(pairs)
+        node = object_of(pairs)
         if set(node) != {"array"}:
             return node
         name = f"array_{node['array']}"

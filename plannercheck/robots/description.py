@@ -50,7 +50,6 @@ from plannercheck.common.checked_yaml import (
     Node,
     check_keys,
     error_context,
-    keys_given_twice,
     mapping,
     number,
     parse_yaml,
@@ -218,14 +217,10 @@ def description_of(name_or_path: str | Path | RobotDescription, above: tuple[Pat
 
 def read_description(path: Path, above: tuple[Path, ...] = ()) -> RobotDescription:
     """Reads a robot's YAML file, or a cell's; the cells that load it are `above`, the outermost first."""
-    text_of_file = read_bytes(path)
-    content = parse_yaml(text_of_file)
+    content = parse_yaml(read_bytes(path))
     if "objects" in content:
         raise PlannercheckError("is a scene, not a robot")
     if "robots" in content:
-        twice = keys_given_twice(text_of_file, "robots")
-        if twice:
-            raise PlannercheckError(f"'robots' has the name {twice[0]!r} twice: give each robot a name of its own")
         return _read_cell(path, content, above)
     check_keys(content, _KEYS)
     fields = _fields(content, path.parent)

@@ -43,6 +43,24 @@ _ONCE = {
     "collision": ("origin", "geometry"),
 }
 
+# What is written as attributes of elements that hold nothing; and what each of them takes.
+ATTRIBUTES = {
+    "origin": ("xyz", "rpy", "quat_xyzw"),
+    "axis": ("xyz",),
+    "limit": ("lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"),
+    "mimic": ("joint", "multiplier", "offset"),
+    "parent": ("link",),
+    "child": ("link",),
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "sphere": ("radius",),
+    "capsule": ("radius", "length"),
+    "mesh": ("filename", "scale"),
+}
+
+# Names that are read somewhere in a URDF or an SDF, so that a body is elsewhere if they are passed over.
+READ_NAMES = {"geometry", "pose", "uri", *ATTRIBUTES, *(key for keys in ATTRIBUTES.values() for key in keys)}
+
 # Within links and joints, these hold elements of other programs.
 _FOREIGN = ("gazebo", "sensor", "plugin")
 
@@ -129,6 +147,9 @@ def _check_link(name: str, link: Element) -> None:
         _check_once(collision, owner)
         if collision.find("geometry") is None:
             raise PlannercheckError(f"{owner} has no <geometry>")
+        _check_empty(collision, owner)
+        for geometry in collision.iterfind("geometry"):
+            _check_empty(geometry, owner)
         _check_origin(collision, owner, (1, 0))
 
 
@@ -137,6 +158,20 @@ def _check_once(element: Element, owner: str) -> None:
     for tag in (tag for tag in _ONCE[str(element.tag)] if counts[tag] > 1):
         if len({ElementTree.tostring(part).strip() for part in element.iterfind(tag)}) > 1:
             raise PlannercheckError(f"{owner} has {counts[tag]} <{tag}> elements, of which one would be read: keep one")
+
+
+def _check_empty(holder: Element, owner: str) -> None:
+    """Raises for elements or text within an element that has attributes alone."""
+    for part in (part for part in holder if part.tag in ATTRIBUTES):
+        inner = [f"<{each.tag}>" for each in part if each.tag in READ_NAMES]
+        texts = (each.strip() for each in (part.text, *(each.tail for each in part)) if each)
+        found = [*inner, *(f"the text {shortened(text)!r}" for text in texts if text)]
+        if found:
+            keys = ", ".join(f"{key}=" for key in ATTRIBUTES[part.tag])
+            raise PlannercheckError(
+                f"the <{part.tag}> of {owner} holds {found[0]}, which is not read there: "
+                f"<{part.tag}> has the attributes {keys}, other elements stand beside it"
+            )
 
 
 def _check_origin(element: Element, owner: str, version: tuple[int, ...]) -> None:
@@ -165,6 +200,7 @@ def _check_quaternion(origin: Element, owner: str, version: tuple[int, ...]) -> 
 def _check_joint(name: str, joint: Element, version: tuple[int, ...]) -> None:
     owner = f"joint {shortened(name)!r}"
     _check_once(joint, owner)
+    _check_empty(joint, owner)
     kind = joint.get("type")
     if kind is None:
         raise PlannercheckError(f"{owner} has no type=")

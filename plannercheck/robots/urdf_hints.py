@@ -1,4 +1,4 @@
-"""Hints for probable mistakes in a URDF: degrees, missing limits, misspelt elements, shapes of other formats.
+"""Hints for probable mistakes in a URDF: degrees, missing or soft limits, misspelt elements, shapes of other formats.
 
 In: a URDF. Out: warnings that name the file, the element, the number and the likely mistake; for a file that does not
 parse, the elements that no URDF has. Verdicts do not depend on them.
@@ -15,6 +15,7 @@ from xml.etree.ElementTree import Element
 
 from plannercheck.common.errors import shortened
 from plannercheck.common.user_warnings import warn
+from plannercheck.robots.urdf_checks import ATTRIBUTES, READ_NAMES
 from plannercheck.robots.urdf_file import UrdfFile
 
 # An angle of more than a turn, with room for 6.28319, is no orientation that anyone writes in rad.
@@ -26,18 +27,12 @@ _LEAST_DEGREES, _MOST_DEGREES = 30.0, 720.0
 # What the format has; Bullet's files, for example, have capsules and spherical joints beside these.
 _JOINTS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
-# By element, the elements within it that decide where bodies are; and the attributes of these. Only what looks like one
-# of them is warned of: files hold much for other programs.
+# By element, the elements within it that decide where bodies are. Only what looks like one of them, or is read
+# elsewhere, is warned of: files hold much for other programs.
 _PARTS = {
     "link": ("inertial", "visual", "collision"),
     "joint": ("origin", "parent", "child", "axis", "limit", "mimic"),
     "collision": ("origin", "geometry"),
-}
-_ATTRIBUTES = {
-    "origin": ("xyz", "rpy", "quat_xyzw"),
-    "axis": ("xyz",),
-    "limit": ("lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"),
-    "mimic": ("joint", "multiplier", "offset"),
 }
 
 # From this ratio of difflib on, a name is taken for a misspelt one: "colision" and "Origin" are,
@@ -56,6 +51,11 @@ def warn_of_odd_numbers(file: UrdfFile) -> None:
     _warn(file.path, list(_unlimited(root)), "keep the joint at 0: give lower= and upper= in rad or m")
     _warn(file.path, list(_flat(root)), 'moves in its xy, though the default normal is x: write <axis xyz="0 0 1"/>')
     _warn(file.path, list(_unknown_parts(root)), "are not read")
+    _warn(
+        file.path,
+        list(_soft_limits(root)),
+        "are not read, though MoveIt keeps to them: write them as lower= and upper= of <limit> to do so",
+    )
 
 
 def foreign_joints(root: Element) -> str:
@@ -113,6 +113,18 @@ def _unlimited(root: Element) -> Iterator[str]:
             yield f"limits that are not given of joint {joint.get('name', '')!r}"
 
 
+def _soft_limits(root: Element) -> Iterator[str]:
+    """Soft limits of a <safety_controller> that are within the limits (MoveIt's jointBoundsFromURDF takes them)."""
+    for joint in (*root.iterfind("joint[@type='revolute']"), *root.iterfind("joint[@type='prismatic']")):
+        limit, soft = joint.find("limit"), joint.find("safety_controller")
+        if limit is None or soft is None or not {"soft_lower_limit", "soft_upper_limit"} <= soft.attrib.keys():
+            continue
+        inner = [_numbers(soft.get(f"soft_{side}_limit", ""))[0] for side in ("lower", "upper")]
+        outer = [_numbers(limit.get(side, ""))[0] for side in ("lower", "upper")]
+        if inner[0] > outer[0] or inner[1] < outer[1]:
+            yield f"soft limits {inner[0]:g} to {inner[1]:g} of joint {shortened(joint.get('name', ''))!r}"
+
+
 def _flat(root: Element) -> Iterator[str]:
     """Planar joints whose plane is not given."""
     for joint in root.iterfind("joint[@type='planar']"):
@@ -121,24 +133,27 @@ def _flat(root: Element) -> Iterator[str]:
 
 
 def _unknown_parts(root: Element) -> Iterator[str]:
-    """Misspelt elements and attributes of links, joints and collisions, and attributes that no reader knows."""
+    """Elements and attributes of links, joints and collisions that are misspelt or misplaced, as SDF's <pose> is."""
     for kind in ("link", "joint"):
         for owner in root.iterfind(kind):
+            name = f"{kind} {shortened(owner.get('name', ''))!r}"
             for outer in (owner, *owner.iterfind("collision")):
                 for part in outer:
-                    name = f"{kind} {shortened(owner.get('name', ''))!r}"
-                    if _is_misspelt(str(part.tag), _PARTS[str(outer.tag)]):
+                    if _is_strange(str(part.tag), _PARTS[str(outer.tag)]):
                         yield f"<{shortened(part.tag)}> of {name}"
-                    known = _ATTRIBUTES.get(str(part.tag))
-                    yield from (
-                        f"{shortened(key)}= in <{part.tag}> of {name}"
-                        for key in part.attrib
-                        if known and key not in known
-                    )
+                    for each in (part, *(part if outer.tag == "collision" and part.tag == "geometry" else ())):
+                        yield from (f"{shortened(key)}= in <{each.tag}> of {name}" for key in _unread(each))
 
 
-def _is_misspelt(tag: str, known: tuple[str, ...]) -> bool:
-    return tag not in known and bool(get_close_matches(tag.lower(), known, 1, _ALIKE))
+def _unread(part: Element) -> list[str]:
+    """Attributes that no reader knows; those of a <collision> and a <geometry> if they belong to others."""
+    known = ATTRIBUTES.get(str(part.tag), ())
+    holds = part.tag in ("collision", "geometry")
+    return [key for key in part.attrib if (known and key not in known) or (holds and key in READ_NAMES)]
+
+
+def _is_strange(tag: str, known: tuple[str, ...]) -> bool:
+    return tag not in known and (tag in READ_NAMES or bool(get_close_matches(tag.lower(), known, 1, _ALIKE)))
 
 
 def _numbers(text: str) -> list[float]:

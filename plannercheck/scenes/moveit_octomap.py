@@ -58,6 +58,5 @@ def _bytes(value: Any) -> bytes:
     numbers = np.array(value) if all(type(each) is int for each in value) else np.zeros(0)
     if value and not (numbers.size and numbers.min() >= -128 and numbers.max() <= 255):
         place = next(k for k, each in enumerate(value) if type(each) is not int or not -128 <= each <= 255)
-        cut = "; `ros2 topic echo` cuts lists short without --full-length" if value[place] == "..." else ""
-        raise PlannercheckError(f"'data' must be bytes, but entry {place} is {shortened(value[place])!r}{cut}")
+        raise PlannercheckError(f"'data' must be bytes, but entry {place} is {shortened(value[place])!r}")
     return numbers.astype(np.int64).astype(np.uint8).tobytes()

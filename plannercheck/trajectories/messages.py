@@ -28,6 +28,7 @@ from plannercheck.common.checked_yaml import (
     text,
 )
 from plannercheck.common.errors import PlannercheckError, shortened
+from plannercheck.common.unique_keys import object_of
 from plannercheck.scenes.moveit_messages import transform
 from plannercheck.trajectories.controllers import Points
 from plannercheck.trajectories.joint_columns import Joints, columns_of, moved_outside, without_followers
@@ -45,7 +46,7 @@ def read_document(path: Path) -> Node:
     if path.suffix.lower() in (".yaml", ".yml"):
         return mapping(parse_yaml(content), "it")
     try:
-        return mapping(json.loads(content), "it")
+        return mapping(json.loads(content, object_pairs_hook=object_of), "it")
     except (ValueError, RecursionError) as error:
         raise PlannercheckError(f"is no JSON: {error!s:.200}") from None
 

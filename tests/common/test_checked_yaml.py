@@ -1,18 +1,49 @@
-"""YAML files mean what PyYAML's own rules say, whatever other programs teach PyYAML."""
+"""YAML files mean what PyYAML's own rules say, whatever other programs teach PyYAML, but nothing in silence.
 
+Keys given twice are refused in files of every kind; what YAML 1.1 alone takes for a number is a text.
+"""
+
+import json
 import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
 
-from plannercheck.common.checked_yaml import parse_yaml
+import plannercheck as pc
+from plannercheck.common.checked_yaml import number, parse_yaml
+from plannercheck.common.unique_keys import object_of
+from plannercheck.coverings import plain_files
+from plannercheck.ompl.plans import Plan
+from plannercheck.trajectories.messages import read_document
+from plannercheck.validation.formats.paths import read_path
 
 
 @pytest.mark.parametrize(
-    "scalar", ["no", "ON", "~", "010", "0o10", "1_000", "1:30", "1e5", "1.0e+5", "2026-01-02", ".inf"]
+    "scalar",
+    [
+        "no",
+        "ON",
+        "~",
+        "0",
+        "-0",
+        "0.10",
+        "00.5",
+        "0x1F",
+        "0b11",
+        "0o10",
+        "1_000",
+        "-12",
+        "1e5",
+        "1.0e+5",
+        "2026-01-02",
+        ".inf",
+    ],
 )
 def test_scalars_are_those_of_yaml_1_1(scalar: str) -> None:
-    for text in (f"a: {scalar}", f"a: [1, {scalar}]", f"a: '{scalar}'", f"a: &x {scalar}\nb: *x", f"a: 1\na: {scalar}"):
+    for text in (f"a: {scalar}", f"a: [1, {scalar}]", f"a: '{scalar}'", f"a: &x {scalar}\nb: *x"):
         assert repr(parse_yaml(text)) == repr(yaml.safe_load(text)) == repr(parse_yaml(text.encode()))
 
 
@@ -27,3 +58,78 @@ def test_what_others_teach_another_loader_does_not_count(monkeypatch: pytest.Mon
     monkeypatch.setattr(yaml.SafeLoader, "yaml_implicit_resolvers", yaml.SafeLoader.yaml_implicit_resolvers | more)
     assert yaml.safe_load("a: 7e5") == {"a": 7e5}
     assert parse_yaml("a: 7e5") == {"a": "7e5"}
+
+
+@pytest.mark.parametrize("scalar", ["010", "-017", "0_7", "1:30", "-1:30:00", "190:20:30.15"])
+def test_octal_and_base_60_are_texts(scalar: str) -> None:
+    """Where a number is needed, yaml-cpp reads 010 as 10 and refuses the colons."""
+    value = parse_yaml(f"a: {scalar}")["a"]
+    assert value == scalar
+    if ":" in scalar:
+        with pytest.raises(pc.PlannercheckError, match=f"'a' must be a number, not '{scalar}'"):
+            number(value, "a")
+    else:
+        assert number(value, "a") == int(scalar.replace("_", ""), 10)
+
+
+@pytest.mark.parametrize(
+    ("document", "key", "lines"),
+    [
+        ("objects: []\nrobots: 1\nobjects: []", "objects", "1, 3"),
+        ("a:\n- b: {c: 1,\n    c: 1}", "c", "2, 3"),
+        ("a: {1: x, '1': y}", "1", "1, 1"),
+        ("a: &a {x: 1}\nb:\n  <<: *a\n  y: 1\n  y: 2", "y", "4, 5"),
+        ("a: &a\n  x: 1\n  x: 2\nb: {<<: [*a]}", "x", "2, 3"),
+    ],
+)
+def test_a_key_that_stands_twice_is_refused(document: str, key: str, lines: str) -> None:
+    for given in (document, document.encode()):
+        with pytest.raises(pc.PlannercheckError, match=f"^a mapping has the key '{key}' twice, on lines {lines}: "):
+            parse_yaml(given)
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
+        "a: &a {x: 1, y: 2}\nb: &b {<<: *a, x: 3}\nc: {<<: *b, x: 4, z: 5}\nd: {<<: [*b, *a]}\ne: *b",
+        "c: {<<: &b {<<: &a {x: 1}, x: 2}, x: 3}\nd: *b\ne: {<<: [*a, *b]}",
+    ],
+)
+def test_merged_keys_may_be_overridden(document: str) -> None:
+    assert parse_yaml(document) == yaml.safe_load(document)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "read"),
+    [
+        ("s.yaml", "objects: []\nobjects: []", pc.Scene.load),
+        ("r.yaml", "urdf: a.urdf\nheld: {j: 1, j: 2}", pc.Robot.load),
+        ("p.yaml", "points: []\npoints: []", lambda path: read_path(path, ("a",), 1)),
+        ("t.yaml", "points: []\npoints: []", read_document),
+        ("t.json", '{"points": [], "points": []}', read_document),
+        ("p.json", '{"path": [], "path": []}', lambda path: read_path(path, ("a",), 1)),
+        ("p.json", '{"path": [], "path": []}', Plan.load),
+        ("c.json", '{"links": {"a": [], "a": []}}', lambda path: plain_files.read(path, ("a",))),
+    ],
+)
+def test_readers_refuse_a_key_that_stands_twice(
+    tmp_path: Path, name: str, content: str, read: Callable[[Path], Any]
+) -> None:
+    (tmp_path / name).write_text(content)
+    with pytest.raises(pc.PlannercheckError, match=r"has the key '(objects|j|points|path|a)' twice.*: give it once"):
+        read(tmp_path / name)
+
+
+def test_objects_of_json_are_those_of_python() -> None:
+    content = '{"a": {"b": [1, {}]}, "c": null}'
+    assert json.loads(content, object_pairs_hook=object_of) == json.loads(content)
+
+
+def test_lists_that_echo_cut_short_are_refused() -> None:
+    assert parse_yaml("a: ['...', x]\nb: '...'") == {"a": ["...", "x"], "b": "..."}
+    for entry in ("1.5", "{x: 1, y: 2}", "text"):
+        message = (
+            "list on line 2 ends in '...' after 128 entries: `ros2 topic echo` cuts lists short without --full-length"
+        )
+        with pytest.raises(pc.PlannercheckError, match=message):
+            parse_yaml("a:\n" + f"- {entry}\n" * 128 + "- '...'\n---\n")

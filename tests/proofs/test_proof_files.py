@@ -142,12 +142,12 @@ def test_a_key_that_stands_twice_is_an_error(proofs, tmp_path):
     path = tmp_path / "twice.json"
     proofs[0].save(path)
     path.write_text(path.read_text().replace('"margin":', '"margin":9.0,"margin":', 1))
-    with pytest.raises(pc.PlannercheckError, match="same key twice"):
+    with pytest.raises(pc.PlannercheckError, match="an object has the key 'margin' twice"):
         load_proofs(path)
     text = path.read_text()
     with (tmp_path / "twice.npz").open("wb") as file:
         np.savez(file, document=np.array(text))
-    with pytest.raises(pc.PlannercheckError, match="same key twice"):
+    with pytest.raises(pc.PlannercheckError, match="an object has the key 'margin' twice"):
         load_proofs(tmp_path / "twice.npz")
 
 

@@ -157,7 +157,7 @@ def test_equal_robots_are_read_once(files, monkeypatch):
         ("robots: {a: {load: panda}}\nfloating: true", "unknown key 'floating'"),
         ("robots: {a/b: {load: panda}}", "without slashes.*'a/b'"),
         ("robots: {all: {load: panda}}", "not 'all'"),
-        ("robots: {a: {load: panda}, a: {load: ur5}}", "'robots' has the name 'a' twice"),
+        ("robots: {a: {load: panda}, a: {load: ur5}}", "a mapping has the key 'a' twice, on lines 1, 1"),
         ("robots: {a: {load: panda}, b: {load: ur5}}", "'a', 'b' of a cell have no pose"),
         ("robots: {a: {load: panda}, b: {load: ur5, pose: 1}}", "robot 'b': pose must be a mapping"),
         ("robots: {a: {load: panda, pose: {x: 1}}}", "robot 'a': pose: unknown key 'x'"),

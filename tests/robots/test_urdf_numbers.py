@@ -218,6 +218,19 @@ def test_an_absurdly_long_type_is_cut_in_the_error(tmp_path):
         ("<collision>", '<collision><origin xyz="0 0 1"/><origin xyz="0 0 2"/>', "has 2 <origin> elements"),
         ("<geometry>", "<geometry><sphere radius='1'/></geometry><geometry>", "has 2 <geometry> elements"),
         (BOX, "<collision/>", "a <collision> of link 'a' has no <geometry>"),
+        ('<axis xyz="0 0 1"/>', '<origin><axis xyz="0 0 1"/></origin>', "the <origin> of joint 'j' holds <axis>"),
+        (LIMIT, LIMIT.replace("/>", '><mimic joint="i"/></limit>'), "the <limit> of joint 'j' holds <mimic>"),
+        ('<parent link="a"/>', '<parent link="a"><origin/></parent>', "the <parent> of joint 'j' holds <origin>"),
+        ('<axis xyz="0 0 1"/>', "<axis><xyz>0 0 1</xyz></axis>", "the <axis> of joint 'j' holds <xyz>"),
+        ("<axis", "<origin>0 0 1</origin><axis", "the <origin> of joint 'j' holds the text '0 0 1'"),
+        ("<collision>", "<collision><origin>0 0 1</origin>", "a <collision> of link 'a' holds the text '0 0 1'"),
+        (
+            'size="0.2 0.2 0.2"/>',
+            'size="1 1 1"><origin/></box>',
+            "the <box> of a <collision> of link 'a' holds <origin>",
+        ),
+        ('<box size="0.2 0.2 0.2"/>', '<mesh filename="b"><scale>1 1 1</scale></mesh>', "link 'a' holds <scale>"),
+        ('<box size="0.2 0.2 0.2"/>', "<mesh><uri>b.stl</uri></mesh>", "<mesh> has the attributes filename=, scale="),
     ],
 )
 def test_links_and_joints_are_a_tree_of_whole_elements(tmp_path, old, new, words):
@@ -236,6 +249,22 @@ def test_elements_that_say_the_same_twice_say_nothing_else(tmp_path):
         ("<collision>", "<colision>", "<colision> of link 'a' are not read"),
         ("<axis ", "<Axis ", "<Axis> of joint 'j' are not read"),
         ('<axis xyz="0 0 1"', '<axis xyz="0 0 1" xzy="1 0 0"', "xzy= in <axis> of joint 'j' are not read"),
+        ("<collision>", "<collision><pose>0 0 1 0 0 0</pose>", "<pose> of link 'a' are not read"),
+        ("<axis ", "<pose>0 0 1 0 0 0</pose><axis ", "<pose> of joint 'j' are not read"),
+        ('<link name="a">', '<link name="a"><origin xyz="0 0 1"/>', "<origin> of link 'a' are not read"),
+        ("<collision>", '<collision xyz="0 0 1">', "xyz= in <collision> of link 'a' are not read"),
+        ("<geometry>", '<geometry size="1 1 1">', "size= in <geometry> of link 'a' are not read"),
+        ("<box ", '<box scale="2 2 2" ', "scale= in <box> of link 'a' are not read"),
+        (
+            '<box size="0.2 0.2 0.2"',
+            '<sphere diameter="3" radius="1"',
+            "diameter= in <sphere> of link 'a' are not read",
+        ),
+        (
+            LIMIT,
+            LIMIT + '<safety_controller k_velocity="1" soft_lower_limit="-0.5" soft_upper_limit="2"/>',
+            "soft limits -0.5 to 2 of joint 'j' are not read",
+        ),
     ],
 )
 def test_what_is_misspelt_is_warned_of(tmp_path, old, new, words):
@@ -243,6 +272,14 @@ def test_what_is_misspelt_is_warned_of(tmp_path, old, new, words):
     text = text.replace("</collision>", "</colision>", 1) if "colision" in new else text
     with pytest.warns(RuntimeWarning, match=re.escape(words)):
         pc.Robot.from_urdf(_written(tmp_path, text))
+
+
+def test_what_other_programs_add_is_passed_over(tmp_path):
+    """Names of geometries, masks of Bullet, materials of collisions, soft limits beyond the limits."""
+    text = urdf().replace("<collision>", '<collision name="c" group="1" mask="2"><material name="m"/>')
+    text = text.replace("<geometry>", '<geometry name="g">').replace('0.2"/>', '0.2"><verbose value="yes"/></box>')
+    soft = '<safety_controller k_velocity="1" soft_lower_limit="-1" soft_upper_limit="2"/>'
+    assert load(tmp_path, text.replace(LIMIT, LIMIT + soft)).nq == 1
 
 
 # ---- what decides no verdict stands in nobody's way

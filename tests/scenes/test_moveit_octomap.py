@@ -183,7 +183,6 @@ def test_a_saved_scene_has_it_and_moveits_text_has_not(tmp_path: Path) -> None:
         ({"binary": "yes"}, "'binary' must be true or false"),
         ({"binary": False}, "its tree"),
         ({"data": signed(binary_data(CELLS))[:-2]}, "its tree is cut short"),
-        ({"data": [1, 2, "..."]}, r"entry 2 is '\.\.\.'; `ros2 topic echo` cuts lists short without --full-length"),
         ({"data": [0, 300]}, "'data' must be bytes, but entry 1 is '300'"),
         ({"data": [0, 1.5]}, "'data' must be bytes, but entry 1 is '1.5'"),
         ({"data": "AAAA"}, "'data' must be a list of bytes"),

@@ -30,6 +30,7 @@ from plannercheck.common.checked_yaml import check_keys, error_context, mapping,
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.motion_paths import MotionPath, check_path
+from plannercheck.common.unique_keys import object_of
 from plannercheck.robots.configurations import ConfigurationMap
 from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.robot import Robot
@@ -195,7 +196,7 @@ def _document(path: Path) -> Any:
     if path.suffix.lower() != ".json":
         return parse_yaml(content)
     try:
-        return json.loads(content)
+        return json.loads(content, object_pairs_hook=object_of)
     except ValueError as error:
         raise PlannercheckError(f"is no JSON: {kind_of(path) or error}") from None
     except RecursionError:

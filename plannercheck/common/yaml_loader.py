@@ -1,0 +1,59 @@
+"""The loader of YAML files: PyYAML's, which refuses what it would read otherwise than the file's writer meant.
+
+In: YAML text. Out: plain Python values. A key that stands twice in a mapping is refused (YAML 1.2, 3.2.1.3: keys are
+unique); a key beside `<<` may stand in the merged mapping as well, and counts. `010` and `1:30` are texts, not 8 and
+90: MoveIt's yaml-cpp reads 10 where it needs a number, and refuses `1:30`.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import yaml
+
+from plannercheck.common.errors import PlannercheckError, shortened
+from plannercheck.common.input_limits import YAML_LOADER
+from plannercheck.common.unique_keys import key_given_twice
+
+_NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+_NO_NUMBER = "(?![^:]*:|[-+]?0[0-7_]+$)"
+
+# What `ros2 topic echo` writes in place of a list's entries after the 128th.
+_CUT = "..."
+
+
+class YamlLoader(YAML_LOADER):  # type: ignore[misc]  # which of two PyYAML has depends on the platform
+    """PyYAML's safe loader with unique keys, without octal and base 60, and without lists that were cut short."""
+
+    yaml_implicit_resolvers = {  # noqa: RUF012  # of PyYAML
+        first: [
+            (tag, re.compile(_NO_NUMBER + known.pattern, known.flags) if tag in _NUMBERS else known)
+            for tag, known in resolvers
+        ]
+        for first, resolvers in YAML_LOADER.yaml_implicit_resolvers.items()
+    }
+
+    def __init__(self, text: bytes | str) -> None:
+        super().__init__(text)
+        self._flattened: set[yaml.Node] = set()
+
+    def flatten_mapping(self, node: yaml.MappingNode) -> None:
+        """Puts merged keys into a mapping, once: PyYAML comes again for each mapping that merges this one."""
+        if node in self._flattened:
+            return
+        self._flattened.add(node)
+        twice = key_given_twice([key.value for key, _ in node.value if type(key.value) is str])
+        if twice is not None:
+            lines = ", ".join(str(key.start_mark.line + 1) for key, _ in node.value if key.value == twice)
+            raise PlannercheckError(f"a mapping has the key {shortened(twice)!r} twice, on lines {lines}: give it once")
+        super().flatten_mapping(node)
+
+    def construct_sequence(self, node: yaml.SequenceNode, deep: bool = False) -> list[Any]:
+        """The list of a sequence that is whole."""
+        if node.value and node.value[-1].value == _CUT:
+            raise PlannercheckError(
+                f"the list on line {node.start_mark.line + 1} ends in '...' after {len(node.value) - 1} entries:"
+                " `ros2 topic echo` cuts lists short without --full-length"
+            )
+        return super().construct_sequence(node, deep)  # type: ignore[no-any-return]
