@@ -75,9 +75,7 @@ def test_csv_by_arrow(tmp_path, monkeypatch, separator):
     assert called
     for bad in ("1,2", "1,,3", "1,2,x", "1,2,NA", '"1",2,3'):
         (tmp_path / "q.csv").write_text("1,2,3\n1,2,3\n" + bad)
-        with pytest.raises(
-            PlannercheckError, match=r"row 2 must have 3 numbers(, without quotes)?, not|are no table of numbers"
-        ):
+        with pytest.raises(PlannercheckError, match=r"row 2 must have 3 numbers|are no table of numbers"):
             read(tmp_path / "q.csv")
 
 

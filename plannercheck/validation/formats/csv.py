@@ -99,10 +99,8 @@ def _parsed(lines: list[str], separator: str | None, first_row: int, width: int)
         fields = _fields(line, separator)
         is_quoted = '"' in line
         if len(fields) != width or not _is_row(fields) or is_quoted:
-            shown = line.strip()[:60]
-            raise PlannercheckError(
-                f"row {first_row + k} must have {width} numbers{', without quotes' * is_quoted}, not {shown!r}"
-            )
+            shown, wanted = line.strip()[:60], f"{width} numbers{', without quotes' * is_quoted}"
+            raise PlannercheckError(f"row {first_row + k} must have {wanted}, not {shown!r}")
     raise PlannercheckError(f"rows from {first_row} on are no table of numbers")
 
 

@@ -184,10 +184,9 @@ def _check_texts(path: Path, archive: zipfile.ZipFile, columns: Columns) -> None
             with archive.open(member) as stream:
                 shape, _, dtype = _header(cast(BinaryIO, stream))
             if dtype.kind in "US" and shape == (len(columns.names),):
+                name = member.removesuffix(".npy")
                 with np.load(path, allow_pickle=False) as arrays:
-                    check_unread_names(
-                        member.removesuffix(".npy"), arrays[member.removesuffix(".npy")].tolist(), columns
-                    )
+                    check_unread_names(name, arrays[name].tolist(), columns)
 
 
 def _all(names: list[str]) -> Columns:
