@@ -15,6 +15,7 @@ import tokenize
 import zipfile
 import zlib
 from collections.abc import Collection
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -82,10 +83,11 @@ def read_bytes(path: Path) -> bytes:
         raise PlannercheckError(f"can't be read: {error.strerror or error}") from None
 
 
-def parse_yaml(text: bytes | str) -> Node:
+def parse_yaml(text: bytes | str, as_written: str | None = None) -> Node:
     """Parses a YAML document whose top level maps keys to values.
 
-    Dashes at the end belong to the one document before them: `ros2 topic echo` ends each message so.
+    Dashes at the end belong to the one document before them: `ros2 topic echo` ends each message so. The scalars of
+    mappings under the key `as_written`, wherever it stands, are texts as the file has them.
     """
     text = _without_last_dashes(text)
     check_yaml(text)
@@ -93,7 +95,7 @@ def parse_yaml(text: bytes | str) -> Node:
     if kind and text.strip():
         raise PlannercheckError(f"no valid YAML: {kind}")
     try:
-        document = yaml.load(text, Loader=YamlLoader)  # a safe one
+        document = yaml.load(text, Loader=partial(YamlLoader, as_written=as_written))  # type: ignore[arg-type]  # a safe one
     except PlannercheckError:
         raise
     except (yaml.YAMLError, UnicodeDecodeError, ValueError) as error:  # the last of numbers and dates that are none

@@ -17,6 +17,7 @@ from plannercheck.common.input_limits import YAML_LOADER
 from plannercheck.common.unique_keys import key_given_twice
 
 _NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+_TEXT, _NULL = "tag:yaml.org,2002:str", "tag:yaml.org,2002:null"
 _NO_NUMBER = "(?![^:]*:|[-+]?0[0-7_]+$)"
 
 # What `ros2 topic echo` writes in place of a list's entries after the 128th.
@@ -34,9 +35,10 @@ class YamlLoader(YAML_LOADER):  # type: ignore[misc]  # which of two PyYAML has 
         for first, resolvers in YAML_LOADER.yaml_implicit_resolvers.items()
     }
 
-    def __init__(self, text: bytes | str) -> None:
+    def __init__(self, text: bytes | str, as_written: str | None = None) -> None:
         super().__init__(text)
         self._flattened: set[yaml.Node] = set()
+        self._as_written = as_written
 
     def flatten_mapping(self, node: yaml.MappingNode) -> None:
         """Puts merged keys into a mapping, once: PyYAML comes again for each mapping that merges this one."""
@@ -48,6 +50,16 @@ class YamlLoader(YAML_LOADER):  # type: ignore[misc]  # which of two PyYAML has 
             lines = ", ".join(str(key.start_mark.line + 1) for key, _ in node.value if key.value == twice)
             raise PlannercheckError(f"a mapping has the key {shortened(twice)!r} twice, on lines {lines}: give it once")
         super().flatten_mapping(node)
+        for key, value in node.value if self._as_written else ():
+            if key.value == self._as_written and isinstance(value, yaml.MappingNode):
+                self._keep_texts(value)
+
+    def _keep_texts(self, node: yaml.MappingNode) -> None:
+        """Makes the scalars in a mapping texts as they are written: 1.10 is not 1.1, and on is not true."""
+        self.flatten_mapping(node)
+        for _, value in node.value:
+            if isinstance(value, yaml.ScalarNode) and value.tag != _NULL:
+                value.tag = _TEXT
 
     def construct_sequence(self, node: yaml.SequenceNode, deep: bool = False) -> list[Any]:
         """The list of a sequence that is whole."""

@@ -217,7 +217,7 @@ def description_of(name_or_path: str | Path | RobotDescription, above: tuple[Pat
 
 def read_description(path: Path, above: tuple[Path, ...] = ()) -> RobotDescription:
     """Reads a robot's YAML file, or a cell's; the cells that load it are `above`, the outermost first."""
-    content = parse_yaml(read_bytes(path))
+    content = parse_yaml(read_bytes(path), as_written="xacro_args")
     if "objects" in content:
         raise PlannercheckError("is a scene, not a robot")
     if "robots" in content:
@@ -276,8 +276,10 @@ def _fields(content: Node, folder: Path) -> dict[str, Any]:
         names = sequence(content["package_dirs"], "package_dirs")
         fields["package_dirs"] = tuple(folder / text(name, "package_dirs") for name in names)
     if "xacro_args" in content:
-        given = mapping(content["xacro_args"], "xacro_args")
-        fields["xacro_args"] = {key: str(value) for key, value in given.items()}
+        fields["xacro_args"] = mapping(content["xacro_args"], "xacro_args")
+        for key, value in fields["xacro_args"].items():
+            if not isinstance(value, str):
+                raise PlannercheckError(f"xacro_args: {key!r} must be a text (of nothing: ''), not {value!r:.60}")
     if "floating" in content:
         fields["floating"] = _switch(content["floating"])
     if "group" in content:

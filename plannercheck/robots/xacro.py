@@ -15,6 +15,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.isolated_process import run_isolated
 from plannercheck.common.optional_imports import extra_module
 from plannercheck.common.package_data import is_file
+from plannercheck.common.user_warnings import warn
 
 XACRO_SUFFIX = ".xacro"
 
@@ -40,7 +41,7 @@ def xacro_hint(path: Path) -> str:
 def expanded(path: Path, arguments: Mapping[str, str], folders: Sequence[Path]) -> str:
     """The text of the URDF that a xacro file stands for, with its <xacro:arg>s by name.
 
-    Its packages are searched in the folders first.
+    Its packages are searched in the folders first. What xacro warns of is one warning.
 
     Raises:
         PlannercheckError: If it can't be expanded; the message is xacro's.
@@ -53,7 +54,9 @@ def expanded(path: Path, arguments: Mapping[str, str], folders: Sequence[Path]) 
         ran = run_isolated("plannercheck.robots.xacro_worker", [str(path.absolute())], task.encode(), _TIME_LIMIT)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise PlannercheckError(f"xacro {path} can't be expanded: {error}") from None
+    said = " ".join(ran.stderr.decode(errors="replace").split())
     if ran.returncode:
-        reason = " ".join(ran.stderr.decode(errors="replace").split())
-        raise PlannercheckError(f"xacro {path} can't be expanded: {reason:.600}")
+        raise PlannercheckError(f"xacro {path} can't be expanded: {said:.600}")
+    if said:
+        warn(f"xacro {path}: {said:.600}")
     return ran.stdout.decode()

@@ -1,7 +1,8 @@
 """Expands a xacro file: `python -m plannercheck.robots.xacro_worker FILE`, arguments and folders as JSON on stdin.
 
-Out: the URDF on standard output, or xacro's message on the error stream and exit code 1. An argument that the file does
-not declare is an error: xacro itself ignores it.
+Out: the URDF on standard output and xacro's warnings on the error stream, or its message there and exit code 1. An
+argument that the file does not declare is an error, and an element of xacro without "xacro:" gets a warning: xacro
+itself ignores both.
 """
 
 from __future__ import annotations
@@ -12,12 +13,18 @@ import re
 import sys
 from contextlib import redirect_stdout
 from pathlib import Path
+from typing import Any
 
 from plannercheck.common.errors import unknown_name
 from plannercheck.common.package_files import folders_above, package_folder, where_sought
 
 # xacro puts the Python class of an error before its message.
 _CLASS = re.compile(r"<class '[\w.]+'>: ")
+
+# Elements of xacro, which it read without "xacro:" until ROS Jade, and elements of URDFs, whose names macros may have.
+_ELEMENTS = {"include", "property", "macro", "if", "unless", "insert_block", "arg"}
+_OF_URDFS = {"link", "joint", "material", "transmission", "gazebo", "sensor", "ros2_control", "inertial", "visual"}
+_OF_URDFS |= {"collision", "origin", "parent", "child", "axis", "limit", "mimic", "dynamics", "safety_controller"}
 
 
 class Arguments(dict[str, str]):
@@ -54,9 +61,17 @@ def main(file: str) -> int:
     substitution_args._eval_find = find
     substitution_args._eval_dict["find"] = find
     arguments = Arguments(task["arguments"])
+    macros, grab_macro = set(), xacro.grab_macro
+
+    def grab_named_macro(element: Any, table: Any) -> None:
+        macros.add(element.getAttribute("name"))
+        grab_macro(element, table)
+
+    xacro.grab_macro = grab_named_macro
     try:
         with redirect_stdout(io.StringIO()):
-            text = xacro.process_file(file, mappings=arguments).toxml()
+            document = xacro.process_file(file, mappings=arguments)
+            text = document.toxml()
     except Exception as error:  # xacro raises what its files' expressions raise
         print(_CLASS.sub("", str(error) or repr(error)), file=sys.stderr)
         return 1
@@ -64,8 +79,17 @@ def main(file: str) -> int:
     if unused:
         print(unknown_name("xacro argument", unused[0], sorted(arguments.asked)), file=sys.stderr)
         return 1
+    for tag in sorted(_tags(document.documentElement) & (_ELEMENTS | macros - _OF_URDFS)):
+        print(f"<{tag}> is passed over: write <xacro:{tag}>", file=sys.stderr)
     sys.stdout.buffer.write(text.encode())
     return 0
+
+
+def _tags(root: Any) -> set[str]:
+    """The tags of a robot's elements, and of those within links and joints."""
+    parts = [part for part in root.childNodes if part.nodeType == part.ELEMENT_NODE]
+    inner = [each for part in parts if part.tagName in ("link", "joint") for each in part.childNodes]
+    return {part.tagName for part in (*parts, *inner) if part.nodeType == part.ELEMENT_NODE}
 
 
 if __name__ == "__main__":

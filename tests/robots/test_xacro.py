@@ -2,6 +2,7 @@
 
 import os
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 import plannercheck as pc
 from plannercheck.bodies.shapes import Box
 from plannercheck.cli.main import main
+from plannercheck.robots.description import read_description
 
 ARM = """<?xml version="1.0"?>
 <robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
@@ -58,6 +60,20 @@ def test_a_yaml_gives_arguments(arm, tmp_path):
     path = tmp_path / "robot" / "arm.yaml"
     path.write_text("urdf: arm.urdf.xacro\npackage_dirs: [../ws]\nxacro_args: {size: 0.25}\n")
     assert size_of(pc.Robot.load(path)) == 0.25
+
+
+def test_arguments_in_a_yaml_are_those_that_are_written(tmp_path):
+    path = tmp_path / "arm.yaml"
+    for written in ("1.10", "on", "true", "007", "0x10", "1e3", "1_000", "2024-01-02", "'~'", "''", "a b"):
+        for args in (f"{{a: {written}}}", f"{{<<: {{a: {written}}}}}"):
+            path.write_text(f"urdf: arm.urdf.xacro\nxacro_args: {args}\n")
+            assert read_description(path).xacro_args == {"a": written.strip("'")}
+    path.write_text("robots: {left: {load: panda, xacro_args: {a: 1.10}}}\n")
+    assert read_description(path).robots["left"].description.xacro_args == {"a": "1.10"}
+    for written in ("", "~", "null", "[1]", "{b: 1}"):
+        path.write_text(f"urdf: arm.urdf.xacro\nxacro_args: {{a: {written}}}\n")
+        with pytest.raises(pc.PlannercheckError, match=r"xacro_args: 'a' must be a text \(of nothing: ''\), not "):
+            read_description(path)
 
 
 def test_the_command_line_gives_arguments(arm, tmp_path, capsys):
@@ -148,3 +164,26 @@ def test_messages_are_without_pythons_classes(arm):
     with pytest.raises(pc.PlannercheckError, match=r"can't be expanded: package 'parts' is not found") as found:
         pc.Robot.from_urdf(arm)
     assert "<class" not in str(found.value)
+
+
+@pytest.mark.parametrize(
+    ("added", "said"),
+    [
+        ('<xacro:include filename="no*.xacro"/>', 'no*.xacro" matched no files'),
+        ('<xacro:property name="pi" value="3"/>', "warning: redefining global symbol: pi"),
+        ('<include filename="block.xacro"/>', "<include> is passed over: write <xacro:include>"),
+        ('<block name="c" size="1"/>', "<block> is passed over: write <xacro:block>"),
+        ('<link name="a"><block/></link>', "<block> is passed over"),
+        ('<gazebo><include filename="x"/></gazebo><xacro:macro name="joint" params=""/>', None),
+    ],
+)
+def test_what_xacro_passes_over_is_one_warning(arm, tmp_path, added, said):
+    text = ARM.replace("<joint", f"{added}<joint", 1)
+    text = text.replace('<xacro:block name="a" size="$(arg size)"/>', "") if "<link" in added else text
+    arm.write_text(text)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        pc.Robot.from_urdf(arm, package_dirs=tmp_path / "ws")
+    found = [str(each.message) for each in caught if "xacro " in str(each.message)]
+    assert len(found) == (said is not None), found
+    assert said is None or (said in found[0] and "arm.urdf.xacro" in found[0]), found
