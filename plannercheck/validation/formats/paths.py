@@ -95,7 +95,7 @@ def read_path(
             blocks = [chunk.rows for chunk in read_chunks(path, joint_names, width)]
             found = PathFile(_table(blocks, width), {})
         elif path.suffix.lower() in (".json", ".yaml", ".yml"):
-            found = _from_document(_document(path), NamedJoints("the group", tuple(joint_names), mimics or {}), width)
+            found = _from_document(_document(path), NamedJoints("the group", tuple(joint_names), mimics), width)
         else:
             _check_text(path)
             found = PathFile(_from_text(read_bytes(path).decode("utf-8", "replace"), width), {})
