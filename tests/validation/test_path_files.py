@@ -155,6 +155,11 @@ SUFFIXES = ("json", "yaml", "npy", "npz", "csv", "txt")
         ("a.json", "3", "must hold"),
         ("a.json", "{}", "holds no 'path'"),
         ("a.json", "[]", "no states"),
+        *(
+            ("a.json", json.dumps({"path": [[1, 2, 3]], key: value}), f"unknown key '{key}'")
+            for key, value in (("joints", list("cab")), ("joint_name", list("cab")), ("units", "deg"))
+        ),
+        ("a.txt", "1_0 2 3\n", "no table of numbers"),
         ("a.json", '[[1, 2, "x"]]', "no table of numbers"),
         ("a.json", "[[1, 2, 3], [1, NaN, 3]]", "state 1 is not finite"),
         ("a.yaml", yaml.safe_dump(trajectory(("a", "b"), [(1, 2)])), "has no joint 'c'"),
