@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
+from typing import TypeAlias
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -18,6 +19,9 @@ from plannercheck.bodies.mesh_poses import composed, transformed
 from plannercheck.bodies.text_numbers import floats_of
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, shortened
+
+# A file's elements by kind and id: elements of different kinds may share an id in files that are met.
+Named: TypeAlias = dict[tuple[str, str], list[Element]]
 
 # Most nodes and instances: a few instances of instances would fill any memory.
 _MOST_NODES = 100_000
@@ -70,7 +74,9 @@ def objects_of_collada(content: bytes) -> tuple[list[RawObject], ColladaAxes]:
     """
     root = _root(content)
     axes = _axes(root)
-    known = {id_of(each): each for each in root.iter() if id_of(each)}
+    known: Named = {}
+    for each in filter(id_of, root.iter()):
+        known.setdefault((tag(each), id_of(each)), []).append(each)
     scene = _scene(root, known)
     geometries: dict[str, Geometry] = {}
     found, count = [], 0
@@ -139,22 +145,23 @@ def _of_asset(element: Element, outer: ColladaAxes) -> tuple[tuple[str, float], 
     return unit, up
 
 
-def _scene(root: Element, known: dict[str, Element]) -> Element:
+def _scene(root: Element, known: Named) -> Element:
     instances = [each for scene in children(root, "scene") for each in children(scene, "instance_visual_scene")]
     if len(instances) != 1:
         raise PlannercheckError(f"must have one <instance_visual_scene> in its <scene>, not {len(instances)}")
     return _target(instances[0], known, "visual_scene")
 
 
-def _target(instance: Element, known: dict[str, Element], kind: str) -> Element:
+def _target(instance: Element, known: Named, kind: str) -> Element:
     """The element that an instance names."""
     url = instance.get("url", "")
     if not url.startswith("#"):
         raise PlannercheckError(f"<{tag(instance)}> names {shortened(url)!r}: only parts of the file are read (#...)")
-    target = known.get(url[1:])
-    if target is None or tag(target) != kind:
-        raise PlannercheckError(f"<{tag(instance)}> names {shortened(url)!r}, but the file has no such <{kind}>")
-    return target
+    targets = known.get((kind, url[1:]), [])
+    if len(targets) != 1:
+        count = f"{len(targets)} <{kind}> of this id: make ids unique" if targets else f"no such <{kind}>"
+        raise PlannercheckError(f"<{tag(instance)}> names {shortened(url)!r}, but the file has {count}")
+    return targets[0]
 
 
 def _nodes(element: Element) -> list[Element]:
@@ -163,7 +170,7 @@ def _nodes(element: Element) -> list[Element]:
 
 
 def _instance(
-    each: Element, node: Element, pose: Floats, known: dict[str, Element], geometries: dict[str, Geometry]
+    each: Element, node: Element, pose: Floats, known: Named, geometries: dict[str, Geometry]
 ) -> list[RawObject]:
     """The object of one instance; none for a geometry of lines alone."""
     target = _target(each, known, "geometry")

@@ -62,7 +62,6 @@ def geometry_of(geometry: Element) -> Geometry:
 
 
 def _mesh(mesh: Element) -> Geometry:
-    sources = {id_of(each): each for each in mesh if id_of(each)}
     places: dict[str, Floats] = {}
     points, triangles, count = [], [], 0
     for each in mesh:
@@ -73,7 +72,7 @@ def _mesh(mesh: Element) -> Geometry:
             continue
         offset, stride, vertices = _vertex_input(each)
         if vertices not in places:
-            places[vertices] = _points(sources, vertices)
+            places[vertices] = _points(mesh, vertices)
         found = _triangles(each, kind, offset, stride, places[vertices])
         points.append(places[vertices])
         triangles.append(found + count)
@@ -101,13 +100,13 @@ def _vertex_input(primitive: Element) -> tuple[int, int, str]:
     return _number(vertices[0], "offset"), max(offsets) + 1, vertices[0].get("source", "")
 
 
-def _points(sources: dict[str, Element], name: str) -> Floats:
+def _points(mesh: Element, name: str) -> Floats:
     """The places (n, 3) of <vertices>."""
-    vertices = _source(sources, name, "vertices")
+    vertices = _source(mesh, name, "vertices")
     inputs = [each for each in children(vertices, "input") if each.get("semantic") == "POSITION"]
     if len(inputs) != 1:
         raise PlannercheckError(f"has <vertices> with {len(inputs)} inputs POSITION: there must be one")
-    source = _source(sources, inputs[0].get("source", ""), "source")
+    source = _source(mesh, inputs[0].get("source", ""), "source")
     arrays = children(source, "float_array")
     accessors = [each for part in children(source, "technique_common") for each in children(part, "accessor")]
     if len(arrays) != 1 or len(accessors) != 1:
@@ -124,11 +123,12 @@ def _points(sources: dict[str, Element], name: str) -> Floats:
     return _accessed(accessors[0], numbers)
 
 
-def _source(sources: dict[str, Element], url: str, kind: str) -> Element:
-    found = sources.get(url[1:]) if url.startswith("#") else None
-    if found is None or tag(found) != kind:
-        raise PlannercheckError(f"names {shortened(url)!r}, but has no such <{kind}>")
-    return found
+def _source(mesh: Element, url: str, kind: str) -> Element:
+    found = [each for each in children(mesh, kind) if id_of(each) and url == f"#{id_of(each)}"]
+    if len(found) != 1:
+        count = f"{len(found)} <{kind}> of this id: make ids unique" if found else f"no such <{kind}>"
+        raise PlannercheckError(f"names {shortened(url)!r}, but has {count}")
+    return found[0]
 
 
 def _accessed(accessor: Element, numbers: Floats) -> Floats:

@@ -34,7 +34,7 @@ def floats_of_words(words: Sequence[bytes]) -> Floats | None:
 
 def integers_of(text: bytes) -> Ints64 | None:
     """The whole numbers of a text, (n,); None if one of its words is none, or takes more than 18 digits."""
-    if text.translate(None, _OF_INTEGERS):
+    if text.translate(None, _OF_INTEGERS) or text.rstrip().endswith((b"+", b"-")):  # NumPy reads 0 from a last sign
         return None
     numbers = _parsed(text, len(text.split()), np.int64)
     if numbers is None:

@@ -19,7 +19,7 @@ def place_objects(robot: Robot, scene: Scene) -> None:
 
     Raises:
         PlannercheckError: If a frame is unknown, if the state does not say where it is, or if the robot has a link with
-            the name of a frame that is no link in the file.
+            the name of an obstacle, or of a frame that is no link in the file.
     """
     _check_planning_frame(robot, scene)
     items = (*scene.objects, *scene.attached)
@@ -29,7 +29,18 @@ def place_objects(robot: Robot, scene: Scene) -> None:
                 f"object {item.name!r}: frame {item.frame!r} is one of the scene's, but also a link of "
                 f"{robot.name!r}, which MoveIt would take: rename one of them"
             )
+    _check_names(robot, scene)
     scene.placed(placed(robot, [item for item in items if item.pose_frame is not None]))
+
+
+def _check_names(robot: Robot, scene: Scene) -> None:
+    """Raises if an obstacle has the name of a link; what moves is a link itself, whose name its clock has checked."""
+    for item in scene.objects:
+        if item.moving is None and item.name in robot.link_names:
+            raise PlannercheckError(
+                f"object {item.name!r} has the name of a link of {robot.name!r}, so what the scene allows the link "
+                "would hold for the object: rename the object"
+            )
 
 
 def _check_planning_frame(robot: Robot, scene: Scene) -> None:

@@ -20,6 +20,9 @@ Numbers = TypeVar("Numbers", float, Floats)
 TURN = 2 * math.pi
 _TURN_REST = 2.4492935982947064e-16
 
+# An angle of more than a turn, with room for 6.28319, is no orientation that anyone writes in rad.
+LARGEST_USUAL_ANGLE = TURN + 0.01
+
 # Veltkamp's factor, which cuts a double into two of 26 bits; and the two of TURN.
 _SPLITTER = 2.0**27 + 1
 _TURN_HIGH = _SPLITTER * TURN - (_SPLITTER * TURN - TURN)

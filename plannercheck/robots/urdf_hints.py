@@ -6,20 +6,17 @@ parse, the elements that no URDF has. Verdicts do not depend on them.
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Iterator
 from difflib import get_close_matches
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
+from plannercheck.common.angles import LARGEST_USUAL_ANGLE
 from plannercheck.common.errors import shortened
 from plannercheck.common.user_warnings import warn
 from plannercheck.robots.urdf_checks import ATTRIBUTES, READ_NAMES
 from plannercheck.robots.urdf_file import UrdfFile
-
-# An angle of more than a turn, with room for 6.28319, is no orientation that anyone writes in rad.
-_LARGEST_USUAL_ANGLE = 2 * math.pi + 0.01
 
 # Limits in whole numbers from 30 to 720 are degrees: 30 rad are five turns, which are written as 31.4159.
 _LEAST_DEGREES, _MOST_DEGREES = 30.0, 720.0
@@ -90,7 +87,7 @@ def _turned(root: Element) -> Iterator[str]:
     for kind in ("link", "joint"):
         for owner in root.iterfind(kind):
             for origin in owner.iter("origin"):
-                if max(map(abs, _numbers(origin.get("rpy", "")))) > _LARGEST_USUAL_ANGLE:
+                if max(map(abs, _numbers(origin.get("rpy", "")))) > LARGEST_USUAL_ANGLE:
                     yield f'rpy="{origin.get("rpy")}" of {kind} {owner.get("name", "")!r}'
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from plannercheck.common.checked_yaml import Node, check_keys, sequence, text
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.scenes.contents import AllowedCollisions
 
 _FLAGS = frozenset({bool})
@@ -29,6 +29,8 @@ def allowed_collisions(node: Node) -> AllowedCollisions:
     defaults = _flags(node.get("default_entry_values"))
     if len(defaults) != len(known):
         raise PlannercheckError(f"{len(known)} default_entry_names, but {len(defaults)} default_entry_values")
+    if len(set(known)) != len(known):
+        raise PlannercheckError(f"default_entry_names must differ, but are {shortened(', '.join(known))!r}")
     entries = {
         frozenset((name, earlier)): flag
         for i, name in enumerate(names)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, required, sequence, text
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.transforms import identity, pose_of_quaternion
 
 Matrix = NDArray[np.float64]
@@ -33,8 +33,7 @@ def vector(value: Any, key: str, axes: str) -> list[float]:
 def pose(node: Node, position: str = "position", orientation: str = "orientation") -> Matrix:
     """The pose (4, 4) of a position and a quaternion x, y, z, w, which is normalised; missing entries are zero."""
     check_keys(node, (position, orientation))
-    shift = vector(node.get(position) or [0.0] * 3, position, "xyz")
-    turn = vector(node.get(orientation) or _NO_TURN, orientation, "xyzw")
+    shift, turn = _shift(node, position), _turn(node, orientation)
     return pose_of_quaternion(shift, turn)
 
 
@@ -45,8 +44,15 @@ def transform(node: Node) -> Matrix:
 
 def is_all_zeros(node: Node) -> bool:
     """Whether a pose is ROS 1's unset one: everything zero, the quaternion as well."""
-    shift = vector(node.get("position") or [0.0] * 3, "position", "xyz")
-    return not any(shift) and not any(vector(node.get("orientation") or _NO_TURN, "orientation", "xyzw"))
+    return not any(_shift(node, "position")) and not any(_turn(node, "orientation"))
+
+
+def _shift(node: Node, key: str) -> list[float]:
+    return [0.0] * 3 if node.get(key) is None or node[key] == {} else vector(node[key], key, "xyz")
+
+
+def _turn(node: Node, key: str) -> list[float]:
+    return _NO_TURN if node.get(key) is None or node[key] == {} else vector(node[key], key, "xyzw")
 
 
 def object_pose(node: Node) -> Matrix:
@@ -75,6 +81,8 @@ def subframe_poses(node: Node) -> dict[str, Matrix]:
     poses = [mapping(item, "a pose") for item in sequence(node.get("subframe_poses"), "'subframe_poses'")]
     if len(names) != len(poses):
         raise PlannercheckError(f"{len(names)} subframe_names, but {len(poses)} subframe_poses: each needs one")
+    if len(set(names)) != len(names):
+        raise PlannercheckError(f"subframe_names must differ, but are {shortened(', '.join(names))!r}")
     if not names:
         return {}
     with error_context("subframe_poses"):

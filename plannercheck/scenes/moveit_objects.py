@@ -163,4 +163,6 @@ def _triangles(node: Node) -> NDArray[np.int64]:
     rows = sequence(node.get("triangles"), "'triangles'")
     rows = [row.get("vertex_indices") if isinstance(row, dict) else row for row in rows]
     corners = np.array([numbers(row, "triangles", 3) for row in rows]).reshape(-1, 3)
+    if (corners % 1 != 0).any():
+        raise PlannercheckError(f"triangles need whole numbers, not {corners[corners % 1 != 0][0]:.9g}")
     return np.asarray(np.clip(corners, -1, _MOST_VERTICES), dtype=np.int64)

@@ -99,6 +99,7 @@ def read_scene_text(scene: SceneContents, content: bytes, meshes: MeshKind = "hu
                 )
         with error_context(f"object {shortened(name)!r}"):
             scene.put(_object(words, name, has_poses, meshes))
+    words.end()
 
 
 def _text(content: bytes) -> str:
@@ -122,6 +123,8 @@ def _subframes(words: _Words) -> dict[str, Matrix]:
     subframes: dict[str, Matrix] = {}
     for _ in range(words.count("the number of subframes")):
         name = words.word("a subframe's name")
+        if name in subframes:
+            raise words.error(f"subframe {shortened(name)!r} exists already")
         subframes[name] = _pose(words, "a subframe's")
     return subframes
 
@@ -170,13 +173,28 @@ class _Words:
 
     def word(self, what: str) -> str:
         """The next word."""
+        word = self._next()
+        if word is None:
+            raise PlannercheckError(f"line {len(self._lines)}: the file ends where {what} must stand")
+        return word
+
+    def end(self) -> None:
+        """Raises if words are left."""
+        word = self._next()
+        if word is not None:
+            raise self.error(
+                f"{shortened(word)!r} stands after {_END!r} (the end), where MoveIt reads nothing: leave it out, or "
+                "write the objects of several files before one end"
+            )
+
+    def _next(self) -> str | None:
         while self._row < len(self._lines):
             found = _WORD.search(self._lines[self._row], self._column)
             if found:
                 self._column = found.end()
                 return found[0]
             self._row, self._column = self._row + 1, 0
-        raise PlannercheckError(f"line {len(self._lines)}: the file ends where {what} must stand")
+        return None
 
     def rest_of_line(self) -> str:
         """The rest of the line."""

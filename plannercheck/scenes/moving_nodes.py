@@ -28,6 +28,8 @@ def moving_of_node(node: Node) -> Moving:
         poses = []
         for k, item in enumerate(sequence(required(values, "poses"), "'poses'")):
             with error_context(f"pose {k}"):
+                if item is None:
+                    raise PlannercheckError("it is empty: write {} for the identity")
                 pose = mapping(item, "it")
                 check_keys(pose, POSE_KEYS)
                 poses.append(pose_of_node(pose))

@@ -452,6 +452,14 @@ def test_what_is_carried_and_always_touches_is_said(panda):
         bad.with_scene(bad.scene)  # it has been said
 
 
+def renamed(scene, name):
+    """The scene with its box under another name."""
+    other = scene.copy()
+    other.remove("box")
+    other.add_box(name, [0.2, 0.2, 0.2], at(2, 0, 0.5))
+    return other
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -461,6 +469,8 @@ def test_what_is_carried_and_always_touches_is_said(panda):
         (lambda s, c: s.attach("box", HAND, parts=Sphere(1)), "'box' exists already"),
         (lambda s, c: s.detach("box", None), "unknown attached object 'box'"),
         (lambda s, c: s.add("new", ["sphere"]), "object 'new': a body must be a shape such as Box"),
+        (lambda s, c: c.with_scene(renamed(s, HAND)), "object 'panda_hand' has the name of a link of 'panda'"),
+        (lambda s, c: pc.Checker(c.robot, renamed(s, HAND)), "object 'panda_hand' has the name of a link of 'panda'"),
         (lambda s, c: c.attach("box", None, "panda_hnad"), "unknown link that carries 'box' 'panda_hnad'"),
         (lambda s, c: c.attach(HAND, Sphere(1), HAND), "a link or body of the robot is named 'panda_hand'"),
         (lambda s, c: c.attach("box", None, HAND, at(0, 0, 0), q=np.zeros(7)), "not both"),

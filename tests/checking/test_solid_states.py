@@ -178,8 +178,8 @@ def test_pickled_checkers_keep_their_solids(rail):
     assert again.check_states(ROWS).tolist() == checker.check_states(ROWS).tolist()
     assert content_hash(again) == content_hash(checker)
     solid, scenes = pc.Solid(RING.vertices, RING.faces), [pc.Scene("same"), pc.Scene("same")]
-    scenes[0].add("ring", solid)
-    scenes[1].add("ring", pc.Hull(solid.used[0]))
+    scenes[0].add("other", solid)
+    scenes[1].add("other", pc.Hull(solid.used[0]))
     assert len({content_hash(pc.Checker(rail("hull"), scene)) for scene in scenes}) == 2
 
 

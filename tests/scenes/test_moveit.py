@@ -205,11 +205,26 @@ def test_entries_of_the_matrix_go_before_defaults(tmp_path):
             {"world__collision_objects__0__primitive_poses__0__orientation": [0, 0, 0, 0]},
             "primitive_poses: quaternion .* has no direction",
         ),
+        ({"world__collision_objects__1__meshes__0__triangles": [[0, 1, 2.7]]}, "triangles need whole numbers, not 2.7"),
+        ({"world__collision_objects__0__primitive_poses__0__orientation": 0}, "'orientation' must be a list"),
+        ({"world__collision_objects__0__primitive_poses__0__orientation": []}, "'orientation' needs 4 numbers"),
+        ({"world__collision_objects__0__pose": {"position": 0}}, "'position' must be a list"),
+        (
+            {
+                "world__collision_objects__0__subframe_names": ["t", "t"],
+                "world__collision_objects__0__subframe_poses": [{}, {}],
+            },
+            "subframe_names must differ, but are 't, t'",
+        ),
         ({"world__octomap__octomap__data": [1]}, "world: octomap: id must be 'OcTree'"),
         ({"allowed_collision_matrix__entry_names": ["a"]}, "allowed_collision_matrix: entry_values must be"),
         (
             {"allowed_collision_matrix__entry_values": [[0, 1, 1], [1, 0, 1], [0, 0, 0]]},
             "entry_values of 'c' with 'a' and of 'a' with 'c' differ",
+        ),
+        (
+            {"allowed_collision_matrix__default_entry_names": ["a", "a"]},
+            "default_entry_names must differ, but are 'a, a'",
         ),
         ({"allowed_collision_matrix__default_entry_values": [True]}, "2 default_entry_names, but 1"),
         (

@@ -172,7 +172,7 @@ def test_the_message_of_the_same_scene_says_the_same(load):
     [
         lambda text: text.replace("\n", "\r\n"),  # of Windows
         lambda text: text.replace("box\n0.1 0.2 0.3\n", "box 0.1\n 0.2\t0.3\n\n"),  # C++ reads words, not lines
-        lambda text: text + "anything after the end is not read",
+        lambda text: text + "\n \t\n",
         lambda text: text.replace("(noname)\n", "(noname)\n\n"),
     ],
 )
@@ -212,6 +212,9 @@ def one(shape, pose=AT, colour="0 0 0 0"):
         (f"s\n* can\n{AT}0\n0\n.\n", "object 'can': line 5: an object needs at least one shape"),
         (f"s\n* \n{AT}1\n.\n", "line 2: an object needs a name"),
         (one("sphere\n1")[:-2] + one("sphere\n1")[2:], "line 12: object 'can' exists already"),
+        (one("sphere\n1") * 2, r"line 13: 's' stands after '\.' .the end., where MoveIt reads nothing"),
+        (one("sphere\n1")[:-1] + " more", r"line 12: 'more' stands after '\.'"),
+        (one("sphere\n1").replace("\n0\n.", f"\n2\ntip\n{AT}tip\n{AT}."), "line 15: subframe 'tip' exists already"),
         (one("sphere\n1")[:-2], "line 12: the file ends where '.' .an object. or '.' .the end. must stand"),
         ("world:\n  collision_objects: []\n", "line 2: '.' .* not 'collision_objects:'; planning scenes in YAML have"),
         (b"s\n* \xff\n", "line 2: this is no text in UTF-8"),

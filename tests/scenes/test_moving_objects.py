@@ -98,6 +98,7 @@ def test_an_object_that_moves_is_not_moved_otherwise() -> None:
     [
         ("moving: {times: [0, 1], poses: [{}, {}]}, position: [0, 0, 0]", "leave out position"),
         ("moving: {times: [0, 1], poses: [{}, {rotation: 1}]}", "pose 1"),
+        ("moving: {times: [0, 1], poses: [{}, null]}", "pose 1: it is empty"),
         ("moving: {times: [0, 1]}", "poses"),
         ("moving: {poses: [{}, {}]}", "times"),
         ("moving: {times: [0, 1], poses: [{}, {}], outside: go}", "outside"),

@@ -253,6 +253,11 @@ def test_bad_files_name_file_object_and_key(tmp_path, text, message):
         loaded(tmp_path, text)
 
 
+def test_angles_that_look_like_degrees_are_said(tmp_path):
+    with pytest.warns(RuntimeWarning, match=r"rpy \[0\.0, 0\.0, 90\.0\] looks like degrees: rpy is in rad"):
+        loaded(tmp_path, "objects: [{name: a, sphere: {radius: 1}, rpy: [0, 0, 90]}]")
+
+
 def test_missing_scenes_are_named(tmp_path):
     with pytest.raises(PlannercheckError, match=r"none\.yaml' does not exist"):
         Scene.load(tmp_path / "none.yaml")
