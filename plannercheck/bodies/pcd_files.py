@@ -202,6 +202,8 @@ def _of_text(body: bytes, header: _Header) -> Floats:
         if len(words) != width:
             raise PlannercheckError(f"point {row} has {len(words)} numbers, the header says {width}")
         try:
+            if "_" in line:  # Python reads 1_000
+                raise ValueError
             points[row] = [float(words[column[axis]]) for axis in _AXES]
         except ValueError:
             raise PlannercheckError(f"point {row} is {shortened(line)!r}, these are no numbers") from None

@@ -84,6 +84,8 @@ def _words(
 def _indices_of_line(line: str, element: PlyElement) -> list[float]:
     """The indices of vertices in a row of text."""
     try:
+        if "_" in line:  # Python reads 1_000
+            raise ValueError(line)
         values, found = [float(word) for word in line.split()], []
         for each in element.properties:
             length = 1 if each.count is None else int(values.pop(0))

@@ -6,7 +6,6 @@ In: joints that take one number each, names as a file has them. Out: the column 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -33,8 +32,8 @@ class Joints(Protocol):
         """The joints, in the order of the columns."""
 
     @property
-    def mimics(self) -> Mapping[str, Mimic]:
-        """The joints that follow others, by name; none if they are not known."""
+    def mimics(self) -> Mapping[str, Mimic] | None:
+        """The joints that follow others, by name; None if they are not known."""
 
 
 class NamedJoints(NamedTuple):
@@ -42,7 +41,7 @@ class NamedJoints(NamedTuple):
 
     name: str
     joint_names: tuple[str, ...]
-    mimics: Mapping[str, Mimic] = MappingProxyType({})
+    mimics: Mapping[str, Mimic] | None = None
 
 
 def check_robot(robot: Robot) -> None:
@@ -106,7 +105,7 @@ def without_followers(names: Sequence[str], tables: Mapping[str, Floats], robot:
     """
     kept = []
     for k, name in enumerate(names):
-        leader, multiplier, offset = followed(name, robot.mimics, robot.joint_names)
+        leader, multiplier, offset = followed(name, robot.mimics or {}, robot.joint_names)
         if name == leader or leader not in robot.joint_names:
             kept.append(k)
             continue
@@ -124,7 +123,8 @@ def without_followers(names: Sequence[str], tables: Mapping[str, Floats], robot:
 
 def moved_outside(moving: Sequence[str], robot: Joints) -> PlannercheckError:
     """The error of joints that move though a group has not got them; those that follow others are in no group."""
-    leaders = dict.fromkeys(followed(name, robot.mimics, ())[0] for name in moving)
+    leaders = dict.fromkeys(followed(name, robot.mimics or {}, ())[0] for name in moving)
+    hint = ", or leave out those that follow its joints" if robot.mimics is None else ""
     return PlannercheckError(
-        f"moves {', '.join(moving)}, outside the planning group: choose a group with {', '.join(leaders)}"
+        f"moves {', '.join(moving)}, outside the planning group: choose a group with {', '.join(leaders)}{hint}"
     )

@@ -110,7 +110,7 @@ def _values(rows: Sequence[Sequence[str]], header: Sequence[str], columns: list[
 
 def _number(cell: str, point: int, name: str) -> float:
     try:
-        value = float(cell)
+        value = math.nan if "_" in cell else float(cell)  # Python reads 1_000
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

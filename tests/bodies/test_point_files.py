@@ -52,6 +52,14 @@ def test_one_cloud_is_the_same_in_all_encodings() -> None:
         assert np.array_equal(binary, text, equal_nan=True)
 
 
+@pytest.mark.parametrize("name", ["pcl_doubles_ascii.pcd", "open3d_plain_ascii.ply"])
+def test_underscores_are_part_of_no_number(tmp_path: Path, name: str) -> None:
+    head, _, rest = (FOLDER / name).read_text().rstrip("\n").rpartition("\n")
+    (tmp_path / name).write_text(f"{head}\n1_0{rest[rest.index(' ') :]}\n")
+    with pytest.raises(pc.PlannercheckError, match="1_0"):
+        points_of_file(tmp_path / name)
+
+
 def test_a_viewpoint_is_told() -> None:
     with pytest.warns(RuntimeWarning, match="VIEWPOINT"):
         points_of_file(FOLDER / "pcl_moved.pcd")

@@ -65,6 +65,7 @@ def test_csv_of_bare_names_has_positions(tmp_path: Path):
         (["time", *NAMES], ("0.25", "1e9"), r"times must grow from 0 s on, but point 2"),
         (["time", *NAMES], ("\n0.0,", "\n1.7e9,"), "those of a clock"),
         (["time", *NAMES], (repr(Q[1, 3]), "much"), "point 1, column 'panda_joint4': 'much' is no finite number"),
+        (["time", *NAMES], (repr(Q[1, 3]), "1_5"), "point 1, column 'panda_joint4': '1_5' is no finite number"),
         (["time", *NAMES], (repr(Q[1, 3]), ""), "point 1, column 'panda_joint4': '' is no finite number"),
         (["time", *NAMES], ("," + repr(Q[1, 3]), ""), "point 1 has 7 cells, and the header 8"),
     ],

@@ -109,6 +109,16 @@ def name_hdf5(path: Path, rows: np.ndarray) -> None:
         file["q"].attrs["joint_names"] = SHUFFLED
 
 
+def name_hdf5_beside(path: Path, rows: np.ndarray) -> None:
+    with pytest.importorskip("h5py").File(path, "w") as file:
+        file["group/q"] = np.column_stack(list(shuffled(rows).values()))
+        file["group/joint_names"] = SHUFFLED
+
+
+def name_csv_comment(path: Path, rows: np.ndarray) -> None:
+    np.savetxt(path, rows[:, [2, 0, 1]], delimiter=",", fmt="%.17g", header="run 7\nc,a,b")
+
+
 def name_hdf5_joints(path: Path, rows: np.ndarray) -> None:
     with pytest.importorskip("h5py").File(path, "w") as file:
         for name, values in shuffled(rows).items():
@@ -122,6 +132,8 @@ BY_NAME = {
     "q.parquet": name_parquet,
     "q.hdf5": name_hdf5,
     "joints.hdf5": name_hdf5_joints,
+    "beside.hdf5": name_hdf5_beside,
+    "comment.csv": name_csv_comment,
 }
 
 
@@ -130,6 +142,32 @@ BY_NAME = {
 def test_by_name(tmp_path, rows, name):
     BY_NAME[name](tmp_path / name, rows)
     assert np.array_equal(read(tmp_path / name), rows)
+
+
+@pytest.mark.parametrize("suffix", ["npz", "hdf5", "attribute.hdf5"])
+@pytest.mark.parametrize("order", [("c", "a", "b"), JOINTS])
+def test_joints_under_another_key_are_never_passed_over(tmp_path, rows, suffix, order):
+    file = tmp_path / f"q.{suffix}"
+    if suffix == "npz":
+        np.savez(file, q=rows, joints=order)
+    else:
+        with pytest.importorskip("h5py").File(file, "w") as out:
+            out["q"] = rows
+            if suffix == "hdf5":
+                out["joints"] = order
+            else:
+                out.attrs["joints"] = order
+    if order == JOINTS:
+        assert np.array_equal(read(file), rows)
+        return
+    with pytest.raises(PlannercheckError, match="names joints in 'joints', which is not read: call it 'joint_names'"):
+        read(file)
+
+
+def test_numbers_in_quotes_are_named(tmp_path):
+    (tmp_path / "q.csv").write_text('1,2,3\n"1","2","3"\n')
+    with pytest.raises(PlannercheckError, match="row 1 must have 3 numbers, without quotes, not"):
+        read(tmp_path / "q.csv")
 
 
 def test_other_names_for_the_joints(tmp_path, rows):

@@ -155,10 +155,19 @@ SUFFIXES = ("json", "yaml", "npy", "npz", "csv", "txt")
         ("a.json", "3", "must hold"),
         ("a.json", "{}", "holds no 'path'"),
         ("a.json", "[]", "no states"),
+        *(
+            ("a.json", json.dumps({"path": [[1, 2, 3]], key: value}), f"unknown key '{key}'")
+            for key, value in (("joints", list("cab")), ("joint_name", list("cab")), ("units", "deg"))
+        ),
+        ("a.txt", "1_0 2 3\n", "no table of numbers"),
         ("a.json", '[[1, 2, "x"]]', "no table of numbers"),
         ("a.json", "[[1, 2, 3], [1, NaN, 3]]", "state 1 is not finite"),
         ("a.yaml", yaml.safe_dump(trajectory(("a", "b"), [(1, 2)])), "has no joint 'c'"),
-        ("a.yaml", yaml.safe_dump(trajectory("abcd", [(1, 2, 3, 4), (1, 2, 3, 5)])), "moves d, outside"),
+        (
+            "a.yaml",
+            yaml.safe_dump(trajectory("abcd", [(1, 2, 3, 4), (1, 2, 3, 5)])),
+            "moves d, outside .* with d, or leave out",
+        ),
         ("a.yaml", yaml.safe_dump(trajectory("abcc", [(1, 2, 3, 4)])), "twice"),
         ("a.yaml", yaml.safe_dump(trajectory("abc", [(1, 2)])), "positions"),
         ("a.yaml", yaml.safe_dump(based(x=0.1)), "multi_dof_joint_trajectory: moves base: only joint_trajectory"),

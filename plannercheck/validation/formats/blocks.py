@@ -78,6 +78,13 @@ def places_of(names: Iterable[Any] | None, columns: Columns) -> list[int] | None
     return columns.places([name.decode() if isinstance(name, bytes) else str(name) for name in names])
 
 
+def check_unread_names(where: str, texts: Iterable[Any], columns: Columns) -> None:
+    """Raises if texts beside an array without names are the joints' names in another order than the robot's."""
+    found = [text.decode(errors="replace") if isinstance(text, bytes) else str(text) for text in texts]
+    if sorted(found) == sorted(columns.names) and found != list(columns.names):
+        raise PlannercheckError(f"names joints in {where!r}, which is not read: call it {NAMES_KEY!r}")
+
+
 def stacked(records: NDArray[Any], names: Sequence[str]) -> Floats:
     """Records (n,) with a field a joint as rows (n, nq), fields in this order."""
     return np.stack([records[name].astype(np.float64) for name in names], axis=1)

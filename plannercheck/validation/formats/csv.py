@@ -1,12 +1,14 @@
 """csv: one configuration a line, separated by commas, semicolons, tabs or spaces.
 
 In: a text stream. Out: `RowBlock`s. The first line may name the columns: then the joints' columns are found by name, in
-any order, and other columns are ignored. Empty lines and lines that start with # are skipped.
+any order, and other columns are ignored. Empty lines and lines that start with # are skipped, but for a comment before
+the first row that is exactly the joints' names, as np.savetxt writes it: it names the columns, too.
 """
 
 from __future__ import annotations
 
 import importlib
+import re
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
@@ -34,7 +36,7 @@ def csv_blocks(path: Path, columns: Columns, size: int) -> Iterator[RowBlock]:
 
 def csv_stream_blocks(file: TextIO, columns: Columns, size: int, total: int | None = None) -> Iterator[RowBlock]:
     """Rows of a text stream; `total` is its length in bytes, if that is known."""
-    lines = _Lines(file)
+    lines = _Lines(file, columns.names)
     first = next(lines, None)
     if first is None and columns.width == 0:  # a robot that nothing moves has one configuration, of no numbers
         yield RowBlock(np.empty((1, 0)), 1.0)
@@ -44,8 +46,9 @@ def csv_stream_blocks(file: TextIO, columns: Columns, size: int, total: int | No
         return
     separator = next((s for s in ",;\t" if s in first), None)
     names = _fields(first, separator)
-    places = None if _is_row(names) else columns.places(names)
-    pending = [first] if places is None else []
+    pending = [first] if _is_row(names) else []
+    heading = lines.heading if pending else names
+    places = columns.places(heading) if len(heading) == len(names) else None
     done = 0
     while block := pending + list(islice(lines, size - len(pending))):
         rows = _parsed(block, separator, done, len(names))
@@ -57,11 +60,13 @@ def csv_stream_blocks(file: TextIO, columns: Columns, size: int, total: int | No
 
 
 class _Lines:
-    """Lines that hold something, and how many characters have been read."""
+    """Lines that hold something, how many characters have been read, and the joints in the order of a comment."""
 
-    def __init__(self, file: TextIO) -> None:
-        self._file = file
+    def __init__(self, file: TextIO, joints: Sequence[str]) -> None:
+        self._file, self._joints = file, sorted(joints)
         self.read = 0
+        self.heading: list[str] = []
+        self._began = False
 
     def __iter__(self) -> Iterator[str]:
         return self
@@ -70,7 +75,11 @@ class _Lines:
         for line in self._file:
             self.read += len(line)
             if line.strip() and not line.lstrip().startswith("#"):
+                self._began = True
                 return line
+            if not self._began:
+                words = [word.strip("\"'") for word in re.split(r"[,;\s]+", line.strip().lstrip("#").strip())]
+                self.heading = words if sorted(words) == self._joints else self.heading
         raise StopIteration
 
 
@@ -88,9 +97,10 @@ def _parsed(lines: list[str], separator: str | None, first_row: int, width: int)
         pass
     for k, line in enumerate(lines):  # slow, but only to say which line it is
         fields = _fields(line, separator)
-        if len(fields) != width or not _is_row(fields):
-            shown = line.strip()[:60]
-            raise PlannercheckError(f"row {first_row + k} must have {width} numbers, not {shown!r}")
+        is_quoted = '"' in line
+        if len(fields) != width or not _is_row(fields) or is_quoted:
+            shown, wanted = line.strip()[:60], f"{width} numbers{', without quotes' * is_quoted}"
+            raise PlannercheckError(f"row {first_row + k} must have {wanted}, not {shown!r}")
     raise PlannercheckError(f"rows from {first_row} on are no table of numbers")
 
 

@@ -1,6 +1,7 @@
 """HDF5, by h5py: a dataset (n, nq), or one dataset (n,) for each joint.
 
-In: a path. Out: `RowBlock`s. A dataset may name its columns by an attribute `joint_names` or by fields.
+In: a path. Out: `RowBlock`s. A dataset may name its columns by an attribute `joint_names`, by a dataset of that name
+beside it, or by fields.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from plannercheck.validation.formats.blocks import (
     NAMES_KEY,
     RowBlock,
     check_real,
+    check_unread_names,
     chosen_key,
     fields_of,
     places_of,
@@ -36,7 +38,8 @@ def hdf5_blocks(path: Path, columns: Columns, size: int, key: str | None = None)
             if joints and all(isinstance(joint, h5py.Dataset) for joint in joints):
                 yield from _of_joints(joints, columns, size)
             else:
-                yield from _of_table(_dataset(h5py, file, key), columns, size)
+                table = _dataset(h5py, file, key)
+                yield from _of_table(table, _names(h5py, file, table, columns), columns, size)
     except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
         if isinstance(error, PlannercheckError):
             raise
@@ -46,7 +49,30 @@ def hdf5_blocks(path: Path, columns: Columns, size: int, key: str | None = None)
 def _dataset(h5py: Any, file: Any, key: str | None) -> Any:
     found: list[str] = []
     file.visititems(lambda name, item: found.append(name) if isinstance(item, h5py.Dataset) else None)
+    found = [name for name in found if name.rpartition("/")[2] != NAMES_KEY]
     return _item(h5py, file, chosen_key(found, None if key is None else key.strip("/"), "dataset"))
+
+
+def _names(h5py: Any, file: Any, table: Any, columns: Columns) -> Any:
+    """What the columns are called; None if the file does not say it. Names that are not read are refused."""
+    beside = _item(h5py, table.parent, NAMES_KEY)
+    given = table.attrs.get(NAMES_KEY, beside[()] if isinstance(beside, h5py.Dataset) else None)
+    if given is None:
+        for group in (table, table.parent, file):
+            texts = {name: np.atleast_1d(group.attrs[name]) for name in group.attrs}
+            if group is not table:
+                texts |= {name: group[name][()] for name in group if _is_text(h5py, group, name, len(columns.names))}
+            for name, values in texts.items():
+                check_unread_names(name, values.ravel().tolist(), columns)
+    return given
+
+
+def _is_text(h5py: Any, group: Any, name: str, count: int) -> bool:
+    """Whether a name is of so many texts in this file."""
+    item = group[name] if isinstance(group.get(name, getlink=True), h5py.HardLink) else None
+    if not isinstance(item, h5py.Dataset) or item.shape != (count,) or item.external or item.is_virtual:
+        return False
+    return h5py.check_string_dtype(item.dtype) is not None
 
 
 def _item(h5py: Any, group: Any, name: str) -> Any:
@@ -74,11 +100,11 @@ def _of_joints(joints: list[Any], columns: Columns, size: int) -> Iterator[RowBl
         yield RowBlock(rows, last / count)
 
 
-def _of_table(table: Any, columns: Columns, size: int) -> Iterator[RowBlock]:
+def _of_table(table: Any, names: Any, columns: Columns, size: int) -> Iterator[RowBlock]:
     fields = fields_of(table.dtype, columns)
-    places = places_of(table.attrs.get(NAMES_KEY), columns)
+    places = places_of(names, columns)
     if fields is None:
-        width = None if places is None else len(table.attrs[NAMES_KEY])
+        width = None if places is None else len(names)
         count = table_shape(tuple(table.shape), columns, width)[0]
     else:
         count = int(table.shape[0])

@@ -22,6 +22,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.validation.formats.blocks import (
     NAMES_KEY,
     RowBlock,
+    check_unread_names,
     chosen_key,
     fields_of,
     places_of,
@@ -129,14 +130,19 @@ def npy_stream_blocks(stream: BinaryIO, columns: Columns, size: int, kind: str =
 
 
 def _layout_of_header(stream: BinaryIO, columns: Columns) -> _Layout:
+    shape, by_column, dtype = _header(stream)
+    if dtype.hasobject:
+        raise PlannercheckError("must hold real numbers, not objects")
+    return _Layout.of(shape, dtype, by_column, columns)
+
+
+def _header(stream: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    """Shape, whether columns are together, and type of the array that a stream begins with."""
     version = np.lib.format.read_magic(stream)
     readers = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
     if version not in readers:
         raise PlannercheckError(f"is of npy version {version}; 1.0 and 2.0 can be read as a stream")
-    shape, by_column, dtype = readers[version](stream)
-    if dtype.hasobject:
-        raise PlannercheckError("must hold real numbers, not objects")
-    return _Layout.of(shape, dtype, by_column, columns)
+    return readers[version](stream)
 
 
 def _values(stream: BinaryIO, dtype: np.dtype[Any], count: int) -> NDArray[Any]:
@@ -161,12 +167,26 @@ def npz_blocks(path: Path, columns: Columns, size: int, key: str | None = None) 
         names = [name.removesuffix(".npy") for name in archive.namelist() if name != f"{NAMES_KEY}.npy"]
         chosen = chosen_key(names, key, "array")
         given = _joint_names(path) if f"{NAMES_KEY}.npy" in archive.namelist() else None
+        if given is None:
+            _check_texts(path, archive, columns)
         places = places_of(given, columns)
         with archive.open(f"{chosen}.npy") as stream:
             for rows, part in npy_stream_blocks(
                 cast(BinaryIO, stream), columns if given is None else _all(given), size, "npz file"
             ):
                 yield RowBlock(rows if places is None else rows[:, places], part)
+
+
+def _check_texts(path: Path, archive: zipfile.ZipFile, columns: Columns) -> None:
+    """Raises if an array of texts names the joints without being read."""
+    for member in archive.namelist():
+        if member.endswith(".npy"):
+            with archive.open(member) as stream:
+                shape, _, dtype = _header(cast(BinaryIO, stream))
+            if dtype.kind in "US" and shape == (len(columns.names),):
+                name = member.removesuffix(".npy")
+                with np.load(path, allow_pickle=False) as arrays:
+                    check_unread_names(name, arrays[name].tolist(), columns)
 
 
 def _all(names: list[str]) -> Columns:

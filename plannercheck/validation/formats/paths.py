@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 from plannercheck.checking.protocols import AnyRobot
 from plannercheck.common.array_types import Bools, Floats, Ints64
 from plannercheck.common.arrays import OwnsArrays
-from plannercheck.common.checked_yaml import error_context, mapping, parse_yaml, read_bytes, sequence, text
+from plannercheck.common.checked_yaml import check_keys, error_context, mapping, parse_yaml, read_bytes, sequence, text
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.motion_paths import MotionPath, check_path
@@ -42,6 +42,12 @@ from plannercheck.validation.formats.given_turns import cut_at_turns, largest_tu
 from plannercheck.validation.formats.trajectories import read_trajectory
 
 _TABLES = (".npy", ".npz", ".csv")
+
+# The fields of a plan, see `Plan`.
+_PLAN_KEYS = (
+    *("solved", "path", "length", "time", "simplification_time"),
+    *("planner", "reason", "joint_names", "motion_path", "goal"),
+)
 
 # How OMPL begins a printed path, and the innermost brackets of its states.
 _OMPL_HEADER = re.compile(r"Geometric path with (\d+) states")
@@ -89,7 +95,7 @@ def read_path(
             blocks = [chunk.rows for chunk in read_chunks(path, joint_names, width)]
             found = PathFile(_table(blocks, width), {})
         elif path.suffix.lower() in (".json", ".yaml", ".yml"):
-            found = _from_document(_document(path), NamedJoints("the group", tuple(joint_names), mimics or {}), width)
+            found = _from_document(_document(path), NamedJoints("the group", tuple(joint_names), mimics), width)
         else:
             _check_text(path)
             found = PathFile(_from_text(read_bytes(path).decode("utf-8", "replace"), width), {})
@@ -214,6 +220,7 @@ def _from_document(document: Any, joints: NamedJoints, width: int) -> PathFile:
 
 
 def _of_plan(plan: dict[str, Any], joints: NamedJoints, width: int) -> PathFile:
+    check_keys(plan, _PLAN_KEYS)
     names = [text(name, "joint_names") for name in sequence(plan.get("joint_names"), "'joint_names'")]
     rows = sequence(plan["path"], "'path'")
     if not names or (names == list(joints.joint_names) and len(names) < width):  # joints of several numbers
@@ -262,10 +269,16 @@ def _from_text(content: str, width: int) -> Floats:
     return _table([values[k * width : (k + 1) * width] for k in range(count)], width)
 
 
+def _real(value: Any) -> float:
+    if isinstance(value, str) and "_" in value:  # Python reads 1_000
+        raise ValueError
+    return float(value)
+
+
 def _table(rows: Sequence[Any], width: int) -> Floats:
     """(k, width) of rows, or of blocks of rows."""
     try:
-        table = np.array([[float(x) for x in row] for block in rows for row in np.atleast_2d(np.asarray(block))])
+        table = np.array([[_real(x) for x in row] for block in rows for row in np.atleast_2d(np.asarray(block))])
     except (TypeError, ValueError, OverflowError):  # the last of whole numbers beyond all doubles
         raise PlannercheckError("is no table of numbers") from None
     if table.size and (table.ndim != 2 or table.shape[1] != width):
