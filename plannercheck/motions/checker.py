@@ -203,8 +203,8 @@ class Checker(StateChecker):
             The box; None if none is proved.
 
         Raises:
-            PlannercheckError: If an argument is malformed, the robot's configurations have unit vectors, or the scene
-                moves.
+            PlannercheckError: If an argument is malformed, q is beyond the limits, the robot's configurations have unit
+                vectors, or the scene moves.
         """
         if self._moving is not None:
             raise PlannercheckError("free_box is of a scene that stands still: replace what moves by where it may be")
@@ -371,7 +371,7 @@ class Checker(StateChecker):
         _ = self.polytopes  # prepares those of all pairs
         self._preparation.prepare(np.flatnonzero(meets).tolist())
         parts = self._labels, self.prepared, self.pairs, self.paddings, self.unreachable, meets, padding
-        write_cell(CellInputs(robot, kernel, self.scene.name, *parts, self._tables, self.motion_certifier), Path(path))
+        write_cell(CellInputs(robot, kernel, self.scene, *parts, self._tables, self.motion_certifier), Path(path))
 
     def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:
         return self._prover.proof(start, end, asked_end, tolerance, path)

@@ -89,10 +89,17 @@ class FreeBoxes:
         if isinstance(cells, bool) or not isinstance(cells, int) or cells < 1:
             raise PlannercheckError(f"cells must be a number of cells, 1 or more, not {cells!r}")
         self._checker, self._certifier, self._most = checker, certifier, cells
-        self._shape = np.broadcast_to(given, (robot.nq,)).astype(np.float64)
+        self._shape = np.broadcast_to(given / given.max(), (robot.nq,)).astype(np.float64)
 
     def around(self, q: Floats) -> FreeBox | None:
         """The box around a configuration (nq,) that is free; None if nothing around it is proved free."""
+        robot = self._checker.robot
+        beyond = np.flatnonzero((q < robot.lower) | (q > robot.upper)).tolist()
+        if beyond:
+            names = ", ".join(robot.joint_names[k] for k in beyond)
+            raise PlannercheckError(
+                f"{names}: beyond the limits, within which boxes are: clip the configuration to them"
+            )
         levers = levers_at(self._checker.body_poses, q)
         scale, cells = self._largest_scale(q, levers)
         if scale == 0:

@@ -30,7 +30,7 @@ from plannercheck.robots.unit_lengths import UNIT_TOLERANCE
 from plannercheck.scenes.scene import Scene
 
 # kCellFormat in cpp/library/cell_file.hpp.
-CELL_FORMAT = 2
+CELL_FORMAT = 3
 
 # BodyKind in cpp/library/cell_bodies.cpp.
 _HULL, _SOLID, _HALF_SPACE = 0, 1, 5
@@ -43,7 +43,7 @@ class CellInputs(NamedTuple):
     Attributes:
         robot: The robot.
         kernel: The kinematics that pose it.
-        scene: The scene's name.
+        scene: The scene, which stands still.
         labels: The link or obstacle of each body.
         polytopes: The prepared bodies; None where no pair needs it.
         pairs: (k, 2) indices of bodies.
@@ -57,7 +57,7 @@ class CellInputs(NamedTuple):
 
     robot: Robot
     kernel: core.Kinematics
-    scene: str
+    scene: Scene
     labels: Sequence[str]
     polytopes: Sequence[Polytope | None]
     pairs: Ints
@@ -94,7 +94,7 @@ def write_cell(cell: CellInputs, path: Path) -> None:
 def _sections(cell: CellInputs) -> Iterator[Section]:
     yield text("about", f"plannercheck {__version__}")
     yield text("robot", cell.robot.name)
-    yield text("scene", cell.scene)
+    yield text("scene", cell.scene.name)
     yield texts("joint names", cell.robot.joint_names)
     yield texts("link names", cell.robot.link_names)
     yield texts("body names", cell.labels)
@@ -143,9 +143,20 @@ def _bodies(cell: CellInputs) -> Iterator[Section]:
     yield Section("shapes", np.array(of_bodies, dtype=np.int32))
     yield Section("links", links)
     yield Section("body placements", placements[:, :3].reshape(-1, 12))
+    yield Section("own poses", _own_poses(cell, links, placements[:, :3]))
     yield Section("paddings", cell.paddings)
     yield Section("meets obstacles", cell.meets_obstacles)
     yield Section("obstacle padding", cell.padding)
+
+
+def _own_poses(cell: CellInputs, links: Ints, placements: Floats) -> Bools:
+    """(bodies,) which obstacles' shapes have a pose in their object, so that the object's pose does not place them."""
+    poses = {item.name: item.pose[:3] for item in cell.scene.objects}
+    own = np.zeros(len(links), dtype=bool)
+    for body in np.flatnonzero(links < 0).tolist():
+        pose = poses.get(cell.labels[body])
+        own[body] = pose is not None and not np.array_equal(pose, placements[body])
+    return own
 
 
 def _shape(polytope: Polytope) -> tuple[int, list[Section]]:

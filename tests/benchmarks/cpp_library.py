@@ -116,7 +116,7 @@ def consumer(prefix: Path, folder: Path, options: argparse.Namespace) -> Path:
         (source / path.name).write_bytes(path.read_bytes())
     with (source / "CMakeLists.txt").open("a") as lines:
         lines.write(f"include_directories({MOVEIT / 'include'})\n")
-        for name in ("judge", "test_execution_proof", *(() if options.quick else ("share", "fuzz_cell"))):
+        for name in ("judge", "edit_scene", "test_execution_proof", *(() if options.quick else ("share", "fuzz_cell"))):
             lines.write(f"add_executable({name} {name}.cpp)\n")
             lines.write(f"target_link_libraries({name} PRIVATE plannercheck::plannercheck Threads::Threads)\n")
         if options.face:
@@ -204,6 +204,16 @@ def of_trajectories(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np
         trajectory = pc.Trajectory([0.0, 1.0, 2.5], q, v if i % 3 else None, a if i % 3 == 2 else None)
         yield np.array(checker.check_trajectory(trajectory, 2.0**-10 if i % 2 else 0.0))
         yield np.concatenate([*trajectory.curve.pieces, trajectory.curve.error[None]])
+
+
+def padded_cell(folder: Path) -> Path:
+    """A Panda among a padded crate, as judge.cpp has it, and a body that has a pose in its object."""
+    scene, pose = pc.Scene("padded"), shifted(0.5, 0.25, 0.5)
+    scene.add("crate", pc.Box((0.25, 0.5, 0.125)), pose)
+    scene.add("sign", pc.Part(pc.Sphere(0.125), shifted(0, 0, 0.25)), shifted(0.25, -0.5, 0.5))
+    path = folder / "padded.plannercheck"
+    pc.Checker(pc.Robot.load("panda"), scene, self_collision=False, padding={"crate": 0.125}).save(path)
+    return path
 
 
 def cell_of_all_kinds(folder: Path) -> Path:
@@ -318,6 +328,10 @@ def main() -> int:
                     done = subprocess.run(command, capture_output=True, text=True, check=name != "plan")
                     print(f"  {name}: " + "; ".join(done.stdout.strip().splitlines()[-4:]))
             same &= compare(checker, programs, folder, options, 10**7)
+            if robot == "panda":
+                subprocess.run(
+                    [*emulator(options), programs / "edit_scene", padded_cell(folder), folder / "q"], check=True
+                )
         print("ur5 with a link as a solid among all kinds of bodies")
         checker = pc.Checker(pc.Robot.load("ur5", geometry={"forearm_link": "solid"}), scene_of_all_kinds())
         checker.save(folder / "ur5.plannercheck")

@@ -57,6 +57,22 @@ def test_a_slide_before_a_wall_is_free_up_to_the_wall(tmp_path):
     assert checker.free_box([1.0]) is None
 
 
+@pytest.mark.parametrize("off", [1e-9, 0.5])
+def test_a_configuration_beyond_the_limits_is_named(off):
+    """A search around it would not end."""
+    checker = pc.Checker(pc.Robot.load("panda"), self_collision=False)
+    q = np.array(pc.Scene.load("bookshelf").start("panda"))
+    q[[0, 3]] = checker.robot.upper[0] + off, checker.robot.lower[3] - off
+    with pytest.raises(pc.PlannercheckError, match="panda_joint1, panda_joint4: beyond the limits"):
+        checker.free_box(q)
+
+
+def test_a_shape_is_its_proportions(checker):
+    q = checker.scene.start("panda")
+    boxes = [checker.free_box(q, size * np.arange(1.0, 8.0), 30) for size in (1.0, 2.0**-20, 2.0**1000)]
+    assert all(np.array_equal(box.lower, boxes[0].lower) for box in boxes)
+
+
 def test_what_is_no_box_is_named(checker):
     q = checker.scene.start("panda")
     for arguments, message in (

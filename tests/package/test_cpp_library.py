@@ -38,3 +38,4 @@ def test_a_project_of_its_own_gets_the_bits_of_python(told, kind):
     assert "2000 states, 200 motions and the rest: the same bits" in told[kind]
     assert "thread 3: " in told[kind]
     assert "check: panda in bookshelf" in told[kind]
+    assert "edits of 2000 states: as they have to be" in told[kind]

@@ -169,13 +169,15 @@ void read_bodies(CellFile& file, PreparedCell& cell) {
   const std::vector<Body> shapes = read_shapes(file);
   const auto of_bodies = file.integers("shapes"), links = file.integers("links");
   const auto placements = file.doubles("body placements", 12);
+  const auto own_poses = file.bytes("own poses");
   const auto paddings = file.doubles("paddings");
   const std::size_t count = of_bodies.size();
-  require_sound(links.size() == count && placements.size() == 12 * count && paddings.size() == count &&
-                    cell.body_names.size() == count,
+  require_sound(links.size() == count && placements.size() == 12 * count && own_poses.size() == count &&
+                    paddings.size() == count && cell.body_names.size() == count,
                 "bodies");
   require_sound(std::all_of(paddings.begin(), paddings.end(), is_radius), "a padding");
   cell.paddings.assign(paddings.begin(), paddings.end());
+  cell.has_own_pose.assign(own_poses.begin(), own_poses.end());
   for (std::size_t i = 0; i < count; ++i) {
     require_sound(is_index_or_none(of_bodies[i], shapes.size()), "a body's shape");
     require_sound(is_index_or_none(links[i], cell.links.size()), "a body's link");

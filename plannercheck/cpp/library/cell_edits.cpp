@@ -28,19 +28,20 @@ Rows bodies_of(const PreparedCell& cell, const std::string& name) {
   std::string known;
   std::size_t listed = 0;
   for (std::size_t k = cell.meets_obstacles.size(); k < cell.bodies.size() && listed < kListedNames; ++k) {
-    if (k > 0 && cell.body_names[k] == cell.body_names[k - 1]) continue;
-    known += (listed++ > 0 ? ", " : "") + cell.body_names[k];
+    const std::string& other = cell.body_names[k];  // empty once it is removed
+    if (other.empty() || (k > 0 && other == cell.body_names[k - 1])) continue;
+    known += (listed++ > 0 ? ", " : "") + other;
   }
   throw EditError("unknown obstacle '" + name + "': there is " + (known.empty() ? "none" : known));
 }
 
 void check_edit(const Edit& edit) {
+  if (edit.name.empty()) throw EditError("an obstacle must have a name");
   if (edit.kind == Edit::Kind::kRemove) return;
   if (!is_placement(edit.pose))
     throw EditError("obstacle '" + edit.name +
                     "': a pose must be rigid, finite and right-handed: |M^T M - 1| at most 1e-6");
   if (edit.kind == Edit::Kind::kMove) return;
-  if (edit.name.empty()) throw EditError("an obstacle must have a name");
   if (edit.points.empty()) throw EditError("obstacle '" + edit.name + "' has no points, a body needs at least one");
   const auto is_point = [](const Vec3& p) { return is_coordinate(p.x) && is_coordinate(p.y) && is_coordinate(p.z); };
   if (!std::all_of(edit.points.begin(), edit.points.end(), is_point))
@@ -57,16 +58,16 @@ Polytope hull_of(const Edit& edit) {
   }
 }
 
-std::shared_ptr<const Polytope> shape_of(const PreparedCell& cell, const Edit& edit) {
+std::shared_ptr<const Polytope> shape_of(const Edit& edit, double padding) {
   if (edit.kind == Edit::Kind::kHull) {
     Polytope body = hull_of(edit);
-    body.inflation_radius = edit.radius + cell.obstacle_padding;
+    body.inflation_radius = edit.radius + padding;
     return std::make_shared<Polytope>(std::move(body));
   }
   std::vector<double> numbers;
   for (const Vec3& p : edit.points) numbers.insert(numbers.end(), {p.x, p.y, p.z});
   auto set = std::make_shared<PartSet>(PartSet::balls(numbers.data(), edit.points.size(), &edit.radius, true));
-  return std::make_shared<Polytope>(polytope_around(std::move(set), cell.obstacle_padding));
+  return std::make_shared<Polytope>(polytope_around(std::move(set), padding));
 }
 
 bool is_one_of(const Rows& bodies, std::int32_t body) {
@@ -80,10 +81,11 @@ struct NewPairs {
 };
 
 // The chains between the bodies of rows of a new cell; those of the old one, and those from the world.
-ChainedTable chained(const PreparedCell& cell, const ChainedTable& old, const NewPairs& made, const Rows& rows) {
+ChainedTable chained(const PreparedCell& cell, const ChainedTable& old, std::size_t old_rows, const NewPairs& made,
+                     const Rows& rows) {
   ChainedTable out;
   out.chains = old.chains, out.from_world = old.from_world;
-  Rows place(cell.pairs.size() + made.pairs.size(), -1);  // of an old row among the old table's pairs
+  Rows place(old_rows, -1);  // of an old row among the old table's pairs
   for (std::size_t k = 0; k < old.rows.size(); ++k) place[at(old.rows[k])] = static_cast<std::int32_t>(k);
   for (const std::int32_t row : rows) {
     const auto [a, b] = cell.pairs[at(row)];
@@ -154,7 +156,7 @@ PreparedCell with_pairs(const PreparedCell& old, PreparedCell cell, const Rows& 
   const ChainedTable& whole = old.has_limits ? old.all : old.within_limits;
   const auto table = [&](Table which) {
     const Rows rows = rows_of(cell, which);
-    ChainedTable out = chained(cell, whole, made, rows);
+    ChainedTable out = chained(cell, whole, old.pairs.size(), made, rows);
     out.touching = touching(cell, whole, made, changed, rows);
     return out;
   };
@@ -166,9 +168,10 @@ PreparedCell with_pairs(const PreparedCell& old, PreparedCell cell, const Rows& 
 
 PreparedCell with_new(const PreparedCell& old, PreparedCell cell, const Edit& edit) {
   const auto body = static_cast<std::int32_t>(cell.bodies.size());
-  cell.bodies.push_back({shape_of(old, edit), -1, edit.pose});
+  cell.bodies.push_back({shape_of(edit, old.obstacle_padding), -1, edit.pose});
   cell.body_names.push_back(edit.name);
   cell.paddings.push_back(cell.obstacle_padding);
+  cell.has_own_pose.push_back(0);
   std::vector<std::array<std::int32_t, 2>> added;
   for (std::size_t k = 0; k < old.meets_obstacles.size(); ++k) {
     if (old.meets_obstacles[k] != 0) added.push_back({static_cast<std::int32_t>(k), body});
@@ -195,9 +198,14 @@ PreparedCell edited(const PreparedCell& old, const Edit& edit) {
     throw EditError("obstacle '" + edit.name + "' has " + std::to_string(bodies.size()) +
                     " bodies: one pose places only one");
   }
-  GeometryObject& object = cell.bodies[at(bodies[0])];
-  if (is_shape) object.body = shape_of(old, edit), cell.paddings[at(bodies[0])] = old.obstacle_padding;
-  object.placement = edit.pose;
+  const std::size_t body = at(bodies[0]);
+  if (is_shape) {
+    cell.bodies[body].body = shape_of(edit, cell.paddings[body]), cell.has_own_pose[body] = 0;
+  } else if (cell.has_own_pose[body] != 0) {
+    throw EditError("obstacle '" + edit.name +
+                    "' has a shape with a pose of its own: replace it, or move it in Python and save the cell again");
+  }
+  cell.bodies[body].placement = edit.pose;
   return with_pairs(old, std::move(cell), {}, bodies, {});
 }
 

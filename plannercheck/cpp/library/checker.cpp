@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <sstream>
@@ -16,6 +17,7 @@ namespace plannercheck {
 namespace {
 
 Bytes bytes_of(const std::string& path) {
+  if (std::filesystem::is_directory(path)) throw CallError("can't read a cell from " + path + ": it is a folder");
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   const std::streamoff end = file ? static_cast<std::streamoff>(file.tellg()) : -1;
   if (end < 0) throw CallError("can't read a cell from " + path + ": " + std::strerror(errno));
@@ -57,9 +59,12 @@ Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
 Checker::Checker(std::shared_ptr<const Impl> impl) noexcept : impl_(std::move(impl)) {}
 Checker::Checker(const Checker&) noexcept = default;
-Checker::Checker(Checker&&) noexcept = default;
+Checker::Checker(Checker&& other) noexcept : impl_(other.impl_) {}  // a checker is never without a cell
 Checker& Checker::operator=(const Checker&) noexcept = default;
-Checker& Checker::operator=(Checker&&) noexcept = default;
+Checker& Checker::operator=(Checker&& other) noexcept {
+  impl_ = other.impl_;
+  return *this;
+}
 Checker::~Checker() = default;
 
 Result<Checker> Checker::load(const std::string& path) noexcept {

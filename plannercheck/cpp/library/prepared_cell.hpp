@@ -55,6 +55,7 @@ struct PreparedCell {
 
   std::vector<double> paddings;               // of each body, m: the part of its inflation radius
   std::vector<GeometryObject> bodies;         // without a body where no pair needs it
+  std::vector<std::uint8_t> has_own_pose;     // of each body: whether its shape is posed in its obstacle
   std::vector<std::uint8_t> meets_obstacles;  // of the robot's bodies, which come first: those that are added
   double obstacle_padding = 0;                // of obstacles that are added, m
   std::vector<std::array<std::int32_t, 2>> pairs;

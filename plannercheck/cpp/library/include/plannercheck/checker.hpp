@@ -211,7 +211,7 @@ class PLANNERCHECK_API Checker {
   // All points within a radius of those of a cloud (n · 3), m.
   Result<Checker> with_cloud(const std::string& name, std::span<const double> points, double radius,
                              Pose pose) const noexcept;
-  // With an obstacle of one body at another pose; without an obstacle.
+  // With an obstacle of one body, which has no pose in its object, at another pose; without an obstacle.
   Result<Checker> with_pose(const std::string& name, Pose pose) const noexcept;
   Result<Checker> without(const std::string& name) const noexcept;
 
