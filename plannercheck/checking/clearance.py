@@ -9,17 +9,19 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from numbers import Real
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from plannercheck.bodies.moving import checked_time
 from plannercheck.checking.compiled_tables import CompiledTables
 from plannercheck.checking.distances import Bodies, Distances, Posed
 from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.common.array_types import Floats, Ints
-from plannercheck.common.arrays import Configuration
+from plannercheck.common.arrays import Configuration, named_numbers, shown_array
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
@@ -40,6 +42,13 @@ class Positions(Protocol):
 
     def position(self, time: ArrayLike) -> Floats:
         """Configurations (n, nq) at times (n,), s."""
+
+
+def _checked_limit(limit: Any) -> float:
+    """A limit as a float, or an error that names it."""
+    if isinstance(limit, bool) or not isinstance(limit, Real) or not limit > 0:
+        raise PlannercheckError(f"limit must be positive, in m, not {shown_array(limit)}")
+    return float(limit)
 
 
 class MeasuringChecker(ABC):
@@ -143,8 +152,7 @@ class MeasuringChecker(ABC):
             PlannercheckError: If the limit is not positive, `nearest` is below 1, or gradients are asked for where
                 Pinocchio poses the links.
         """
-        if not limit > 0:
-            raise PlannercheckError(f"limit must be positive, in m, not {limit!r}")
+        limit = _checked_limit(limit)
         if nearest is not None and (isinstance(nearest, bool) or not isinstance(nearest, int) or nearest < 1):
             raise PlannercheckError(f"nearest must be a number of pairs, 1 or more, not {nearest!r}")
         if gradients and self._kernel is None:
@@ -154,7 +162,8 @@ class MeasuringChecker(ABC):
             )
         checker, rows = self.in_time(given_configurations(self.robot, q), times)
         own = self.robot.configuration_map.tangent_places if gradients else None
-        return checker._measured(rows, float(limit), nearest or 0, own, checked_threads(threads, len(rows)))
+        most = min(nearest or 0, max(len(self.pairs), 1))
+        return checker._measured(rows, limit, most, own, checked_threads(threads, len(rows)))
 
     def distance_function(self, limit: float = 0.1) -> Callable[[ArrayLike], tuple[Floats, Floats]]:
         """A function of one configuration for optimisers, which take as many numbers at every configuration.
@@ -167,12 +176,13 @@ class MeasuringChecker(ABC):
             nv), see `Distances.gradient`; 0 beyond the limit.
         """
         count = len(self.pairs)
-        if not (limit > 0 and math.isfinite(limit)):
-            raise PlannercheckError(f"limit must be positive and finite, in m, not {limit!r}")
+        limit = _checked_limit(limit)
+        if math.isinf(limit):
+            raise PlannercheckError(f"limit must be finite, in m, not {limit!r}")
 
         def values(q: ArrayLike) -> tuple[Floats, Floats]:
             table = self.distances(self._single(q), limit)
-            distance, jacobian = np.full(count, float(limit)), np.zeros((count, table.gradient.shape[1]))
+            distance, jacobian = np.full(count, limit), np.zeros((count, table.gradient.shape[1]))
             distance[table.pair], jacobian[table.pair] = table.distance, table.gradient
             return distance, jacobian
 
@@ -244,6 +254,13 @@ def distances_along(
 
     Returns:
         A table whose `state` is the row of `at`.
+
+    Raises:
+        PlannercheckError: As `distances`, or if instants are no numbers.
     """
-    instants = np.atleast_1d(np.asarray(at, dtype=np.float64))
-    return checker.distances(trajectory.position(instants), limit, times=instants + start_time)
+    instants = named_numbers(at, "at")
+    if instants.ndim != 1:
+        raise PlannercheckError(f"at must be instants (n,), s, not {shown_array(at)}")
+    return checker.distances(
+        trajectory.position(instants), limit, times=instants + checked_time(start_time, "start_time")
+    )

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.checking.nearest_sets import nearest_points_of
 from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
-from plannercheck.common.arrays import OwnsArrays, distinct
+from plannercheck.common.arrays import OwnsArrays, distinct, named_numbers
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 
@@ -90,7 +91,9 @@ class Distances(OwnsArrays):
             PlannercheckError: If the table has no gradients, the direction is malformed, the bodies overlap, or one of
                 them is no hull.
         """
-        direction = np.asarray(dq, dtype=np.float64)
+        direction = named_numbers(dq, "dq")
+        if not isinstance(row, Integral) or not 0 <= row < len(self.distance):
+            raise PlannercheckError(f"row must be one of {len(self.distance)} of the table, from 0 on, not {row!r}")
         if self._posed is None:
             raise PlannercheckError(
                 "the table has no gradients, or comes from a pickle: ask for distances(..., gradients=True)"

@@ -108,7 +108,7 @@ class SceneClock:
             raise PlannercheckError(f"times must be numbers, s, not {shown_array(times)}") from None
         if np.ndim(times) == 0:
             given = np.repeat(given, count)
-        if given.ndim != 1 or (len(given) != count and count != 1) or not np.isfinite(given).all():
+        if given.ndim != 1 or (len(given) != count and (count != 1 or len(given) == 0)) or not np.isfinite(given).all():
             raise PlannercheckError(
                 f"times must be one finite number, or one a configuration, ({count},), s, not {shown_array(times)}"
             )

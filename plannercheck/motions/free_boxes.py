@@ -100,6 +100,9 @@ class FreeBoxes:
             raise PlannercheckError(
                 f"{names}: beyond the limits, within which boxes are: clip the configuration to them"
             )
+        # Of joints without limits, one turn: all others are the same.
+        self._lower = np.where(np.isinf(robot.lower), q - np.pi, robot.lower)
+        self._upper = np.where(np.isinf(robot.upper), q + np.pi, robot.upper)
         levers = levers_at(self._checker.body_poses, q)
         scale, cells = self._largest_scale(q, levers)
         if scale == 0:
@@ -166,5 +169,4 @@ class FreeBoxes:
         return proved
 
     def _clipped(self, low: Floats, high: Floats) -> tuple[Floats, Floats]:
-        robot = self._checker.robot
-        return np.maximum(low, robot.lower), np.minimum(high, robot.upper)
+        return np.maximum(low, self._lower), np.minimum(high, self._upper)

@@ -224,7 +224,7 @@ def _common_knots(knots: Floats, begin: float) -> Floats:
     """Knots in ascending order from a first one, s, those nearer than a nanosecond once: no curve has two of these."""
     kept = [begin]
     for knot in np.sort(knots).tolist():
-        if knot >= kept[-1] + _SAME_KNOT:
+        if knot - kept[-1] >= _SAME_KNOT:  # at late times the sum of both would be rounded to the first
             kept.append(knot)
     return np.array(kept)
 

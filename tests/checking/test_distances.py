@@ -311,6 +311,9 @@ def test_a_function_for_optimisers_has_a_row_for_each_pair(checker, states):
         ({"limit": 0}, "limit must be positive"),
         ({"limit": -1.0}, "limit must be positive"),
         ({"limit": float("nan")}, "limit must be positive"),
+        ({"limit": "near"}, "limit must be positive"),
+        ({"limit": None}, "limit must be positive"),
+        ({"limit": np.array([0.1, 0.2])}, "limit must be positive"),
         ({"nearest": 0}, "nearest must be"),
         ({"nearest": True}, "nearest must be"),
         ({"threads": 0}, "threads must be"),
@@ -319,12 +322,35 @@ def test_a_function_for_optimisers_has_a_row_for_each_pair(checker, states):
 def test_bad_arguments_are_named(checker, states, arguments, message):
     with pytest.raises(pc.PlannercheckError, match=message):
         checker.distances(states[:1], **arguments)
+    if "limit" in arguments:
+        with pytest.raises(pc.PlannercheckError, match=message):
+            checker.distance_function(**arguments)
+
+
+@pytest.mark.parametrize(
+    ("at", "start_time", "message"),
+    [("soon", 0.0, "at must be"), ([[0.0, 1.0]], 0.0, "at must be instants"), (0.5, None, "start_time must be")],
+)
+def test_instants_that_are_none_are_named(checker, at, start_time, message):
+    still = pc.Trajectory([0.0, 1.0], np.stack([checker.robot.reference] * 2), controller="linear")
+    with pytest.raises(pc.PlannercheckError, match=message):
+        pc.distances_along(checker, still, at, start_time=start_time)
+
+
+def test_so_many_nearest_pairs_as_there_are(checker, states):
+    table = checker.distances(states[:1], nearest=10**30)
+    assert np.array_equal(np.sort(table.pair), np.arange(len(checker.pairs)))
 
 
 def test_directions_are_checked(tmp_path, checker, states):
     table = checker.distances(states)
     with pytest.raises(pc.PlannercheckError, match="7 finite numbers"):
         table.directional(0, [1.0])
+    for row in (len(table.distance), -1, None, slice(0, 1)):
+        with pytest.raises(pc.PlannercheckError, match="row must be one of"):
+            table.directional(row, np.ones(7))
+    with pytest.raises(pc.PlannercheckError, match="dq must be numbers"):
+        table.directional(0, "forward")
     with pytest.raises(pc.PlannercheckError, match="overlap"):
         parallel_boxes(tmp_path).distances([0.05, 0.0]).directional(0, np.ones(2))
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(table)).gradient, table.gradient)

@@ -161,7 +161,7 @@ def test_beyond_its_data_an_object_is_refused_or_stands(tmp_path: Path) -> None:
     poses = standing.body_poses(robot.reference, times=[-9.0, 2.0, 4.0, 9.0])
     assert np.array_equal(poses[0], poses[1])
     assert np.array_equal(poses[2], poses[3])
-    for times in ([np.nan], [[2.0]], "soon", [2.0, np.inf]):
+    for times in ([np.nan], [[2.0]], "soon", [2.0, np.inf], []):
         with pytest.raises(pc.PlannercheckError, match="times must be"):
             standing.check_states(robot.reference, times=times)
     with pytest.raises(pc.PlannercheckError, match=r"one a configuration, \(2,\)"):

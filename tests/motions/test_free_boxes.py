@@ -67,6 +67,20 @@ def test_a_configuration_beyond_the_limits_is_named(off):
         checker.free_box(q)
 
 
+def test_a_joint_without_limits_turns_once(tmp_path):
+    path = tmp_path / "wheel.urdf"
+    path.write_text(
+        '<robot name="wheel"><link name="base"/><link name="wheel"><collision><geometry>'
+        '<sphere radius="0.1"/></geometry></collision></link><joint name="axle" type="continuous">'
+        '<parent link="base"/><child link="wheel"/><axis xyz="1 0 0"/></joint></robot>'
+    )
+    scene, pose = pc.Scene("stone"), np.eye(4)
+    pose[2, 3] = 1.0
+    scene.add_sphere("stone", 0.1, pose)
+    box = pc.Checker(pc.Robot.from_urdf(path).with_group(["axle"]), scene).free_box([0.5])
+    assert (box.lower[0], box.upper[0]) == (0.5 - np.pi, 0.5 + np.pi)
+
+
 def test_a_shape_is_its_proportions(checker):
     q = checker.scene.start("panda")
     boxes = [checker.free_box(q, size * np.arange(1.0, 8.0), 30) for size in (1.0, 2.0**-20, 2.0**1000)]

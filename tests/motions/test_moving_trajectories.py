@@ -35,15 +35,26 @@ def test_trajectories_past_moving_boxes(tmp_path: Path, seed: int) -> None:
         assert f"s of the scene's clock: {' – '.join(verdict.pair.names)}" in repr(verdict)
 
 
-def _crossing(start: float = 0.0) -> MovingCase:
-    """Panda at rest, and a box that goes through where its hand is between 3.5 and 4.5 s."""
+def _crossing(start: float = 0.0, clock: float = 0.0) -> MovingCase:
+    """Panda at rest, and a box that goes through where its hand is between 3.5 and 4.5 s, from a clock's time on."""
     robot, scene = pc.Robot.load("panda"), pc.Scene("belt")
     hand = robot.link_poses(robot.reference)[robot.link_index("panda_hand")]
     ends = np.array([np.eye(4)] * 2)
     ends[:, :3, 3] = hand[:3, 3] + np.array([[0, -2, 0], [0, 2, 0]])
-    scene.add("pallet", pc.Box((0.1, 0.1, 0.1)), pc.Moving([0.0, 8.0], ends))
+    scene.add("pallet", pc.Box((0.1, 0.1, 0.1)), pc.Moving([clock, clock + 8.0], ends))
     still = np.stack([robot.reference] * 2)
     return MovingCase(pc.Checker(robot, scene), pc.Trajectory([0.0, 2.0], still, controller="linear"), start)
+
+
+@pytest.mark.parametrize("clock", [0.0, 2.0**23, 1.7e9])
+def test_a_clock_may_be_late(clock: float) -> None:
+    """Beyond 97 days a nanosecond is less than a rounding."""
+    checker, trajectory, _ = _crossing(clock=clock)
+    free = [checker.check_trajectory(trajectory, start_time=clock + start) for start in (0.0, 1.0, 2.5, 5.5)]
+    assert free == [True, True, False, True]
+    proofs = checker.certify_trajectory(trajectory, start_time=clock + 1.0)
+    assert proofs is not None
+    assert all(proof.verify() for proof in proofs)
 
 
 def test_start_time_is_the_scenes_clock_at_the_beginning() -> None:
