@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from numbers import Real
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -46,7 +45,7 @@ class Positions(Protocol):
 
 def _checked_limit(limit: Any) -> float:
     """A limit as a float, or an error that names it."""
-    if isinstance(limit, bool) or not isinstance(limit, Real) or not limit > 0:
+    if isinstance(limit, bool) or not (isinstance(limit, int | float | np.number) and limit > 0):
         raise PlannercheckError(f"limit must be positive, in m, not {shown_array(limit)}")
     return float(limit)
 

@@ -135,6 +135,11 @@ class RobotDescription:
         object.__setattr__(self, "geometry", checked_geometry(self.geometry))
         object.__setattr__(self, "mesh_units", checked_units(self.mesh_units))
 
+    @property
+    def is_shipped(self) -> bool:
+        """Whether it comes with the package."""
+        return self.source is not None and self.source.parent == shipped_folder("robots")
+
     @cached_property
     def file(self) -> UrdfFile:
         """The URDF, read once."""

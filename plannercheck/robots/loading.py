@@ -140,7 +140,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     else:
         model = read_model(urdf, description.floating)
         links = read_bodies(model, urdf, description.package_dirs, description.mesh_units)
-        warn_of_odd_numbers(urdf)
+        warn_of_odd_numbers(urdf, description.is_shipped)
         mimics = usable_mimics(model, urdf)
     bodies = links.bodies
     tree = link_tree(model)

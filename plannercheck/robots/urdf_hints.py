@@ -40,7 +40,7 @@ _ALIKE = 0.8
 _SHOWN = 3
 
 
-def warn_of_odd_numbers(file: UrdfFile) -> None:
+def warn_of_odd_numbers(file: UrdfFile, is_shipped: bool = False) -> None:
     """Warns of angles that look like degrees, and of joints that can't move since their limits are missing."""
     root = file.root
     _warn(file.path, list(_turned(root)), "look like degrees: rpy is in rad")
@@ -50,7 +50,7 @@ def warn_of_odd_numbers(file: UrdfFile) -> None:
     _warn(file.path, list(_unknown_parts(root)), "are not read")
     _warn(
         file.path,
-        list(_soft_limits(root)),
+        [] if is_shipped else list(_soft_limits(root)),  # the YAML of a shipped robot says so
         "are not read, though MoveIt keeps to them: write them as lower= and upper= of <limit> to do so",
     )
 
