@@ -209,7 +209,7 @@ class Checker(StateChecker):
         if self._moving is not None:
             raise PlannercheckError("free_box is of a scene that stands still: replace what moves by where it may be")
         row = self.robot.check_configurations(self._single(q))[0]
-        return FreeBoxes(self, self.certifier_of("slerp"), shape, cells).around(row)
+        return FreeBoxes(self, self.certifier_of("slerp"), row, shape, cells).largest()
 
     def check_trajectory(
         self,

@@ -72,13 +72,16 @@ class BoxChecker(Protocol):
 
 
 class FreeBoxes:
-    """Finds boxes for one checker."""
+    """Finds a box around one configuration for one checker."""
 
-    def __init__(self, checker: BoxChecker, certifier: MotionCertifier, shape: ArrayLike | None, cells: int) -> None:
-        """Takes the proportions of the sides, (nq,) rad and m, and how many cells may cover a box.
+    def __init__(
+        self, checker: BoxChecker, certifier: MotionCertifier, q: Floats, shape: ArrayLike | None, cells: int
+    ) -> None:
+        """Takes a configuration (nq,), the proportions of the sides, (nq,) rad and m, and how many cells may cover it.
 
         Raises:
-            PlannercheckError: If the proportions or the number are malformed, or the robot has unit vectors.
+            PlannercheckError: If the proportions or the number are malformed, the configuration is beyond the limits,
+                or the robot has unit vectors.
         """
         robot = checker.robot
         if robot.configuration_map.units:
@@ -90,32 +93,31 @@ class FreeBoxes:
             raise PlannercheckError(f"cells must be a number of cells, 1 or more, not {cells!r}")
         self._checker, self._certifier, self._most = checker, certifier, cells
         self._shape = np.broadcast_to(given / given.max(), (robot.nq,)).astype(np.float64)
-
-    def around(self, q: Floats) -> FreeBox | None:
-        """The box around a configuration (nq,) that is free; None if nothing around it is proved free."""
-        robot = self._checker.robot
         beyond = np.flatnonzero((q < robot.lower) | (q > robot.upper)).tolist()
         if beyond:
             names = ", ".join(robot.joint_names[k] for k in beyond)
             raise PlannercheckError(
                 f"{names}: beyond the limits, within which boxes are: clip the configuration to them"
             )
+        self._q, self._levers = q, levers_at(checker.body_poses, q)
         # Of joints without limits, one turn: all others are the same.
         self._lower = np.where(np.isinf(robot.lower), q - np.pi, robot.lower)
         self._upper = np.where(np.isinf(robot.upper), q + np.pi, robot.upper)
-        levers = levers_at(self._checker.body_poses, q)
-        scale, cells = self._largest_scale(q, levers)
-        if scale == 0:
-            return None
-        low, high = self._clipped(q - scale * self._shape, q + scale * self._shape)
-        return self._grown(low, high, cells, levers)
 
-    def _largest_scale(self, q: Floats, levers: Floats) -> tuple[float, int]:
+    def largest(self) -> FreeBox | None:
+        """The box that is free; None if nothing around the configuration is proved free."""
+        scale, cells = self._largest_scale()
+        return None if scale == 0 else self._grown(*self._scaled(scale), cells)
+
+    def _scaled(self, scale: float) -> tuple[Floats, Floats]:
+        return self._clipped(self._q - scale * self._shape, self._q + scale * self._shape)
+
+    def _largest_scale(self) -> tuple[float, int]:
         """The largest scale whose box is covered, and by how many cells."""
         known, cells, failed = 0.0, 0, _LARGEST
         scale = _SMALLEST
         while scale < failed:
-            found = self._cover(*self._clipped(q - scale * self._shape, q + scale * self._shape), levers, self._most)
+            found = self._cover(*self._scaled(scale), self._most)
             if found is None:
                 failed = scale
             else:
@@ -125,20 +127,20 @@ class FreeBoxes:
             scale = 2 * known if failed == _LARGEST else np.sqrt(known * failed) if known > 0 else failed
         return known, cells
 
-    def _grown(self, low: Floats, high: Floats, cells: int, levers: Floats) -> FreeBox:
+    def _grown(self, low: Floats, high: Floats, cells: int) -> FreeBox:
         """Moves one side after the other out, the ones that turn least first, until none moves by much."""
-        order = np.argsort(levers * self._shape)
+        order = np.argsort(self._levers * self._shape)
         moved = True
         while moved:
             moved = False
             for k in order.tolist():
                 for side in (low, high):
                     before = side[k]
-                    cells += self._move_side(low, high, side, k, levers, self._most - cells)
+                    cells += self._move_side(low, high, side, k, self._most - cells)
                     moved |= abs(side[k] - before) > (_FINE - 1) * (high[k] - low[k])
         return FreeBox(low, high, cells)
 
-    def _move_side(self, low: Floats, high: Floats, side: Floats, k: int, levers: Floats, most: int) -> int:
+    def _move_side(self, low: Floats, high: Floats, side: Floats, k: int, most: int) -> int:
         """Moves a side out as far as a slab beside the box is covered; returns by how many cells."""
         width = (high[k] - low[k]) * (1 if side is high else -1)
         for halving in range(_HALVINGS):
@@ -148,13 +150,13 @@ class FreeBoxes:
             inner, outer = self._clipped(inner, outer)
             if outer[k] <= inner[k]:
                 return 0
-            found = self._cover(inner, outer, levers, most)
+            found = self._cover(inner, outer, most)
             if found is not None:
                 side[k] = outer[k] if side is high else inner[k]
                 return found
         return 0
 
-    def _cover(self, low: Floats, high: Floats, levers: Floats, most: int) -> int | None:
+    def _cover(self, low: Floats, high: Floats, most: int) -> int | None:
         """By how many cells a box is proved free, None if by no more than `most`."""
         lows, highs, proved = low[None], high[None], 0
         while len(lows):
@@ -165,7 +167,7 @@ class FreeBoxes:
             lows, highs = lows[open_ones], highs[open_ones]
             if len(lows) and not self._checker.check_states((lows + highs) / 2).all():
                 return None
-            lows, highs = halved(lows, highs, levers)
+            lows, highs = halved(lows, highs, self._levers)
         return proved
 
     def _clipped(self, low: Floats, high: Floats) -> tuple[Floats, Floats]:

@@ -18,7 +18,7 @@ from plannercheck.bodies.written_poses import node_of_pose
 from plannercheck.common.array_types import Floats
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.package_data import example_robot_data, shipped_folder
+from plannercheck.common.package_data import example_robot_data
 from plannercheck.robots.description import ALL, RobotDescription, description_of
 from plannercheck.robots.loading import RobotParts
 
@@ -92,10 +92,9 @@ def write_cell(cell: RobotParts, path: Path) -> None:
 def _entry(description: RobotDescription, folder: Path) -> dict[str, Any]:
     """A robot of a cell: its file, and what differs from what that says."""
     file = description.source or description.urdf
-    shipped = file.parent == shipped_folder("robots")
     content, known = _content(description, folder), _content(description_of(file), folder)
     differing = {key: value for key, value in content.items() if known.get(key) != value and key != "disabled_pairs"}
-    return {"load": file.stem if shipped else os.path.relpath(file.resolve(), folder), **differing}
+    return {"load": file.stem if description.is_shipped else os.path.relpath(file.resolve(), folder), **differing}
 
 
 def _source(description: RobotDescription, folder: Path) -> dict[str, Any]:

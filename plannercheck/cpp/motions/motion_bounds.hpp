@@ -82,9 +82,6 @@ struct Deviation {
 };
 
 inline Deviation operator+(Deviation a, Deviation b) { return {a.curvature + b.curvature, a.shift + b.shift}; }
-inline Deviation larger(Deviation a, Deviation b) {
-  return {larger(a.curvature, b.curvature), larger(a.shift, b.shift)};
-}
 
 // The bounds of all chains for one motion. Chain −1 belongs to what stands still: its bounds are 0.
 class ChainBounds {
