@@ -32,6 +32,9 @@ _LOOKS = (
 
 _POINTS, _LINES, _TRIANGLES, _STRIP, _FAN = 0, (1, 2, 3), 4, 5, 6
 
+# A rotation's squared length may be off by this: texts have two digits and more.
+_UNIT = 0.02
+
 # From glTF's axes (y up, z forward; specification 2.0, section 3.4) to z up.
 Y_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
@@ -133,8 +136,8 @@ def _pose(node: Table) -> Floats:
     pose = np.eye(4)
     x, y, z, w = rotation = node.floats("rotation", 4, [0.0, 0.0, 0.0, 1.0])
     square = float(rotation @ rotation)
-    if not 0 < square < np.inf:
-        raise PlannercheckError(f"{node.name}: its rotation must be a quaternion of length 1")
+    if not abs(square - 1) < _UNIT:
+        raise PlannercheckError(f"{node.name}: its rotation must be a quaternion of length 1, not {square**0.5:.6g}")
     turn = [
         [x * x + w * w - y * y - z * z, 2 * (x * y - z * w), 2 * (x * z + y * w)],
         [2 * (x * y + z * w), y * y + w * w - x * x - z * z, 2 * (y * z - x * w)],

@@ -467,6 +467,7 @@ def test_modes_of_gltf(tmp_path: Path, mode: int, triangles: list[list[int]] | N
         ({"nodes": [{"mesh": 0, "children": [0]}]}, "two parents"),
         ({"nodes": [{"mesh": 0, "skin": 0}]}, "skeleton"),
         ({"nodes": [{"mesh": 0, "rotation": [0, 0, 0, 0]}]}, "quaternion"),
+        ({"nodes": [{"mesh": 0, "rotation": [90, 0, 0, 1]}]}, "quaternion of length 1, not 90.0"),
         ({"nodes": [{"mesh": 1}]}, r"meshes\[1\]"),
         ({"asset": {"version": "1.0"}}, "glTF 2"),
         ({"buffers": [{"byteLength": 9999}]}, "9999"),
