@@ -14,7 +14,7 @@ NEEDED = (
     "plannercheck/py.typed",
     "plannercheck/common/_core.pyi",
     "plannercheck/include/plannercheck/checker.hpp",
-    "plannercheck/cmake/plannercheck/plannercheck-config.cmake",
+    "plannercheck/cmake/plannercheck-config.cmake",
     "plannercheck/view/viewer.html",
     "plannercheck/data/robots/panda.yaml",
     "plannercheck/data/robots/pieces/LICENSE-baxter",

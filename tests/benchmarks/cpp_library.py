@@ -68,7 +68,7 @@ def built(options: argparse.Namespace, folder: Path) -> Path:
     """Where the library is installed; it is built if need be."""
     if options.installed:
         print(f"libplannercheck.so: beside {Path(core.__file__).name}")
-        return Path(core.__file__).parent
+        return Path(core.__file__).parents[1]
     build, prefix = folder / "build", folder / "installed"
     choices = [
         "-DPLANNERCHECK_PYTHON=OFF",

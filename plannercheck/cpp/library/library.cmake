@@ -65,8 +65,10 @@ set_target_properties(plannercheck PROPERTIES LINKER_LANGUAGE CXX UNITY_BUILD OF
 if(PLANNERCHECK_PYTHON)  # all in the package, where a link would be a second file
   set(CMAKE_INSTALL_LIBDIR plannercheck)
   set(CMAKE_INSTALL_INCLUDEDIR plannercheck/include)
+  set(package plannercheck/cmake)
 else()
   set_target_properties(plannercheck PROPERTIES VERSION "${version}" SOVERSION 0)
+  set(package "${CMAKE_INSTALL_LIBDIR}/cmake/plannercheck")
 endif()
 target_link_libraries(plannercheck PRIVATE Threads::Threads)
 if(BUILD_SHARED_LIBS AND NOT APPLE)  # the templates of std that are compiled here stay here
@@ -80,7 +82,6 @@ endif()
 target_include_directories(plannercheck INTERFACE "$<BUILD_INTERFACE:${folder}/include>"
   "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
 
-set(package "${CMAKE_INSTALL_LIBDIR}/cmake/plannercheck")
 install(TARGETS plannercheck EXPORT plannercheck)
 install(DIRECTORY "${folder}/include/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
 install(EXPORT plannercheck NAMESPACE plannercheck:: DESTINATION "${package}" FILE plannercheck-targets.cmake)
