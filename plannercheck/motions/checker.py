@@ -394,8 +394,10 @@ class Checker(StateChecker):
         meets, padding = self._of_new_obstacle()
         _ = self.polytopes  # prepares those of all pairs
         self._preparation.prepare(np.flatnonzero(meets).tolist())
-        parts = self._labels, self.prepared, self.pairs, self.paddings, self.unreachable, meets, padding
-        write_cell(CellInputs(robot, kernel, self.scene, *parts, self._tables, self.motion_certifier), Path(path))
+        bodies = self.bodies, self._labels, self.prepared, self.pairs, self.paddings, self.unreachable
+        edits = self._settings.bodies is None, meets, padding
+        parts = *bodies, *edits, self._tables, self.motion_certifier
+        write_cell(CellInputs(robot, kernel, self.scene, *parts), Path(path))
 
     def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:
         return self._prover.proof(start, end, asked_end, tolerance, path)
