@@ -117,7 +117,13 @@ def consumer(prefix: Path, folder: Path, options: argparse.Namespace) -> Path:
         (source / path.name).write_bytes(path.read_bytes())
     with (source / "CMakeLists.txt").open("a") as lines:
         lines.write(f"include_directories({MOVEIT / 'include'})\n")
-        for name in ("judge", "edit_scene", "test_execution_proof", *(() if options.quick else ("share", "fuzz_cell"))):
+        for name in (
+            "judge",
+            "edit_scene",
+            "say_faults",
+            "test_execution_proof",
+            *(() if options.quick else ("share", "fuzz_cell")),
+        ):
             lines.write(f"add_executable({name} {name}.cpp)\n")
             lines.write(f"target_link_libraries({name} PRIVATE plannercheck::plannercheck Threads::Threads)\n")
         if options.face:
@@ -222,6 +228,24 @@ def check_edits(programs: Path, folder: Path, options: argparse.Namespace) -> No
         sys.exit("edits give OTHER VERDICTS than Python's")
 
 
+def check_sentences(programs: Path, folder: Path, options: argparse.Namespace) -> None:
+    """Compares the sentences of faults with Python's."""
+    sys.path.insert(0, str(PROGRAMS.parent))
+    from cell_faults import sentences, stand_ins_of
+
+    cells = [folder / f"{name}.plannercheck" for name in ("padded", "lift", "stand_ins")]
+    checker, lift = padded_checker(), checker_of_all_kinds(folder)
+    for each, cell in zip((checker, lift, checker.with_bodies(stand_ins_of(checker))), cells, strict=True):
+        each.save(cell)
+    command = [*emulator(options), str(programs / "say_faults"), *map(str, cells)]
+    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+    wanted = sentences(checker, lift)
+    for cpp, python in zip(said, wanted, strict=True):
+        if cpp != python or cpp.endswith("no fault"):
+            sys.exit(f"OTHER SENTENCES:\n{cpp}\n{python}")
+    print(f"{len(said)} faults: the same sentences")
+
+
 def padded_checker() -> pc.Checker:
     """A Panda among what has paddings, may be touched, has several bodies, or one that has a pose in its object."""
     scene = pc.Scene("padded")
@@ -230,6 +254,9 @@ def padded_checker() -> pc.Checker:
     scene.add("sign", pc.Part(pc.Sphere(0.125), shifted(0, 0, 0.25)), shifted(0.25, -0.5, 0.5))
     scene.add("rack", [pc.Part(pc.Box((0.3, 0.05, 0.2)), turn), pc.Part(pc.Sphere(0.1))], shifted(-0.4, 0.3, 0.4))
     scene.add("pad", pc.Box((0.3, 0.3, 0.3)), shifted(-0.3, -0.4, 0.3))
+    scene.add("seen", pc.PointCloud(np.zeros((0, 3)), 0.01))
+    scene.add("mapped", pc.Octree.from_cells(np.zeros((0, 3), dtype=np.int32), 0.1))
+    scene.add("dug", pc.HeightField(np.full((3, 3), np.nan), 0.5, -0.8))
     scene.allow("pad", "panda_hand")
     padding = {"crate": 0.125, ("panda_link5", "pad"): 0.25, ("panda_link0", "pad"): 0.05}
     return pc.Checker(pc.Robot.load("panda"), scene, self_collision=False, padding=padding)
@@ -267,11 +294,10 @@ def told_of(checker: pc.Checker, q: np.ndarray, is_measured: bool) -> Iterator[n
         yield np.column_stack([table.state, table.distance, table.points.reshape(-1, 6)]).astype(np.float64)
 
 
-def cell_of_all_kinds(folder: Path) -> Path:
-    """A small cell with all kinds of bodies, and joints of several kinds, to be damaged."""
+def checker_of_all_kinds(folder: Path) -> pc.Checker:
+    """A small checker with all kinds of bodies, and joints of several kinds."""
     (folder / "lift.urdf").write_text(LIFT)
-    pc.Checker(pc.Robot.from_urdf(folder / "lift.urdf"), scene_of_all_kinds()).save(folder / "lift.plannercheck")
-    return folder / "lift.plannercheck"
+    return pc.Checker(pc.Robot.from_urdf(folder / "lift.urdf"), scene_of_all_kinds())
 
 
 def scene_of_all_kinds() -> pc.Scene:
@@ -381,12 +407,13 @@ def main() -> int:
             same &= compare(checker, programs, folder, options, 10**7)
             if robot == "panda":
                 check_edits(programs, folder, options)
+                check_sentences(programs, folder, options)
         print("ur5 with a link as a solid among all kinds of bodies")
         checker = pc.Checker(pc.Robot.load("ur5", geometry={"forearm_link": "solid"}), scene_of_all_kinds())
         checker.save(folder / "ur5.plannercheck")
         same &= compare(checker, programs, folder, options, 200)
         if options.face or options.fuzz:
-            cell = cell_of_all_kinds(folder)
+            cell = folder / "lift.plannercheck"  # to be damaged
         if options.face:
             corpus = folder / "corpus"
             corpus.mkdir(exist_ok=True)
