@@ -44,7 +44,8 @@ LIFT = """<robot name="lift"><link name="floor"/>
 <axis xyz="1 0 0"/></joint><joint name="fly" type="floating"><parent link="hand"/><child link="kite"/></joint>
 </robot>"""
 
-EDITED, MEASURED, EXPLAINED = 2000, 500, 200  # kEdited, kMeasured and kExplained in judge.cpp
+# kEdited, kMeasured, kExplained and kSeparated in judge.cpp.
+EDITED, MEASURED, EXPLAINED, SEPARATED = 2000, 500, 200, 10
 MOVED = 3  # the first edits of edit_scene.cpp
 PROGRAMS = ROOT / "tests" / "support" / "cpp"
 MOVEIT = ROOT / "ros" / "plannercheck_moveit"
@@ -192,8 +193,10 @@ def answers(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray
     for other in others:
         yield other.check_states(given[0][:EDITED])
         yield other.check_motions(given[1][:EDITED], given[2][:EDITED])
-    for q in given[0][:EXPLAINED]:
-        yield from (found.certificate.point for found in checker.explain(q).collisions)
+    for k, q in enumerate(given[0][:EXPLAINED]):
+        found = checker.explain(q, k < SEPARATED)
+        yield from (each.certificate.point for each in found.collisions)
+        yield from (plane_of(each.certificate) for each in found.separations)
     for each in (checker, others[0]):  # of a box that C++ has made, distances differ by rounding
         yield from of_trajectories(each, given)
         for nearest in (None, 2):
@@ -201,6 +204,17 @@ def answers(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray
             columns = (table.state, table.distance, table.lower, table.gap, table.unique)
             points = table.points.reshape(-1, 6)
             yield np.column_stack([*columns, points, table.normal, table.gradient]).astype(np.float64)
+
+
+def plane_of(certificate: pc.Separation | pc.SolidSeparation | pc.PartSeparation) -> np.ndarray:
+    """Whether one plane separates a pair, and the plane: its normal, its offset, and the gap.
+
+    It is verified in exact arithmetic with all vertices of both bodies.
+    """
+    if not isinstance(certificate, pc.Separation):
+        return np.zeros(6)
+    assert certificate.verify()
+    return np.array([1.0, *certificate.normal, certificate.offset, certificate.gap])
 
 
 def of_trajectories(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray]:

@@ -181,14 +181,23 @@ Result<std::size_t> Checker::check_motions(std::span<const double> q0, std::span
   });
 }
 
-Result<Verdict> Checker::explain(std::span<const double> q, Workspace& workspace) const noexcept {
+Result<Verdict> Checker::explain(std::span<const double> q, Workspace& workspace, bool separations) const noexcept {
   return guarded<Verdict>([&] {
     impl_->check_width(q, 1);
     static_cast<void>(impl_->table_of(q.data(), 0));
     Workspace::State& state = state_of(workspace);
     Verdict verdict;
-    for (const auto& [row, point] : impl_->engine().contacts(q.data(), *state.scratch))
+    const Engine::Explained found = impl_->engine().explain(q.data(), separations, *state.scratch);
+    for (const auto& [row, point] : found.contacts)
       verdict.collisions.push_back({impl_->named(row), {point.x, point.y, point.z}});
+    for (const auto& [row, plane] : found.apart) {
+      Separation each{impl_->named(row), plane.has_value(), {}, 0, 0};
+      if (plane) {
+        each.normal = {plane->normal.x, plane->normal.y, plane->normal.z};
+        each.offset = plane->offset, each.gap = plane->gap;
+      }
+      verdict.separations.push_back(std::move(each));
+    }
     verdict.valid = verdict.collisions.empty();
     return verdict;
   });
