@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from plannercheck.coverings.covering import Covering as Covering
     from plannercheck.motions.checker import Checker as Checker
     from plannercheck.motions.free_boxes import FreeBox as FreeBox
+    from plannercheck.motions.free_boxes import FreeBoxes as FreeBoxes
     from plannercheck.robots.robot import Robot as Robot
     from plannercheck.scenes.scene import Scene as Scene
     from plannercheck.timing.conflicts import Conflict as Conflict
@@ -90,6 +91,7 @@ _HOMES = {
     "Distance": "bodies.distance",
     "Distances": "checking.distances",
     "FreeBox": "motions.free_boxes",
+    "FreeBoxes": "motions.free_boxes",
     "Gate": "validation.gates.gate",
     "GateVerdict": "validation.gates.verdict",
     "Ellipsoid": "bodies.ellipsoids",
@@ -176,6 +178,7 @@ __all__ = [
     "Ellipsoid",
     "Enclosure",
     "FreeBox",
+    "FreeBoxes",
     "Gate",
     "GateVerdict",
     "HalfSpace",

@@ -25,6 +25,7 @@ from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import checked_threads
+from plannercheck.common.whole_numbers import whole_number
 from plannercheck.robots.robot import Robot
 
 Same = TypeVar("Same", bound="MeasuringChecker")
@@ -152,8 +153,7 @@ class MeasuringChecker(ABC):
                 Pinocchio poses the links.
         """
         limit = _checked_limit(limit)
-        if nearest is not None and (isinstance(nearest, bool) or not isinstance(nearest, int) or nearest < 1):
-            raise PlannercheckError(f"nearest must be a number of pairs, 1 or more, not {nearest!r}")
+        most = 0 if nearest is None else whole_number(nearest, "nearest must be a number of pairs, 1 or more")
         if gradients and self._kernel is None:
             raise PlannercheckError(
                 "gradients need the compiled kinematics, and Pinocchio poses this robot's links: "
@@ -161,7 +161,7 @@ class MeasuringChecker(ABC):
             )
         checker, rows = self.in_time(given_configurations(self.robot, q), times)
         own = self.robot.configuration_map.tangent_places if gradients else None
-        most = min(nearest or 0, max(len(self.pairs), 1))
+        most = min(most, max(len(self.pairs), 1))
         return checker._measured(rows, limit, most, own, checked_threads(threads, len(rows)))
 
     def distance_function(self, limit: float = 0.1) -> Callable[[ArrayLike], tuple[Floats, Floats]]:

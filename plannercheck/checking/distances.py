@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -22,6 +21,7 @@ from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
 from plannercheck.common.arrays import OwnsArrays, distinct, named_numbers
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
+from plannercheck.common.whole_numbers import row_of_table
 
 # Two posed bodies without padding, and the gradients (n, nv) at points (n, 3) of the first one: of a row.
 Bodies = tuple[Polytope, Floats, Polytope, Floats]
@@ -92,8 +92,7 @@ class Distances(OwnsArrays):
                 them is no hull.
         """
         direction = named_numbers(dq, "dq")
-        if not isinstance(row, Integral) or not 0 <= row < len(self.distance):
-            raise PlannercheckError(f"row must be one of {len(self.distance)} of the table, from 0 on, not {row!r}")
+        row = row_of_table(row, len(self))
         if self._posed is None:
             raise PlannercheckError(
                 "the table has no gradients, or comes from a pickle: ask for distances(..., gradients=True)"

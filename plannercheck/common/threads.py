@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.whole_numbers import whole_number
 
 # Never more than this: no machine has as many cores, and systems refuse to start very many.
 MOST_THREADS = 1024
@@ -14,6 +14,4 @@ def checked_threads(threads: int, rows: int) -> int:
     Raises:
         PlannercheckError: If `threads` is no whole number of at least 1.
     """
-    if not isinstance(threads, int) or threads < 1:
-        raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
-    return max(1, min(threads, rows, MOST_THREADS))
+    return max(1, min(whole_number(threads, "threads must be a whole number of at least 1"), rows, MOST_THREADS))

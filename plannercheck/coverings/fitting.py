@@ -20,6 +20,7 @@ from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import distinct_rows, grouped
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.whole_numbers import whole_number
 from plannercheck.coverings.audits import surface_of, surface_triangles
 from plannercheck.coverings.excess import apart, greatest_excess, surface_points
 from plannercheck.coverings.primitives import Primitives
@@ -151,8 +152,7 @@ def _gain(link: _Link, fits: list[_Fit]) -> float:
 def _check_wanted(links: int, spheres: int, excess: float | None) -> None:
     if not links:
         raise PlannercheckError("the robot has no collision bodies to cover")
-    if not isinstance(spheres, int | np.integer) or spheres < links:
-        raise PlannercheckError(f"spheres must be a whole number of at least {links}, one a link, not {spheres!r}")
+    whole_number(spheres, f"spheres must be a whole number of at least {links}, one a link", links)
     if excess is not None and not (np.isfinite(excess) and excess > 0):
         raise PlannercheckError(f"excess must be a positive number of metres, not {excess!r}")
 

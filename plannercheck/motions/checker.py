@@ -14,6 +14,7 @@ from typing import ClassVar, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.checking.state_checker import StateChecker
 from plannercheck.checking.verdicts import MotionVerdict
 from plannercheck.common.array_types import Bools, Floats
@@ -24,6 +25,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath, check_path
 from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import MOST_THREADS, checked_threads
+from plannercheck.motions.box_search import search_boxes
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE, JudgeMotion, MotionCertifier
 from plannercheck.motions.explanation import explained_motion
 from plannercheck.motions.free_boxes import FreeBox, FreeBoxes
@@ -206,10 +208,32 @@ class Checker(StateChecker):
             PlannercheckError: If an argument is malformed, q is beyond the limits, the robot's configurations have unit
                 vectors, or the scene moves.
         """
+        return self.free_boxes(self._single(q), shape, cells).box(0)
+
+    def free_boxes(
+        self, q: ArrayLike, shape: ArrayLike | None = None, cells: int = 1000, threads: int = 1
+    ) -> FreeBoxes:
+        """Boxes around n configurations: a row is the `free_box` of one, whatever the threads and the others.
+
+        Args:
+            q: (n, nq) rad and m.
+            shape: As for `free_box`, of all.
+            cells: As for `free_box`, of each.
+            threads: Number of threads to use.
+
+        Returns:
+            A table.
+
+        Raises:
+            PlannercheckError: As of `free_box`.
+        """
         if self._moving is not None:
-            raise PlannercheckError("free_box is of a scene that stands still: replace what moves by where it may be")
-        row = self.robot.check_configurations(self._single(q))[0]
-        return FreeBoxes(self, self.certifier_of("slerp"), row, shape, cells).largest()
+            raise PlannercheckError(
+                "free boxes are of a scene that stands still: replace what moves by where it may be"
+            )
+        rows = self.robot.check_configurations(given_configurations(self.robot, q))
+        threads = checked_threads(threads, MOST_THREADS)
+        return search_boxes(self, self.certifier_of("slerp"), rows, shape, cells, threads)
 
     def check_trajectory(
         self,

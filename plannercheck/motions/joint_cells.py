@@ -12,7 +12,7 @@ import numpy as np
 
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.motions.certifier import MotionCertifier
-from plannercheck.motions.motion_ends import Curves
+from plannercheck.motions.motion_ends import NARROW, Curves
 
 # A cell is refused once pairs come nearer than this, m: far below what splitting it would gain.
 _TOLERANCE = 1e-6
@@ -21,13 +21,14 @@ _TOLERANCE = 1e-6
 _STEP, LEAST_LEVER = 1e-6, 1e-3
 
 
-def are_free(certifier: MotionCertifier, lows: Floats, highs: Floats) -> Bools:
-    """(n,) which cells (n, nq), rad and m, are proved free."""
+def are_free(certifier: MotionCertifier, lows: Floats, highs: Floats, threads: int = 1) -> Bools:
+    """(n,) which cells (n, nq), rad and m, are proved free; whatever cells are asked for at once."""
     middles = (lows + highs) / 2
-    halves = np.maximum(highs - middles, middles - lows) * (1 + 2.0**-50)
+    tubes = np.zeros((len(lows), lows.shape[1] + 1))
+    # A width at least, so that all pairs judge each cell.
+    tubes[:, :-1] = np.maximum(np.maximum(highs - middles, middles - lows) * (1 + 2.0**-50), 2 * NARROW)
     points = np.repeat(middles[:, None], 2, axis=1)
-    tubes = np.pad(halves, ((0, 0), (0, 1)))
-    return certifier.check_curves(Curves(np.ascontiguousarray(points), tubes), _TOLERANCE, 1)
+    return certifier.check_curves(Curves(np.ascontiguousarray(points), tubes), _TOLERANCE, threads)
 
 
 def levers_at(body_poses: Callable[[Floats], Floats], q: Floats) -> Floats:
@@ -39,7 +40,7 @@ def levers_at(body_poses: Callable[[Floats], Floats], q: Floats) -> Floats:
 
 
 def halved(lows: Floats, highs: Floats, levers: Floats) -> tuple[Floats, Floats]:
-    """Both halves of each cell, cut across the side that moves bodies most."""
+    """Both halves of each cell, cut across the side that moves bodies most; levers (nq,), or (n, nq) of each cell."""
     cut = ((highs - lows) * levers).argmax(axis=1)
     rows = np.arange(len(lows))
     middle = (lows[rows, cut] + highs[rows, cut]) / 2

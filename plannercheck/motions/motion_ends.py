@@ -18,7 +18,7 @@ from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 
 # Tubes up to this, rad and m, are within what `unreachable_pairs` leaves: a hundred-thousandth of all lengths.
-_NARROW = 1e-9
+NARROW = 1e-9
 
 
 class Motions(NamedTuple):
@@ -75,7 +75,7 @@ class Curves(NamedTuple):
     @property
     def need_all_pairs(self) -> bool:
         """Whether bodies of any have to stay apart, or a tube is so wide that pairs apart by limits count as well."""
-        return bool(np.count_nonzero(self.tubes[:, -1:]) or np.count_nonzero(self.tubes > _NARROW))
+        return bool(np.count_nonzero(self.tubes[:, -1:]) or np.count_nonzero(self.tubes > NARROW))
 
     def ranges(self) -> tuple[Floats, Floats]:
         """The least and the largest (n, nq) of each number on each curve, the tube included."""

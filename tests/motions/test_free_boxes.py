@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import plannercheck as pc
+from plannercheck.motions import box_search
+from plannercheck.motions.joint_cells import are_free
 
 
 @pytest.fixture(scope="module")
@@ -87,6 +89,67 @@ def test_a_shape_is_its_proportions(checker):
     assert all(np.array_equal(box.lower, boxes[0].lower) for box in boxes)
 
 
+def test_a_row_of_a_table_is_the_box_alone(checker):
+    """Whatever the threads, the order and the other rows; boxes of few cells end before those of many."""
+    q = np.concatenate([checker.robot.random_configurations(12, seed=1), [checker.scene.start("panda")]])
+    alone = [checker.free_box(row, cells=20) for row in q]
+    order = np.random.default_rng(0).permutation(len(q))
+    for rows, threads in ((np.arange(len(q)), 1), (order, np.int64(3)), (order[:5], 1), (order[:0], 2)):
+        table = checker.free_boxes(q[rows], cells=20, threads=threads)
+        assert len(table) == len(rows) == table.volume.size
+        assert table.lower.shape == table.upper.shape == (len(rows), 7)
+        for k, row in enumerate(rows.tolist()):
+            box, one = table.box(k), alone[row]
+            assert table.proved[k] == (one is not None)
+            if one is None:
+                assert box is None
+                assert np.isnan([table.lower[k], table.upper[k]]).all()
+                assert table.volume[k] == table.cells[k] == 0
+                with pytest.raises(pc.PlannercheckError, match=f"row {k}: no box is proved"):
+                    table.half_spaces(k)
+            else:
+                np.testing.assert_array_equal([box.lower, box.upper], [one.lower, one.upper])
+                assert (box.cells, box.volume) == (one.cells, one.volume) == (table.cells[k], table.volume[k])
+                np.testing.assert_array_equal(table.half_spaces(k)[1], one.half_spaces()[1])
+    assert 0 < sum(one is None for one in alone) < len(alone)
+    assert {one.cells for one in alone if one} - {20}
+
+
+def test_tables_do_not_depend_on_how_many_rows_are_searched_at_once(checker, monkeypatch):
+    q = np.array([checker.scene.start("panda"), checker.scene.goal("panda")])
+    table = checker.free_boxes(q, cells=20)
+    monkeypatch.setattr(box_search, "_CELLS_AT_ONCE", 1)
+    np.testing.assert_array_equal(checker.free_boxes(q, cells=20).lower, table.lower)
+    assert str(table).startswith("FreeBoxes(2 of 2 proved")
+
+
+def test_a_cell_is_judged_alone():
+    """All pairs judge it, also if it has no width."""
+    asked = []
+
+    class Certifier:
+        def check_curves(self, curves, tolerance, threads):
+            asked.append(curves.need_all_pairs)
+            return np.ones(len(curves.points), dtype=bool)
+
+    for width in (0.0, 1e-12, 1.0):
+        are_free(Certifier(), np.zeros((1, 2)), np.full((1, 2), width))
+    assert asked == [True] * 3
+
+
+def test_what_is_no_table_of_boxes_is_named(checker):
+    q = np.repeat([checker.scene.start("panda")], 3, axis=0)
+    table = checker.free_boxes(q[:1], cells=1)
+    for row in (1, -1, 0.0, True, None):
+        with pytest.raises(pc.PlannercheckError, match="row must be one of 1 of the table, from 0 on"):
+            table.box(row)
+    with pytest.raises(pc.PlannercheckError, match="threads must be"):
+        checker.free_boxes(q, threads=0)
+    q[2, 1] = checker.robot.upper[1] + 1
+    with pytest.raises(pc.PlannercheckError, match=r"^row 2: panda_joint2: beyond the limits"):
+        checker.free_boxes(q)
+
+
 def test_what_is_no_box_is_named(checker):
     q = checker.scene.start("panda")
     for arguments, message in (
@@ -94,6 +157,8 @@ def test_what_is_no_box_is_named(checker):
         ({"shape": 0}, "positive"),
         ({"shape": float("nan")}, "positive"),
         ({"cells": 0}, "cells must be"),
+        ({"cells": True}, "cells must be"),
+        ({"cells": 2.0}, "cells must be"),
     ):
         with pytest.raises(pc.PlannercheckError, match=message):
             checker.free_box(q, **arguments)
