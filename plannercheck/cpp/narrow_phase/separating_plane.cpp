@@ -95,7 +95,9 @@ std::optional<SeparatingPlane> plane_of(const PairVerdict& verdict, double sense
   } else {
     found = frame.pose.rotate(verdict.certificate.q);
   }
-  std::optional<SeparatingPlane> plane = plane_along(unit_direction(sense * found), a, b);
+  std::optional<SeparatingPlane> plane;
+  const double largest = norm_max(found);
+  if (largest > 0 && std::isfinite(largest)) plane = plane_along(unit_direction(sense * found), a, b);
   if (!plane && exact) plane = plane_along(Dyadic(sense) * *exact, a, b);
   return plane;
 }

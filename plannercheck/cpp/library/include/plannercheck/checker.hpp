@@ -192,7 +192,7 @@ class PLANNERCHECK_API Checker {
                                     std::span<std::uint8_t> free, Workspace& workspace,
                                     double tolerance = kDefaultTolerance) const noexcept;
   // Whether a trajectory is proved free at every instant, for joints of one number each. `tube`: (nq) by how much each
-  // number may be off at every instant, all at once; none if empty.
+  // number may be off at every instant, all at once, or one for all; none if empty.
   Result<bool> check_trajectory(const Trajectory& trajectory, Workspace& workspace, std::span<const double> tube = {},
                                 double tolerance = kDefaultTolerance) const noexcept;
   // All pairs that collide at q, by name, and a common point of each; `separations`: all others as well, with planes.
