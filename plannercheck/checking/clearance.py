@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.moving import checked_time
 from plannercheck.checking.compiled_tables import CompiledTables
-from plannercheck.checking.distances import Bodies, Distances, Posed
+from plannercheck.checking.distances import Distances, Places
 from plannercheck.checking.named_configurations import given_configurations
+from plannercheck.checking.nearest_sets import NearestPlace
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import Configuration, named_numbers, shown_array
@@ -200,9 +201,9 @@ class MeasuringChecker(ABC):
         found = self._rows(rows, limit, nearest, places, threads)
         state, pair, distance, lower, points, normal, gap, unique, gradient = found
         width = 0 if own is None else int(own.max(initial=-1)) + 1
-        posed = self._posed(rows, state, pair, normal, width, limit) if width else None
+        nearest_places = self._places(rows, state, pair, width, limit) if width else None
         tables = gap, unique.view(bool), np.ascontiguousarray(gradient[:, :width])
-        return Distances(state, pair, distance, lower, points, normal, *tables, posed)
+        return Distances(state, pair, distance, lower, points, normal, *tables, nearest_places)
 
     def _rows(
         self, rows: Floats, limit: float, nearest: int, places: Ints | None, threads: int, lower_bound: bool = False
@@ -219,21 +220,18 @@ class MeasuringChecker(ABC):
             block[0][:] += k * _BLOCK
         return tuple(np.concatenate(columns) for columns in zip(*blocks, strict=True))
 
-    def _posed(self, rows: Floats, state: Any, pair: Ints, normal: Floats, width: int, limit: float) -> Posed:
-        """The bodies of a row, and gradients at other points of the first one."""
+    def _places(self, rows: Floats, state: Any, pair: Ints, width: int, limit: float) -> Places:
+        """The places where the bodies of a row are nearest, and gradients at points of the first one."""
 
-        def of_row(k: int) -> tuple[Bodies, Callable[[Floats], Floats]]:
-            q, (a, b) = rows[state[k]], self.pairs[pair[k]].tolist()
-            poses, kernel = self.body_poses(q[None])[0], self._kernel
+        def of_row(k: int) -> tuple[list[NearestPlace], Callable[[Floats, Floats], Floats]]:
+            q, own, kernel = rows[state[k]], int(pair[k]), self._kernel
             places, measure = self.robot.configuration_map.tangent_places, self._tables.all.distances(limit)
             assert kernel is not None  # or there are no gradients
 
-            def gradients_at(points: Floats) -> Floats:
-                found = measure.gradients_at(kernel, places, q, int(pair[k]), normal[k], points)
-                return np.asarray(found)[:, :width]
+            def gradients_at(points: Floats, normal: Floats) -> Floats:
+                return np.asarray(measure.gradients_at(kernel, places, q, own, normal, points))[:, :width]
 
-            p, r = self._preparation.polytope(a), self._preparation.polytope(b)
-            return (p, poses[a], r, poses[b]), gradients_at
+            return [NearestPlace(*place) for place in measure.nearest_places(kernel, q, own)], gradients_at
 
         return of_row
 

@@ -15,17 +15,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.polytope import Polytope
-from plannercheck.checking.nearest_sets import nearest_points_of
+from plannercheck.checking.nearest_sets import NearestPlace, nearest_points_of
 from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
 from plannercheck.common.arrays import OwnsArrays, distinct, named_numbers
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.common.whole_numbers import row_of_table
 
-# Two posed bodies without padding, and the gradients (n, nv) at points (n, 3) of the first one: of a row.
-Bodies = tuple[Polytope, Floats, Polytope, Floats]
-Posed = Callable[[int], tuple[Bodies, Callable[[Floats], Floats]]]
+# All places where the bodies of a row are nearest, without padding, and the gradients (n, nv) at nearest points (n, 3)
+# of the first one along a normal.
+Places = Callable[[int], tuple[list[NearestPlace], Callable[[Floats, Floats], Floats]]]
 
 
 @set_module("plannercheck")
@@ -61,10 +60,10 @@ class Distances(OwnsArrays):
     gap: Floats
     unique: Bools
     gradient: Floats
-    _posed: Posed | None = field(default=None, compare=False)
+    _places: Places | None = field(default=None, compare=False)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_posed": None}  # the checker is left behind
+        return {**self.__dict__, "_places": None}  # the checker is left behind
 
     def __len__(self) -> int:
         return len(self.state)
@@ -80,6 +79,9 @@ class Distances(OwnsArrays):
     def directional(self, row: int, dq: ArrayLike) -> float:
         """How fast a distance changes along a direction of the configuration, also where it has no gradient.
 
+        It is the least rate of all nearest pairs of points: of all triangles, parts, cells and points that are nearest
+        up to 1e-12 of the smaller body's size, and of faces and edges that are parallel up to rounding.
+
         Args:
             row: Of this table.
             dq: (nv,) the direction, as the columns of `gradient`.
@@ -88,12 +90,12 @@ class Distances(OwnsArrays):
             The one-sided derivative, m/s for a dq in rad/s and m/s.
 
         Raises:
-            PlannercheckError: If the table has no gradients, the direction is malformed, the bodies overlap, or one of
-                them is no hull.
+            PlannercheckError: If the table has no gradients, the direction is malformed, the bodies overlap, or are
+                so near that rounding leaves the normal open.
         """
         direction = named_numbers(dq, "dq")
         row = row_of_table(row, len(self))
-        if self._posed is None:
+        if self._places is None:
             raise PlannercheckError(
                 "the table has no gradients, or comes from a pickle: ask for distances(..., gradients=True)"
             )
@@ -103,6 +105,10 @@ class Distances(OwnsArrays):
             return float(self.gradient[row] @ direction)
         if self.distance[row] <= 0:
             raise PlannercheckError(f"row {row}: the bodies overlap; derivatives are of bodies that are apart")
-        bodies, gradients_at = self._posed(row)
-        points = nearest_points_of(*bodies, self.points[row], self.normal[row])
-        return float((gradients_at(points) @ direction).min())
+        places, gradients_at = self._places(row)
+        if np.inf in (place.turn for place in places):
+            raise PlannercheckError(
+                f"row {row}: the bodies are {self.distance[row]:.3g} m apart, where rounding leaves the normal open"
+            )
+        rates = [gradients_at(nearest_points_of(place), place.normal) @ direction for place in places]
+        return float(np.concatenate(rates).min())

@@ -1,61 +1,69 @@
-"""All nearest points of two hulls that are apart: where faces or edges are parallel, more than one pair is nearest.
+"""All nearest points of two convex parts that are apart: where faces or edges are parallel, more than one is nearest.
 
-In: two posed bodies, one pair of nearest points, the normal. Out: corners of the set of the first body's nearest ones.
-Idea: the set is where the first body's face against the normal meets the second body's along it, moved by the nearest
-difference: the intersection of two convex polygons (or edges, or points) in a plane. Its corners are corners of one
-that lie in the other, and crossings of edges.
+In: a place where two bodies are nearest: a part of each, one pair of nearest points, the normal. Out: corners of the
+set of the first part's nearest ones. Idea: the set is where the first part's face against the normal meets the second
+part's along it, moved by the nearest difference: the intersection of two convex polygons (or edges, or points) in a
+plane. Its corners are corners of one that lie in the other, and crossings of edges.
 """
 
 from __future__ import annotations
 
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
-from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats
-from plannercheck.common.errors import PlannercheckError
 
-# Vertices this near to a supporting plane lie on it, and points this near to a polygon in it: a part of the radius.
+# Vertices this near to a supporting plane lie on it, and points this near to a polygon in it: a part of the size.
 _ON_PLANE = 1e-9
 
 
-def nearest_points_of(
-    p: Polytope, pose_p: Floats, r: Polytope, pose_r: Floats, points: Floats, normal: Floats
-) -> Floats:
-    """Corners (n, 3), in the world, m, of the set of all nearest points of the first of two hulls or half-spaces.
+class NearestPlace(NamedTuple):
+    """Two convex parts, or hulls, that are as near as their bodies, in the world.
 
-    `points` (2, 3) are one pair of nearest points, the first of which is among the corners; the normal (3,) is from r
-    to p, of length 1.
-
-    Raises:
-        PlannercheckError: If one of the bodies is a solid or a set of parts.
+    Attributes:
+        vertices_p: (n, 3) of the first body's part, m; none of a half-space.
+        vertices_r: (n, 3) of the second one's.
+        points: (2, 3) one pair of nearest points, m, on the inflated parts.
+        normal: (3,) from the second to the first, of length 1.
+        turn: How far the normals of nearest points are from it at most; infinite where rounding leaves them open.
     """
-    for body in (p, r):
-        if body.kind not in ("hull", "half_space"):
-            raise PlannercheckError(
-                "derivatives along directions are of hulls: a solid, cloud or map has several nearest places"
-            )
-    face_p = _face(p, pose_p, normal, points[0])
-    face_r = _face(r, pose_r, -normal, points[1])
-    if face_p is None or face_r is None:
-        found = [points[:1], *(face for face in (face_p, face_r) if face is not None)]
-        return np.asarray(points[0] + _on_plane(np.concatenate(found) - points[0], normal))
+
+    vertices_p: Floats
+    vertices_r: Floats
+    points: Floats
+    normal: Floats
+    turn: float
+
+
+def nearest_points_of(place: NearestPlace) -> Floats:
+    """Corners (n, 3), in the world, m, of the set of all nearest points of the first part.
+
+    The given one is among them.
+    """
+    points, normal = place.points, place.normal
+    face_p, face_r = _face(place.vertices_p, normal, points[0]), _face(place.vertices_r, -normal, points[1])
+    if not len(face_p) or not len(face_r):
+        return np.asarray(points[0] + _on_plane(np.concatenate([points[:1], face_p, face_r]) - points[0], normal))
     axes = _axes(normal)
-    a, b = (_polygon((face - points[0]) @ axes.T) for face in (face_p, face_r))
-    room = _ON_PLANE * min(p.core.radius, r.core.radius)
+    room = _ON_PLANE * min(_size(place.vertices_p), _size(place.vertices_r))
+    a, b = (_polygon((face - points[0]) @ axes.T, room) for face in (face_p, face_r))
     inside = [x for x in a if _holds(b, x, room)] + [x for x in b if _holds(a, x, room)]
     corners = np.array([np.zeros(2), *inside, *_crossings(a, b)])
     return np.asarray(points[0] + corners @ axes)
 
 
-def _face(body: Polytope, pose: Floats, normal: Floats, nearest: Floats) -> Floats | None:
-    """(m, 3) the vertices lowest along the normal, through the nearest point; None for a half-space."""
-    if not body.traits.is_bounded:
-        return None
-    vertices = body.vertices @ pose[:3, :3].T + pose[:3, 3]
+def _size(vertices: Floats) -> float:
+    return float(np.linalg.norm(np.ptp(vertices, axis=0)))
+
+
+def _face(vertices: Floats, normal: Floats, nearest: Floats) -> Floats:
+    """(m, 3) the vertices lowest along the normal, through the nearest point."""
+    if not len(vertices):
+        return vertices
     heights = vertices @ normal
-    lowest = vertices[heights <= heights.min() + _ON_PLANE * body.core.radius]
+    lowest = vertices[heights <= heights.min() + _ON_PLANE * _size(vertices)]
     return np.asarray(nearest + _on_plane(lowest - nearest, normal))
 
 
@@ -70,10 +78,16 @@ def _axes(normal: Floats) -> Floats:
     return np.array([first, np.cross(normal, first)])
 
 
-def _polygon(points: Floats) -> Floats:
-    """(m, 2) the points around their middle, counter-clockwise; they are corners of a convex polygon, or two or one."""
+def _polygon(points: Floats, room: float) -> Floats:
+    """(m, 2) the points around their middle, counter-clockwise; of points on a line its ends, of equal ones one."""
     around = points - points.mean(axis=0)
-    return np.asarray(points[np.argsort(np.arctan2(around[:, 1], around[:, 0]))] if len(points) > 2 else points)
+    _, spreads, axes = np.linalg.svd(around, full_matrices=False)
+    if spreads[0] <= room:
+        return points[:1]
+    if spreads[-1] <= room or len(points) == 2:
+        along = around @ axes[0]
+        return points[[along.argmin(), along.argmax()]]
+    return np.asarray(points[np.argsort(np.arctan2(around[:, 1], around[:, 0]))])
 
 
 def _edges(polygon: Floats) -> list[tuple[Floats, Floats]]:

@@ -309,7 +309,7 @@ class Checker(StateChecker):
         """
         prover = partial(self.certify_trajectory, trajectory, tube, tolerance, start_time=start_time)
         checker, (judged,) = self._on_clock([trajectory], start_time)
-        late = 0.0 if self._moving is None else start_time - float(trajectory.curve.breaks[0])
+        late = float(judged.curve.breaks[0] - trajectory.curve.breaks[0])
         own = trajectory.limits(self.robot) if len(self.robot.joint_names) == self.robot.nq else ()
         limits = tuple(replace(each, time=each.time + late) for each in own)
         found = TrajectoryChecks(checker, tube, tolerance).explain(judged, limits, prover)

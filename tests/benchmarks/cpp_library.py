@@ -1,6 +1,7 @@
 """Builds, installs and runs the C++ library, and compares its verdicts with Python's, in a folder outside the checkout.
 
     python tests/benchmarks/cpp_library.py                        # minutes of a core: all levels, shared
+    python tests/benchmarks/cpp_library.py --installed            # the file that Python's modules link
     python tests/benchmarks/cpp_library.py --levels v3 --static
     python tests/benchmarks/cpp_library.py --levels v3 --sanitize address,undefined --fuzz 10000
     python tests/benchmarks/cpp_library.py --levels v3 --static --compiler clang++ --face 3600 \\
@@ -27,6 +28,7 @@ from pathlib import Path
 import numpy as np
 
 import plannercheck as pc
+from plannercheck.common.core import core
 
 ROOT = Path(__file__).parents[2]
 CELLS = (("panda", "bookshelf"), ("ur5", "table"), ("baxter", "kitchen"))
@@ -66,6 +68,9 @@ def emulator(options: argparse.Namespace) -> list[str]:
 
 def built(options: argparse.Namespace, folder: Path) -> Path:
     """Where the library is installed; it is built if need be."""
+    if options.installed:
+        print(f"libplannercheck.so: beside {Path(core.__file__).name}")
+        return Path(core.__file__).parents[1]
     build, prefix = folder / "build", folder / "installed"
     choices = [
         "-DPLANNERCHECK_PYTHON=OFF",
@@ -133,7 +138,9 @@ def consumer(prefix: Path, folder: Path, options: argparse.Namespace) -> Path:
     flags = "-Wall -Wextra -Wconversion -Werror" + (f" -fsanitize={options.sanitize}" if options.sanitize else "")
     run(
         *("cmake", "-S", str(source), "-B", str(build), "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}"),
-        *(f"-DCMAKE_CXX_FLAGS={flags}", *(debugging(options) or ["-DCMAKE_BUILD_TYPE=Release"]), *target(options)),
+        *("-Uplannercheck_DIR", f"-DCMAKE_CXX_FLAGS={flags}"),
+        *(debugging(options) or ["-DCMAKE_BUILD_TYPE=Release"]),
+        *target(options),
         *(["-DCMAKE_DISABLE_FIND_PACKAGE_ompl=ON"] if options.quick else []),
     )
     run("cmake", "--build", str(build))
@@ -385,6 +392,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--levels", default="v2;v3;v4")
     parser.add_argument("--static", action="store_true")
+    parser.add_argument("--installed", action="store_true", help="the library of the installed plannercheck")
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--compiler")
     parser.add_argument("--cross", metavar="PROCESSOR", default="", help="for which GCC and QEMU's user mode are here")
@@ -402,7 +410,7 @@ def main() -> int:
         folder = options.folder or Path(temporary)
         folder.mkdir(exist_ok=True)
         prefix = built(options, folder)
-        if not options.sanitize:  # which has code of its own that runs first
+        if not options.sanitize and not options.installed:  # the former has code of its own that runs first
             check_levels_apart(folder / "build")
         programs = consumer(prefix, folder, options)
         same = True

@@ -1,4 +1,5 @@
-"""Where `unique` says that a distance has a gradient: before solids and sets of parts, and where bodies overlap."""
+"""Where `unique` says that a distance has a gradient, and its derivatives along directions where it has none: before
+solids and sets of parts, and where bodies overlap."""
 
 from pathlib import Path
 
@@ -101,15 +102,18 @@ def over_the_floor(body, poses):
     return heights.min(axis=1) + poses[:, :3, 3] @ normal - 0.1 - body.inflation_radius
 
 
+def brute_force(robot, checker, oracle, q, steps):
+    """(n + 1,) distances at a configuration, and after steps (n, 6) in the tangent."""
+    a, b = checker.pairs[0].tolist()
+    poses = checker.body_poses(np.array([q, *(pin.integrate(robot.model, q, step) for step in steps)]))
+    if oracle is None:
+        return over_the_floor(checker._preparation.polytope(a), poses[:, a])
+    return oracle.distances(poses[:, a], poses[:, b])
+
+
 def judge_row(robot, checker, oracle, q, table, row, error):
     """One-sided derivatives agree, so there is no kink, and central ones are the gradient up to an error."""
-    a, b = checker.pairs[0].tolist()
-    ends = [pin.integrate(robot.model, q, s * d) for d in np.eye(6) for s in (STEP, -STEP)]
-    poses = checker.body_poses(np.array([q, *ends]))
-    if oracle is None:
-        found = over_the_floor(checker._preparation.polytope(a), poses[:, a])
-    else:
-        found = oracle.distances(poses[:, a], poses[:, b])
+    found = brute_force(robot, checker, oracle, q, [s * d for d in np.eye(6) for s in (STEP, -STEP)])
     assert table.distance[row] == pytest.approx(found[0], abs=1e-12)
     forward, backward = found[1::2] - found[0], found[0] - found[2::2]
     np.testing.assert_allclose(forward / STEP, backward / STEP, atol=3e-4 + 3 * STEP / abs(found[0]))
@@ -133,6 +137,34 @@ def test_unique_rows_have_the_derivatives_of_brute_force(tmp_path, obstacle, sha
         # On a lattice, both sides may differ in their curvature.
         curvature = 0 if table.state[row] < 10 else 1 / abs(table.distance[row])
         judge_row(robot, checker, oracle, q[table.state[row]], table, row, 1e-8 + curvature * STEP)
+
+
+def judge_directions(robot, checker, oracle, q, table, row, directions):
+    """One-sided derivatives of the second order are those along directions; how many were judged.
+
+    Where they change within the step, as where another place is nearest then, nothing is judged.
+    """
+    found = brute_force(robot, checker, oracle, q, [s * dq for dq in directions for s in (0.5e-5, 1e-5, 2e-5)])
+    half, one, two = found[1::3], found[2::3], found[3::3]
+    coarse, fine = ((4 * near - far - 3 * found[0]) / (2 * s) for near, far, s in ((one, two, 1e-5), (half, one, 5e-6)))
+    steady = np.abs(coarse - fine) < 1e-8
+    for k in np.flatnonzero(steady):
+        assert table.directional(row, directions[k]) == pytest.approx(fine[k], abs=1e-7)
+    return steady.sum()
+
+
+@pytest.mark.parametrize("obstacle", [name for name in OBSTACLES if name not in ("stone", "capsule")])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_derivatives_along_directions_are_those_of_brute_force(tmp_path, obstacle, shape):
+    rng = np.random.default_rng(sum(map(ord, obstacle + shape)) + 1)
+    robot, checker, oracle = scene_of(tmp_path, shape, obstacle, rng)
+    q = configurations(robot, rng, 14)[7:]
+    table = checker.distances(q, np.inf)
+    judged = 0
+    for row in np.flatnonzero(~table.unique & (table.distance > 1e-3)):
+        directions = [*rng.normal(size=(2, 6)), *(np.eye(6)[k] * s for k in (0, 3, 4, 5) for s in (1, -1))]
+        judged += judge_directions(robot, checker, oracle, q[table.state[row]], table, row, directions)
+    assert judged or obstacle in ("cloud", "heights")  # where ties are seldom
 
 
 def row_of(folder, shape, obstacle, place, turn=(0.0, 0.0, 0.0), **geometry):
@@ -201,6 +233,33 @@ def test_two_nearest_places_are_not_unique(tmp_path, case):
     assert first.gap[0] > 0.01
     assert second.unique[0]
     assert second.gap[0] <= 1e-12
+
+
+# Levers from the body's origin and normals of all nearest pairs of points where places are tied.
+S, T = np.sqrt(0.5), np.sqrt(0.14)
+NEAREST = {
+    "two sides of a valley": [((0, 0, 0), (S, 0, S)), ((0, 0, 0), (-S, 0, S))],
+    "two balls of a cloud": [((0, 0, 0), (0.2 / T, 0.1 / T, 0.3 / T)), ((0, 0, 0), (-0.2 / T, 0.1 / T, 0.3 / T))],
+    "two cells": [((0, 0, 0), (1, 0, 0)), ((0, 0, 0), (-1, 0, 0))],
+    "two prongs at once": [((0.2, 0, -0.1), (0, 0, 1)), ((-0.2, 0, -0.1), (0, 0, 1))],
+}
+
+
+@pytest.mark.parametrize("case", NEAREST)
+def test_each_nearest_place_has_its_rate(tmp_path, case):
+    """The least one counts."""
+    shape, obstacle, tied, _ = CASES[case]
+    table = row_of(tmp_path, shape, obstacle, tied[:3])
+    for dq in np.random.default_rng(0).normal(size=(20, 6)):
+        rates = [np.dot(normal, dq[:3] + np.cross(dq[3:], lever)) for lever, normal in NEAREST[case]]
+        assert table.directional(0, dq) == pytest.approx(min(rates), abs=1e-12)
+
+
+def test_normals_that_rounding_leaves_open_are_no_derivatives(tmp_path):
+    table = row_of(tmp_path, '<box size="0.2 0.2 0.2"/>', Box((1.0, 1.0, 1.0)), (0.0, 0.0, 0.6 + 1e-12))
+    assert not table.unique[0]
+    with pytest.raises(pc.PlannercheckError, match=r"row 0: the bodies are 1e-12 m apart, where rounding leaves"):
+        table.directional(0, np.ones(6))
 
 
 def test_solids_that_overlap_are_not_unique(tmp_path):

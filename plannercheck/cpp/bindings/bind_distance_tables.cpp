@@ -117,6 +117,21 @@ nb::tuple of_poses(BoundDistances& distances, LinkPoses poses, int nearest, int 
                   threads);
 }
 
+// (vertices of a, vertices of b, both points, normal, turn) of each place where a pair is nearest at one configuration.
+nb::list nearest_places(BoundDistances& distances, const Kinematics& kinematics, InputArray<double, -1> q, int pair) {
+  std::vector<NearestPlace> found;
+  distances.with_workspace([&](DistanceCore::Workspace& w) {
+    found = distances.core().nearest_places({&kinematics, q.data(), 0, 1}, pair, w);
+  });
+  nb::list out;
+  for (const NearestPlace& place : found) {
+    const auto points = point_array(std::vector{place.found.on_body_a, place.found.on_body_b});
+    out.append(nb::make_tuple(point_array(place.vertices_a), point_array(place.vertices_b), points,
+                              point_array(place.found.direction), place.turn));
+  }
+  return out;
+}
+
 // (points, tangent) for points (n, 3) of the first body of a pair, at one configuration.
 auto gradients_at(BoundDistances& distances, const Kinematics& kinematics, Places places, InputArray<double, -1> q,
                   int pair, InputArray<double, 3> normal, InputArray<double, -1, 3> points) {
@@ -140,6 +155,7 @@ void bind_distance_tables(nb::module_& m) {
            plain_floats)
       .def("of_states", &of_states, nb::arg("kinematics"), nb::arg("places").none(), nb::arg("q"), nb::arg("nearest"),
            nb::arg("rounds"), nb::arg("threads"), plain_floats)
+      .def("nearest_places", &nearest_places, plain_floats)
       .def("gradients_at", &gradients_at, plain_floats)
       .def("of_poses", &of_poses, plain_floats);
 }

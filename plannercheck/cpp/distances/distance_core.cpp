@@ -19,6 +19,17 @@ constexpr std::size_t kPoseNumbersGiven = 16;
 // Nearest points that are all within this part of the bodies' sizes count as one.
 constexpr double kOnePoint = 1e-8;
 
+// Parts count as nearest if they are further apart by less than this part of the smaller body's size, as poses are
+// rounded.
+constexpr double kAsNear = 1e-12;
+
+std::vector<Vec3> posed_vertices(const PosedPolytope& posed) {
+  std::vector<Vec3> out;
+  if (!posed.body->traits().is_bounded) return out;
+  for (const Vec3& vertex : posed.body->inner.points) out.push_back(posed.pose.apply(vertex));
+  return out;
+}
+
 std::vector<GeometryObject> inflated(std::vector<GeometryObject> objects, double by) {
   for (GeometryObject& object : objects) {
     auto body = std::make_shared<Polytope>(*object.body);
@@ -192,6 +203,32 @@ void DistanceCore::nearest(const GivenStates& states, const Tangent* tangent, st
   }
 }
 
+std::vector<NearestPlace> DistanceCore::nearest_places(const GivenStates& state, std::int32_t pair,
+                                                       Workspace& w) const {
+  prepare(state, nullptr, w);
+  const PoseColumns* const links = posed_links(state, 0, w);
+  const auto [a, b] = pairs_[at(pair)];
+  const PosedPolytope body_a = posed(a, links), body_b = posed(b, links);
+  const double room = kAsNear * smaller(extent(*body_a.body), extent(*body_b.body));
+  std::vector<NearestPlace> out;
+  double least = kNoLimit;
+  const auto show = [&](const PosedPolytope& part_a, const PosedPolytope& part_b, const PairDistance& found) {
+    if (found.lower > least + room) return;
+    least = smaller(least, found.upper);
+    out.push_back(
+        {posed_vertices(part_a), posed_vertices(part_b), found, normal_turn(part_a, part_b, found, w.counters)});
+  };
+  const PartVisitor visit{show, room};
+  pair_distance(body_a, body_b, kNoLimit, w.counters, &visit);
+  std::erase_if(out, [&](const NearestPlace& place) { return place.found.lower > least + room; });
+  if (body_a.body->traits().is_bounded) return out;
+  for (NearestPlace& place : out) {
+    std::swap(place.vertices_a, place.vertices_b), std::swap(place.found.on_body_a, place.found.on_body_b);
+    place.found.direction = -place.found.direction;
+  }
+  return out;
+}
+
 void DistanceCore::gradients_at(const GivenStates& state, const Tangent& tangent, std::int32_t pair, Vec3 normal,
                                 const double* points, std::size_t count, std::vector<double>& out, Workspace& w) const {
   prepare(state, &tangent, w);
@@ -250,9 +287,10 @@ PairDistance DistanceCore::with_parts(std::int32_t pair, const PoseColumns* link
     if (part.body == body_a.body) return edges(pairs_[at(pair)][0]);
     return part.body == body_b.body ? edges(pairs_[at(pair)][1]) : own = edges_of(*part.body);
   };
-  const PartVisitor add = [&](const PosedPolytope& part_a, const PosedPolytope& part_b, const PairDistance& found) {
+  const auto show = [&](const PosedPolytope& part_a, const PosedPolytope& part_b, const PairDistance& found) {
     nearest.add(part_a, edges_from(part_a, of_parts[0]), part_b, edges_from(part_b, of_parts[1]), found, counters);
   };
+  const PartVisitor add{show};
   return pair_distance(body_a, body_b, limit, counters, &add);
 }
 

@@ -51,6 +51,14 @@ struct GivenStates {
   std::size_t first, count;
 };
 
+// Two convex parts of a pair, or two hulls, that are nearest: their vertices in the world, none of a half-space; their
+// distance; and how open its direction is, see normal_turn.
+struct NearestPlace {
+  std::vector<Vec3> vertices_a, vertices_b;
+  PairDistance found;
+  double turn;
+};
+
 class DistanceCore {
  public:
   // `limit`: m, positive; infinite for all pairs.
@@ -69,6 +77,8 @@ class DistanceCore {
   void nearest(const GivenStates& states, const Tangent* tangent, std::size_t count, int rounds, DistanceTable& out,
                Workspace& workspace) const;
 
+  // All places where a pair that is apart is nearest, up to kAsNear of its smaller body's size.
+  std::vector<NearestPlace> nearest_places(const GivenStates& state, std::int32_t pair, Workspace& workspace) const;
   // The gradients of the distance for other nearest points of a pair, given by points of A: a row each, appended.
   void gradients_at(const GivenStates& state, const Tangent& tangent, std::int32_t pair, Vec3 normal,
                     const double* points, std::size_t count, std::vector<double>& out, Workspace& workspace) const;

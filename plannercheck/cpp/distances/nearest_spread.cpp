@@ -145,6 +145,11 @@ std::vector<Vec3> sorted_points(const PosedPolytope& posed, const VertexSet& fac
 
 }  // namespace
 
+double normal_turn(const PosedPolytope& body_a, const PosedPolytope& body_b, const PairDistance& found,
+                   PairCounters& counters) {
+  return ConvexPair(body_a, body_b, found, counters).turn();
+}
+
 HullEdges edges_of(const Polytope& body) {
   const std::size_t count = body.inner.points.size();
   std::vector<std::array<std::int32_t, 2>> pairs;

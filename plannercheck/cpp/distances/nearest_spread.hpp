@@ -30,6 +30,11 @@
 
 namespace plannercheck {
 
+// How far the directions of nearest differences are from that of `found` at most, as chords; infinite where A and B are
+// so near that rounding leaves them open.
+double normal_turn(const PosedPolytope& body_a, const PosedPolytope& body_b, const PairDistance& found,
+                   PairCounters& counters);
+
 // The edges of a hull: the neighbours of vertex v are ends[starts[v]] to ends[starts[v + 1] − 1].
 struct HullEdges {
   std::vector<std::int32_t> starts, ends;

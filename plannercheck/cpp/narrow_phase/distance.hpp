@@ -34,11 +34,14 @@ struct PairDistance {
 };
 
 // Is shown two convex bodies or parts and their distance; over a half-space, A is always the other body.
-using PartVisitor = std::function<void(const PosedPolytope& a, const PosedPolytope& b, const PairDistance& found)>;
+struct PartVisitor {
+  std::function<void(const PosedPolytope& a, const PosedPolytope& b, const PairDistance& found)> show;
+  double room = 0;  // m
+};
 
 // `limit`: the search ends once the lower bound exceeds it. Of solids that overlap, the depth is that of their hulls.
 // `visit`: is shown the pairs of convex parts (a solid's are its triangles) that are measured, if the bodies are apart:
-// all at least that are no further apart than the bodies.
+// all at least that are no further apart than the bodies and its room.
 PairDistance pair_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
                            PairCounters& counters, const PartVisitor* visit = nullptr);
 

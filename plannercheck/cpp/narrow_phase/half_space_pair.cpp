@@ -204,7 +204,7 @@ PairDistance distance_over(const PosedPolytope& half_space, const PosedPolytope&
   PairDistance least{false, kNoLimit, kNoLimit, {}, {}, {}};
   each_part(body, [&](const PosedPolytope& part, std::int32_t) {
     const PairDistance found = hull_distance_over(half_space, part, counters);
-    if (visit != nullptr) (*visit)(part, half_space, found);
+    if (visit != nullptr) visit->show(part, half_space, found);
     const double lower = smaller(least.lower, found.lower);
     if (found.upper < least.upper) least = found;
     least.lower = lower;

@@ -42,7 +42,7 @@ bool shares(const PosedPolytope& a, const PosedPolytope& b, const PairOptions& o
 PairDistance hulls_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
                             PairCounters& counters, const PartVisitor* visit) {
   const PairDistance found = convex_distance(body_a, body_b, limit, counters);
-  if (visit != nullptr) (*visit)(body_a, body_b, found);
+  if (visit != nullptr) visit->show(body_a, body_b, found);
   return found;
 }
 

@@ -202,6 +202,11 @@ void take(const PairDistance& found, PairDistance& least) {
   least.lower = lower;
 }
 
+// Parts that are further away are not looked for.
+double farthest(const PairDistance& best, const PartVisitor* visit) {
+  return best.upper + (visit != nullptr ? visit->room : 0);
+}
+
 // The least distance of a set's parts from a body that is no set: nodes nearest first.
 class PartsDistance {
  public:
@@ -224,7 +229,7 @@ class PartsDistance {
     }
     waiting_.push({0, parts_.levels().size(), 0});
     // Where the search ends, all that is left is at least as far away as the next node.
-    while (!waiting_.empty() && !(waiting_.top().gap > limit_) && !(waiting_.top().gap >= best_.upper)) {
+    while (!waiting_.empty() && !(waiting_.top().gap > limit_) && !(waiting_.top().gap >= farthest(best_, visit_))) {
       const Waiting next = waiting_.top();
       waiting_.pop();
       if (next.level == 0) {
@@ -271,7 +276,7 @@ class PartsDistance {
     for (std::size_t k = 0; k < kPartsInLeaf; ++k) {
       const PartShape shape = parts_.shape(leaf * kPartsInLeaf + k);
       if (shape.corners == 0) continue;
-      take(of_part(shape, filled, smaller(limit_, best_.upper)), best_);
+      take(of_part(shape, filled, smaller(limit_, farthest(best_, visit_))), best_);
     }
   }
 
@@ -286,7 +291,7 @@ class PartsDistance {
     const PosedPolytope posed{&filled.body(), set_.pose};
     const PosedPolytope &a = set_is_a_ ? posed : body_, &b = set_is_a_ ? body_ : posed;
     const PairDistance found = convex_distance(a, b, limit, counters_);
-    if (visit_ != nullptr) (*visit_)(a, b, found);
+    if (visit_ != nullptr) visit_->show(a, b, found);
     return found;
   }
 };
@@ -302,7 +307,7 @@ PairDistance sets_distance(const PosedPolytope& body_a, const PosedPolytope& bod
     PartBody filled;
     filled.fill(shape, body_a.body->inflation_radius);
     const PosedPolytope posed{&filled.body(), body_a.pose};
-    take(PartsDistance(body_b, posed, smaller(limit, best.upper), counters, visit).run(false, trees), best);
+    take(PartsDistance(body_b, posed, smaller(limit, farthest(best, visit)), counters, visit).run(false, trees), best);
   }
   return best;
 }

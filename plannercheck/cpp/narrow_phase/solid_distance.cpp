@@ -48,7 +48,7 @@ class DistanceSearch {
     while (!waiting_.empty()) {
       const WaitingPair pair = waiting_.back();
       waiting_.pop_back();
-      if (!(pair.gap - radii_ < std::min(best_.upper, limit_))) {
+      if (!(pair.gap - radii_ < farthest())) {
         // All below is at least that far away, which is no less than the distance, or than the limit.
         if (pair.gap - radii_ < best_.upper) best_.lower = std::min(best_.lower, pair.gap - radii_);
       } else if (pair.a.is_triangle() && pair.b.is_triangle()) {
@@ -70,6 +70,9 @@ class DistanceSearch {
   PairDistance best_;
   std::vector<WaitingPair> waiting_;
   PartBody filled_a_, filled_b_;  // one object each, filled again for every triangle
+
+  // Pairs that are further apart are not looked for.
+  double farthest() const { return std::min(best_.upper + (visit_ != nullptr ? visit_->room : 0), limit_); }
 
   void divide(const WaitingPair& pair) {
     const bool divides_a =
@@ -94,8 +97,8 @@ class DistanceSearch {
   void measure(std::int32_t triangle_a, std::int32_t triangle_b) {
     fill(filled_a_, a_, triangle_a, body_a_), fill(filled_b_, b_, triangle_b, body_b_);
     const PosedPolytope a{&filled_a_.body(), a_.pose}, b{&filled_b_.body(), b_.pose};
-    const PairDistance found = convex_distance(a, b, std::min(limit_, best_.upper), counters_);
-    if (visit_ != nullptr) (*visit_)(a, b, found);
+    const PairDistance found = convex_distance(a, b, farthest(), counters_);
+    if (visit_ != nullptr) visit_->show(a, b, found);
     const double lower = std::min(best_.lower, found.lower);
     if (found.upper < best_.upper) best_ = found;
     best_.lower = lower;
