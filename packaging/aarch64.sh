@@ -37,7 +37,8 @@ cmake -S "$here/plannercheck/cpp" -B "$work/build" -DCMAKE_SYSTEM_NAME=Linux -DC
 cmake --build "$work/build" --parallel "${JOBS:-1}" > /dev/null
 rm -rf "$package" && mkdir "$package"
 cp -r "$here/plannercheck" "$here/robots" "$here/configs" "$package"
-rm -f "$package"/plannercheck/_*.so
+rm -f "$package"/plannercheck/*.so
+cp "$work/build/libplannercheck.so" "$package/plannercheck"
 for name in _core_plain _oracle; do  # the build names them after this machine's Python
   cp "$work/build/$name".*.so "$package/plannercheck/$name.$suffix.so"
 done

@@ -9,9 +9,12 @@ import zipfile
 from pathlib import Path, PurePosixPath
 
 LEVELS = {"x86_64": ("v2", "v3", "v4"), "aarch64": ("plain",)}
+LIBRARY = "plannercheck/libplannercheck"
 NEEDED = (
     "plannercheck/py.typed",
     "plannercheck/common/_core.pyi",
+    "plannercheck/include/plannercheck/checker.hpp",
+    "plannercheck/cmake/plannercheck-config.cmake",
     "plannercheck/view/viewer.html",
     "plannercheck/data/robots/panda.yaml",
     "plannercheck/data/robots/pieces/LICENSE-baxter",
@@ -30,7 +33,7 @@ def main(path: Path) -> int:
         files = {PurePosixPath(member.filename): member for member in wheel.infolist()}
     (processor,) = [name for name in LEVELS if path.stem.endswith(name)]
     modules = {str(name).split(".")[0] for name in files if name.suffix == ".so"}
-    wanted = {f"plannercheck/_core_{level}" for level in LEVELS[processor]} | {"plannercheck/_oracle"}
+    wanted = {f"plannercheck/_core_{level}" for level in LEVELS[processor]} | {"plannercheck/_oracle", LIBRARY}
     missing = [each for each in NEEDED if not any(name.match(each) for name in files)] + sorted(wanted - modules)
     too_much = [str(name) for name in files if STRANGE.search(str(name))] + sorted(modules - wanted)
     print(f"{path.name}: {path.stat().st_size / 1e6:.1f} MB in {len(files)} files; unpacked, the largest:")

@@ -32,6 +32,7 @@ from plannercheck.bodies.triangle_meshes import triangles_of_coal
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import unmasked
 from plannercheck.common.checked_yaml import error_context
+from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.transforms import is_identity
 
@@ -84,7 +85,10 @@ def in_frame(frame: Floats, pose: ArrayLike | None, what: str) -> Floats:
     if pose is None or is_identity(frame):
         return frame if pose is None else checked_pose(pose, what)
     local = checked_pose(pose, what)
-    return frame if is_identity(local) else checked_pose(frame @ local, what)
+    if is_identity(local):
+        return frame
+    posed = core.placed_on_links(np.ascontiguousarray(frame)[None], np.ascontiguousarray(local)[None])[0]
+    return checked_pose(posed, what)  # the C++ library's edits have these bits
 
 
 def _library(value: object) -> str | None:

@@ -12,9 +12,8 @@ import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping, Sequence
 from xml.etree.ElementTree import Element
 
-import yaml
-
 from plannercheck.checking.collision_matrix import LinkPair
+from plannercheck.common.written_yaml import yaml_of
 
 _SRDF_REASONS = {
     "adjacent": "Adjacent",
@@ -68,8 +67,7 @@ def yaml_text(pairs: Sequence[LinkPair]) -> str:
         {"reason": words, "pairs": [[pair.link_a, pair.link_b] for pair in group]}
         for words, group in itertools.groupby(pairs, key=_heading)
     ]
-    text: str = yaml.dump({"disabled_pairs": blocks}, sort_keys=False, default_flow_style=None, width=110)
-    return text
+    return yaml_of({"disabled_pairs": blocks})
 
 
 def _heading(pair: LinkPair) -> str:

@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import (
@@ -33,6 +32,7 @@ from plannercheck.common.checked_yaml import (
 )
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.user_warnings import warn
+from plannercheck.common.written_yaml import yaml_of
 from plannercheck.coverings.primitives import Primitives
 from plannercheck.coverings.regions import posed
 
@@ -173,4 +173,4 @@ def model_text(covers: Mapping[str, Primitives], source: Path | None) -> str:
         kinematics["collision_link_names"] = [*spheres, *attached]
     kinematics["collision_sphere_buffer"] = 0.0
     kinematics["collision_spheres"] = spheres
-    return str(yaml.safe_dump(document, sort_keys=False, default_flow_style=None, width=120))
+    return yaml_of(document, width=120)

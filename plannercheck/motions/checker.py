@@ -309,7 +309,7 @@ class Checker(StateChecker):
         """
         prover = partial(self.certify_trajectory, trajectory, tube, tolerance, start_time=start_time)
         checker, (judged,) = self._on_clock([trajectory], start_time)
-        late = 0.0 if self._moving is None else start_time - float(trajectory.curve.breaks[0])
+        late = float(judged.curve.breaks[0] - trajectory.curve.breaks[0])
         own = trajectory.limits(self.robot) if len(self.robot.joint_names) == self.robot.nq else ()
         limits = tuple(replace(each, time=each.time + late) for each in own)
         found = TrajectoryChecks(checker, tube, tolerance).explain(judged, limits, prover)
@@ -394,8 +394,10 @@ class Checker(StateChecker):
         meets, padding = self._of_new_obstacle()
         _ = self.polytopes  # prepares those of all pairs
         self._preparation.prepare(np.flatnonzero(meets).tolist())
-        parts = self._labels, self.prepared, self.pairs, self.paddings, self.unreachable, meets, padding
-        write_cell(CellInputs(robot, kernel, self.scene, *parts, self._tables, self.motion_certifier), Path(path))
+        bodies = self.bodies, self._labels, self.prepared, self.pairs, self.paddings, self.unreachable
+        edits = self._settings.bodies is None, meets, padding
+        parts = *bodies, *edits, self._tables, self.motion_certifier
+        write_cell(CellInputs(robot, kernel, self.scene, *parts), Path(path))
 
     def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:
         return self._prover.proof(start, end, asked_end, tolerance, path)

@@ -15,6 +15,7 @@ import numpy as np
 
 from plannercheck.bodies.kinds import Kind
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.shapes import GeometryObject, checked_pose
 from plannercheck.checking.compiled_tables import CompiledTables
 from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
 from plannercheck.common.atomic_files import write_atomically
@@ -30,7 +31,7 @@ from plannercheck.robots.unit_lengths import UNIT_TOLERANCE
 from plannercheck.scenes.scene import Scene
 
 # kCellFormat in cpp/library/cell_file.hpp.
-CELL_FORMAT = 3
+CELL_FORMAT = 4
 
 # BodyKind in cpp/library/cell_bodies.cpp.
 _HULL, _SOLID, _HALF_SPACE = 0, 1, 5
@@ -44,11 +45,13 @@ class CellInputs(NamedTuple):
         robot: The robot.
         kernel: The kinematics that pose it.
         scene: The scene, which stands still.
-        labels: The link or obstacle of each body.
+        bodies: The bodies.
+        labels: The link or obstacle of each.
         polytopes: The prepared bodies; None where no pair needs it.
         pairs: (k, 2) indices of bodies.
         paddings: (bodies,) each body's part of the padding, m.
         unreachable: (k,) which pairs can't meet within the limits.
+        takes_other_scenes: Whether the bodies are those of the robot and the scene, and no stand-ins.
         meets_obstacles: (robot's bodies,) which are tested against an obstacle that is added.
         padding: Such an obstacle's part of the padding, m.
         tables: The pairs, compiled.
@@ -58,11 +61,13 @@ class CellInputs(NamedTuple):
     robot: Robot
     kernel: core.Kinematics
     scene: Scene
+    bodies: Sequence[GeometryObject]
     labels: Sequence[str]
     polytopes: Sequence[Polytope | None]
     pairs: Ints
     paddings: Floats
     unreachable: Bools
+    takes_other_scenes: bool
     meets_obstacles: Bools
     padding: float
     tables: CompiledTables
@@ -143,20 +148,20 @@ def _bodies(cell: CellInputs) -> Iterator[Section]:
     yield Section("shapes", np.array(of_bodies, dtype=np.int32))
     yield Section("links", links)
     yield Section("body placements", placements[:, :3].reshape(-1, 12))
-    yield Section("own poses", _own_poses(cell, links, placements[:, :3]))
+    yield Section("own poses", _own_poses(cell))
     yield Section("paddings", cell.paddings)
     yield Section("meets obstacles", cell.meets_obstacles)
+    yield Section("takes other scenes", np.array([cell.takes_other_scenes], dtype=np.int32))
     yield Section("obstacle padding", cell.padding)
 
 
-def _own_poses(cell: CellInputs, links: Ints, placements: Floats) -> Bools:
-    """(bodies,) which obstacles' shapes have a pose in their object, so that the object's pose does not place them."""
-    poses = {item.name: item.pose[:3] for item in cell.scene.objects}
-    own = np.zeros(len(links), dtype=bool)
-    for body in np.flatnonzero(links < 0).tolist():
-        pose = poses.get(cell.labels[body])
-        own[body] = pose is not None and not np.array_equal(pose, placements[body])
-    return own
+def _own_poses(cell: CellInputs) -> Floats:
+    """(bodies, 12) the pose of each shape in its obstacle; the identity of robots' bodies and of stand-ins."""
+    own = {
+        id(body): part.pose for item in cell.scene.objects for body, part in zip(item.bodies, item.parts, strict=True)
+    }
+    poses = [checked_pose(own.get(id(body)), f"body {body.name!r}")[:3] for body in cell.bodies]
+    return np.array(poses, dtype=np.float64).reshape(-1, 12)
 
 
 def _shape(polytope: Polytope) -> tuple[int, list[Section]]:

@@ -27,7 +27,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import yaml
 from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Floats
@@ -47,6 +46,7 @@ from plannercheck.common.checked_yaml import (
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.html_tables import html_table
 from plannercheck.common.public_names import set_module
+from plannercheck.common.written_yaml import yaml_of
 from plannercheck.planar.links import GeometryObject
 from plannercheck.planar.pieces import convex_pieces
 from plannercheck.planar.polygons import checked_poses
@@ -239,7 +239,7 @@ def _write(scene: Scene, path: Path) -> None:
     document["objects"] = [_object_node(name, obstacle) for name, obstacle in scene.obstacles.items()]
     states = {robot: states_node(scene, robot, path.resolve().parent) for robot in scene.states}
     document |= {"states": states} if states else {}
-    text = yaml.dump(document, sort_keys=False, default_flow_style=None, width=110)
+    text = yaml_of(document)
     write_atomically(path, lambda aside: aside.write_text(text, encoding="utf-8"))
 
 

@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from plannercheck.bodies.written_poses import node_of_pose
 from plannercheck.common.array_types import Floats
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import example_robot_data
+from plannercheck.common.written_yaml import yaml_of
 from plannercheck.robots.description import ALL, RobotDescription, description_of
 from plannercheck.robots.loading import RobotParts
 
@@ -151,7 +151,7 @@ def _content(description: RobotDescription, folder: Path) -> dict[str, Any]:
 def _text(content: Mapping[str, Any]) -> str:
     """YAML whose innermost lists are one line each, and whose keys are one below the other."""
     flow = None if any(isinstance(value, dict | list) for value in content.values()) else False
-    return str(yaml.safe_dump(dict(content), sort_keys=False, default_flow_style=flow, width=110, allow_unicode=True))
+    return yaml_of(dict(content), flow)
 
 
 def _named(path: Path, folder: Path) -> str:

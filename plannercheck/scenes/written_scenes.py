@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from plannercheck.bodies.ellipsoids import ELLIPSOID_EXCESS, Ellipsoid
 from plannercheck.bodies.half_spaces import HalfSpace
@@ -23,6 +22,7 @@ from plannercheck.bodies.written_poses import node_of_pose
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.checked_yaml import Node, error_context
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.written_yaml import yaml_of
 from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
@@ -53,7 +53,7 @@ def _yaml_text(scene: SceneContents, beside: FilesBeside) -> str:
     document |= _allowed_nodes(scene)
     states = {robot: states_node(scene, robot, beside.folder) for robot in scene.states}
     document |= {"states": states} if states else {}
-    return str(yaml.dump(document, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True))
+    return yaml_of(document)
 
 
 def _object_node(item: SceneObject, beside: FilesBeside) -> Node:

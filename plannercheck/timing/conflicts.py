@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.intersection import intersects
 from plannercheck.checking.verdicts import PairCertificate, PairVerdict
 from plannercheck.common.array_types import Bools, Floats
-from plannercheck.common.arrays import contiguous
+from plannercheck.common.arrays import named_numbers
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.html_tables import html_table
 from plannercheck.common.public_names import set_module
@@ -46,7 +46,7 @@ class Conflict:
             `free_until` collides.
         until: The last instant of the pair's conflict that is found, s; infinite if the robots end in it. Among
             neighbours of 2,000 instants the pair may part and meet again.
-        robots: The robots that the pair belongs to; one if it meets the scene.
+        robots: The robots that the pair belongs to, by links or by what they carry; one if it meets the scene.
         trajectory: The cell's, from 0 s to the end of the longest.
         starts: When each robot's trajectory starts, s.
         verdict: The cell trajectory's.
@@ -152,6 +152,8 @@ def cell_of(checker: Checker) -> Robot:
         raise PlannercheckError(f"needs a pc.Checker of a cell, not {checker!r:.80}")
     if not checker.robot.parts:
         raise PlannercheckError(f"{checker.robot.name!r} is a single robot: make a cell by pc.Robot.together")
+    if not checker._settings.self_collision:
+        raise PlannercheckError("without self-collision no pair between two robots of a cell is tested: leave it on")
     return checker.robot
 
 
@@ -168,7 +170,7 @@ def tube_row(cell: Robot, tube: Tubes) -> ArrayLike:
     for name, given in tube.items():
         if name not in cell.parts:
             raise unknown_name("robot with a tube", name, cell.parts)
-        own, columns = contiguous(given), cell.parts[name].columns
+        own, columns = named_numbers(given, f"the tube of {name!r}"), cell.parts[name].columns
         if own.shape not in ((1,), (len(columns),)):
             raise PlannercheckError(f"the tube of {name!r} must be a number, or {len(columns)}, not {own.shape}")
         row[columns] = own
@@ -176,10 +178,10 @@ def tube_row(cell: Robot, tube: Tubes) -> ArrayLike:
 
 
 def robots_of(cell: Robot, pair: PairVerdict | None) -> tuple[str, ...]:
-    """The robots whose links a pair has."""
-    links = () if pair is None else (pair.first, pair.second)
-    owners = [name for link in links for name in cell.parts if link in cell.link_names and link.startswith(f"{name}/")]
-    return tuple(dict.fromkeys(owners))
+    """The robots whose links, or the objects that these carry, a pair has."""
+    links = {link: link for link in cell.link_names} | {item.name: str(item.link) for item in cell.carried}
+    pairs = [] if pair is None else [links.get(each, "") for each in (pair.first, pair.second)]
+    return tuple(dict.fromkeys(name for link in pairs for name in cell.parts if link.startswith(f"{name}/")))
 
 
 def on_scene_clock(checker: Checker, trajectory: Trajectory) -> tuple[Checker, Trajectory]:

@@ -288,22 +288,22 @@ class _Judge:
         """Whether one delay is proved free."""
         return bool(self.checks.free_pieces(self.on_scene_clock(delay)).all())
 
-    def settled(self, start: float, end: float) -> tuple[Delays, bool]:
-        """Delays from start to end as far as they are settled, and whether the middle one is free."""
+    def settled(self, start: float, end: float) -> Delays:
+        """Delays from start to end as far as they are settled."""
         middle, half = (start + end) / 2, (end - start) / 2 * (1 + 2.0**-40) + 2.0**-50 * end
         knots = np.concatenate([self.owns[name].knots for name in self.waiting])
         trajectory = self.on_scene_clock(middle, np.append(knots + middle, knots.max() + end))
         free = self.checks.free_pieces(trajectory)
         if not free.all():
             found = self._refuted(trajectory, np.flatnonzero(~free).tolist(), middle, half)
-            return (Delays(start, end, "open") if found is None else Delays(start, end, "refuted", *found)), False
+            return Delays(start, end, "open") if found is None else Delays(start, end, "refuted", *found)
         breaks = trajectory.curve.breaks
         wider = self.changes(breaks[:-1] - middle - half, breaks[1:] - middle + half, half, of_waiting=True)
         try:
             all_free = bool(self.checks.free_pieces(trajectory, wider).all())
         except PlannercheckError:  # the tube is so wide that rounding is, too
             all_free = False
-        return Delays(start, end, "free" if all_free else "open"), True
+        return Delays(start, end, "free" if all_free else "open")
 
     def _refuted(
         self, trajectory: Trajectory, pieces: list[int], delay: float, half: float
@@ -346,23 +346,25 @@ def _searched(judge: _Judge, resolution: float) -> LeastDelay:
     left, judged, delay = [(0.0, judge.at_most)], list[Delays](), None
     while left and delay is None:
         start, end = left.pop()
-        found, is_free = judge.settled(start, end)
+        found, middle = judge.settled(start, end), (start + end) / 2
         if found.settled == "free":
-            delay = _first_free(judge, start, (start + end) / 2)
+            delay = _first_free(judge, start, middle)
         elif found.settled == "open" and end - start > resolution:
-            middle = (start + end) / 2
             left += [(middle, end), (start, middle)]
             continue
-        elif is_free:
-            delay = (start + end) / 2
+        elif found.settled == "open" and judge.is_free(middle):  # settled() judges finer pieces than the result has
+            delay = middle
         judged.append(found)
     return _result(judge, delay, tuple(judged))
 
 
-def _first_free(judge: _Judge, start: float, middle: float) -> float:
-    """A delay that is proved free without its interval's tube: the start, or one that is nearer to the middle."""
-    tried = [start, *(start + (middle - start) * 2.0**-k for k in range(_TRIED, 0, -1))]
-    return next((delay for delay in tried if judge.is_free(delay)), middle)
+def _first_free(judge: _Judge, start: float, middle: float) -> float | None:
+    """A delay that is proved free without its interval's tube: the start, or one that is nearer to the middle, if any.
+
+    Pieces that come within the tolerance may pass only where they are cut as for the interval.
+    """
+    tried = [start, *(start + (middle - start) * 2.0**-k for k in range(_TRIED, -1, -1))]
+    return next((delay for delay in tried if judge.is_free(delay)), None)
 
 
 def _result(judge: _Judge, delay: float | None, judged: tuple[Delays, ...]) -> LeastDelay:

@@ -123,7 +123,7 @@ def schedule(
 def _checked(checker: Checker, order: Sequence[Mapping[str, Run]]) -> list[Mapping[str, Run]]:
     """The groups in which something moves, of all robots of the cell; the first one also has all that stand."""
     cell = cell_of(checker)
-    if isinstance(order, Mapping) or not all(isinstance(group, Mapping) for group in order):
+    if not isinstance(order, Sequence) or not all(isinstance(group, Mapping) for group in order):
         raise PlannercheckError("an order is a list of trajectories by robot: [{'left': first}, {'right': second}]")
     names = [name for group in order for name in group]
     twice = sorted({name for name in names if names.count(name) > 1})

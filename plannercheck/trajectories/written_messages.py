@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.written_yaml import yaml_of
 from plannercheck.trajectories.controllers import Points
 from plannercheck.trajectories.stamps import nanoseconds
 
@@ -32,10 +32,7 @@ def write_message(points: Points, path: Path) -> None:
     if not points.joint_names:
         raise PlannercheckError("a message names its joints: make the trajectory with joint_names=")
     message = message_of(points)
-    if path.suffix.lower() == ".json":
-        text = json.dumps(message, indent=1)
-    else:
-        text = yaml.safe_dump(message, sort_keys=False, default_flow_style=None, width=120)
+    text = json.dumps(message, indent=1) if path.suffix.lower() == ".json" else yaml_of(message, width=120)
     write_atomically(path, lambda aside: aside.write_text(text + "\n" * (text[-1] != "\n"), encoding="utf-8"))
 
 

@@ -1,6 +1,7 @@
 """Builds, installs and runs the C++ library, and compares its verdicts with Python's, in a folder outside the checkout.
 
     python tests/benchmarks/cpp_library.py                        # minutes of a core: all levels, shared
+    python tests/benchmarks/cpp_library.py --installed            # the file that Python's modules link
     python tests/benchmarks/cpp_library.py --levels v3 --static
     python tests/benchmarks/cpp_library.py --levels v3 --sanitize address,undefined --fuzz 10000
     python tests/benchmarks/cpp_library.py --levels v3 --static --compiler clang++ --face 3600 \\
@@ -27,6 +28,7 @@ from pathlib import Path
 import numpy as np
 
 import plannercheck as pc
+from plannercheck.common.core import core
 
 ROOT = Path(__file__).parents[2]
 CELLS = (("panda", "bookshelf"), ("ur5", "table"), ("baxter", "kitchen"))
@@ -45,6 +47,7 @@ LIFT = """<robot name="lift"><link name="floor"/>
 </robot>"""
 
 EDITED, MEASURED, EXPLAINED = 2000, 500, 200  # kEdited, kMeasured and kExplained in judge.cpp
+MOVED = 3  # the first edits of edit_scene.cpp
 PROGRAMS = ROOT / "tests" / "support" / "cpp"
 MOVEIT = ROOT / "ros" / "plannercheck_moveit"
 
@@ -64,6 +67,9 @@ def emulator(options: argparse.Namespace) -> list[str]:
 
 def built(options: argparse.Namespace, folder: Path) -> Path:
     """Where the library is installed; it is built if need be."""
+    if options.installed:
+        print(f"libplannercheck.so: beside {Path(core.__file__).name}")
+        return Path(core.__file__).parents[1]
     build, prefix = folder / "build", folder / "installed"
     choices = [
         "-DPLANNERCHECK_PYTHON=OFF",
@@ -125,7 +131,9 @@ def consumer(prefix: Path, folder: Path, options: argparse.Namespace) -> Path:
     flags = "-Wall -Wextra -Wconversion -Werror" + (f" -fsanitize={options.sanitize}" if options.sanitize else "")
     run(
         *("cmake", "-S", str(source), "-B", str(build), "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}"),
-        *(f"-DCMAKE_CXX_FLAGS={flags}", *(debugging(options) or ["-DCMAKE_BUILD_TYPE=Release"]), *target(options)),
+        *("-Uplannercheck_DIR", f"-DCMAKE_CXX_FLAGS={flags}"),
+        *(debugging(options) or ["-DCMAKE_BUILD_TYPE=Release"]),
+        *target(options),
         *(["-DCMAKE_DISABLE_FIND_PACKAGE_ompl=ON"] if options.quick else []),
     )
     run("cmake", "--build", str(build))
@@ -206,14 +214,64 @@ def of_trajectories(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np
         yield np.concatenate([*trajectory.curve.pieces, trajectory.curve.error[None]])
 
 
-def padded_cell(folder: Path) -> Path:
-    """A Panda among a padded crate, as judge.cpp has it, and a body that has a pose in its object."""
-    scene, pose = pc.Scene("padded"), shifted(0.5, 0.25, 0.5)
-    scene.add("crate", pc.Box((0.25, 0.5, 0.125)), pose)
+def check_edits(programs: Path, folder: Path, options: argparse.Namespace) -> None:
+    """Compares edits of a cell, by edit_scene.cpp, with Python's: verdicts, and where bodies move, distances' bits."""
+    checker, q = padded_checker(), pc.Robot.load("panda").random_configurations(2000, 6)
+    cell, states, out = folder / "padded.plannercheck", folder / "padded_q", folder / "padded_out"
+    checker.save(cell)
+    q.tofile(states)
+    subprocess.run([*emulator(options), programs / "edit_scene", cell, states, out], check=True)
+    scenes = enumerate(edited_scenes(checker.scene))
+    python = b"".join(
+        each.tobytes() for k, scene in scenes for each in told_of(checker.with_scene(scene), q, k < MOVED)
+    )
+    if out.read_bytes() != python:
+        sys.exit("edits give OTHER VERDICTS than Python's")
+
+
+def padded_checker() -> pc.Checker:
+    """A Panda among what has paddings, may be touched, has several bodies, or one that has a pose in its object."""
+    scene = pc.Scene("padded")
+    turn = np.array([[0.28, 0, 0.96, 0.07], [0, 1, 0, 0.05], [-0.96, 0, 0.28, 0.21], [0, 0, 0, 1]])
+    scene.add("crate", pc.Box((0.25, 0.5, 0.125)), shifted(0.5, 0.25, 0.5))
     scene.add("sign", pc.Part(pc.Sphere(0.125), shifted(0, 0, 0.25)), shifted(0.25, -0.5, 0.5))
-    path = folder / "padded.plannercheck"
-    pc.Checker(pc.Robot.load("panda"), scene, self_collision=False, padding={"crate": 0.125}).save(path)
-    return path
+    scene.add("rack", [pc.Part(pc.Box((0.3, 0.05, 0.2)), turn), pc.Part(pc.Sphere(0.1))], shifted(-0.4, 0.3, 0.4))
+    scene.add("pad", pc.Box((0.3, 0.3, 0.3)), shifted(-0.3, -0.4, 0.3))
+    scene.allow("pad", "panda_hand")
+    padding = {"crate": 0.125, ("panda_link5", "pad"): 0.25, ("panda_link0", "pad"): 0.05}
+    return pc.Checker(pc.Robot.load("panda"), scene, self_collision=False, padding=padding)
+
+
+def edited_scenes(scene: pc.Scene) -> Iterator[pc.Scene]:
+    """The scenes that edit_scene.cpp makes, one after the other."""
+    there = np.array([[0.36, 0.48, -0.8, 0.31], [-0.8, 0.6, 0, -0.37], [0.48, 0.64, 0.6, 0.43], [0, 0, 0, 1]])
+    for name in ("sign", "rack", "pad"):
+        scene = scene.copy()
+        scene.move(name, there)
+        yield scene
+    for name, shape, pose in (
+        ("crate", pc.Box((0.25, 0.5, 0.125)), shifted(0.5, 0.25, 0.5)),
+        ("pad", pc.Box((0.5, 0.25, 0.25)), shifted(-0.5, -0.25, 0.25)),
+        ("rack", pc.Box((0.5, 0.25, 0.25)), shifted(-0.25, 0.5, 0.5)),
+    ):
+        scene = scene.copy()
+        scene.remove(name)
+        yield scene
+        scene = scene.copy()
+        scene.add(name, shape, pose)
+        yield scene
+    scene = scene.copy()
+    scene.move("rack", there)
+    yield scene
+
+
+def told_of(checker: pc.Checker, q: np.ndarray, is_measured: bool) -> Iterator[np.ndarray]:
+    """What edit_scene.cpp writes of a scene; of a box that C++ has made, distances differ by rounding."""
+    yield checker.check_states(q)
+    yield checker.check_motions(q[:200], q[:200] + 0.05)
+    if is_measured:
+        table = checker.distances(q[:MEASURED], 0.125)
+        yield np.column_stack([table.state, table.distance, table.points.reshape(-1, 6)]).astype(np.float64)
 
 
 def cell_of_all_kinds(folder: Path) -> Path:
@@ -294,6 +352,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--levels", default="v2;v3;v4")
     parser.add_argument("--static", action="store_true")
+    parser.add_argument("--installed", action="store_true", help="the library of the installed plannercheck")
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--compiler")
     parser.add_argument("--cross", metavar="PROCESSOR", default="", help="for which GCC and QEMU's user mode are here")
@@ -311,7 +370,7 @@ def main() -> int:
         folder = options.folder or Path(temporary)
         folder.mkdir(exist_ok=True)
         prefix = built(options, folder)
-        if not options.sanitize:  # which has code of its own that runs first
+        if not options.sanitize and not options.installed:  # the former has code of its own that runs first
             check_levels_apart(folder / "build")
         programs = consumer(prefix, folder, options)
         same = True
@@ -329,9 +388,7 @@ def main() -> int:
                     print(f"  {name}: " + "; ".join(done.stdout.strip().splitlines()[-4:]))
             same &= compare(checker, programs, folder, options, 10**7)
             if robot == "panda":
-                subprocess.run(
-                    [*emulator(options), programs / "edit_scene", padded_cell(folder), folder / "q"], check=True
-                )
+                check_edits(programs, folder, options)
         print("ur5 with a link as a solid among all kinds of bodies")
         checker = pc.Checker(pc.Robot.load("ur5", geometry={"forearm_link": "solid"}), scene_of_all_kinds())
         checker.save(folder / "ur5.plannercheck")

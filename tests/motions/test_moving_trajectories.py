@@ -67,7 +67,7 @@ def test_start_time_is_the_scenes_clock_at_the_beginning() -> None:
     later = pc.Trajectory([0.0, 2.0], trajectory.position([0, 2]), controller="linear", start=trajectory.position(0))
     assert checker.check_trajectory(later)
     assert not checker.check_trajectories([later], start_time=3.5)[0]
-    verdict = checker.explain_trajectory(trajectory, start_time=2.5)
+    verdict = checker.explain_trajectory(trajectory, start_time=[2.5])
     assert 3.2 < verdict.collides_at < 4.0
     assert verdict.pair.names[1] == "pallet"
     assert not checker.is_valid(trajectory.position(0), time=verdict.collides_at)

@@ -104,12 +104,12 @@ class CheckoutCopy:
         if said := self.build():
             raise SystemExit(f"The checkout itself does not build:\n{said[-3000:]}")
         self._original.mkdir(exist_ok=True)
-        for path in self.root.glob("plannercheck/_*.so"):
+        for path in self.root.glob("plannercheck/*.so"):
             shutil.copy2(path, self._original)
         self._is_built = True
 
     def _put_in(self, folder: Path) -> None:
-        for path in [*folder.glob(f"_core_{self._level}.*"), *folder.glob("_oracle.*")]:
+        for path in folder.glob("*.so"):
             target = self.root / "plannercheck" / path.name
             target.unlink(missing_ok=True)  # never written over: a process that still has it open would crash
             shutil.copy2(path, target)

@@ -53,8 +53,8 @@ build_and_compare() {  # compiler, folder
   cmake --build "$2" --parallel "${JOBS:-1}" > /dev/null
   mkdir "$2/package"
   cp -r plannercheck robots configs "$2/package"
-  rm -f "$2"/package/plannercheck/_*.so
-  cp "$2"/_*.so "$2/package/plannercheck"
+  rm -f "$2"/package/plannercheck/*.so
+  cp "$2"/*.so "$2/package/plannercheck"
   [ "$(digest "$2/package")" = "$(digest "${REFERENCE:-$PWD}")" ] || { echo "$1: other verdicts" >&2; exit 1; }
 }
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -76,6 +77,16 @@ def test_the_best_level_is_loaded(monkeypatch):
     monkeypatch.delenv("PLANNERCHECK_LEVEL", raising=False)
     assert core_module.load().level == available_levels()[0]
     assert core.lanes == {"v4": 8, "v3": 4}.get(core.level, 2)
+
+
+def test_the_module_calls_its_level_of_the_library_beside_it():
+    maps, module = Path("/proc/self/maps"), Path(core.__file__)
+    if not maps.exists():
+        pytest.skip("not Linux; on macOS, the module has the code itself")
+    assert str(module.with_name("libplannercheck.so")) in maps.read_text()
+    called = re.findall(rb"_ZN?K?\w*12plannercheck\w*\.(\w+)\0", module.read_bytes())
+    assert len(called) > 100
+    assert set(called) == {core.level.encode()}
 
 
 def test_levels_that_are_not_there_are_named(monkeypatch):

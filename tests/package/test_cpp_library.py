@@ -1,4 +1,6 @@
-"""The C++ library, not optimised: built, installed, and used by a project in a folder of its own, shared and static.
+"""The C++ library, used by a project in a folder of its own: shared, the installed one if there is one, and static.
+
+The library is built not optimised here.
 
 `tests/benchmarks/cpp_library.py` does so, and compares verdicts, trajectories and distances with Python's.
 """
@@ -11,12 +13,14 @@ from pathlib import Path
 
 import pytest
 
+from plannercheck.common.core import core
+
 SCRIPT = Path(__file__).parents[1] / "benchmarks" / "cpp_library.py"
 
 
 @pytest.fixture(scope="module")
 def told(tmp_path_factory):
-    """What the script prints: of the shared library, then of the static one from the same objects."""
+    """What the script prints: of the shared library, then of the static one."""
     missing = [name for name in ("cmake", "ninja", "c++", "objcopy") if shutil.which(name) is None]
     if missing:
         pytest.skip(f"there is no {', '.join(missing)}")
@@ -24,7 +28,8 @@ def told(tmp_path_factory):
     sizes = ["--levels", "v2", "--quick", "--states", "2000", "--motions", "200", "--folder", str(folder)]
     environment = {name: value for name, value in os.environ.items() if name != "PLANNERCHECK_LEVEL"}  # Python's own
     out = []
-    for kind in ([], ["--static"]):
+    installed = (Path(core.__file__).parent / "cmake").is_dir()
+    for kind in (["--installed"] if installed else [], ["--static"]):
         command = [sys.executable, SCRIPT, *sizes, *kind]
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout + done.stderr

@@ -1,7 +1,7 @@
 """One checker, used by several threads at once: what a build with a thread sanitizer runs.
 
     cmake -S plannercheck/cpp -B build-tsan -DPLANNERCHECK_SANITIZE=thread -DPLANNERCHECK_LEVELS=v3
-    cmake --build build-tsan && cp build-tsan/_core_v3*.so plannercheck/
+    cmake --build build-tsan && cp build-tsan/*.so plannercheck/
     LD_PRELOAD=$(gcc -print-file-name=libtsan.so) TSAN_OPTIONS=exitcode=66 python tests/support/threads.py
 
 It prints what it found; the sanitizer's exit code says whether it saw a race. Python and NumPy are not instrumented, so

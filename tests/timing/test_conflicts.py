@@ -64,6 +64,22 @@ def test_tubes_by_robot(checker):
         pc.first_conflict(checker, {"left": LEFT, "right": RIGHT}, later, {"up": 0.1})
     with pytest.raises(pc.PlannercheckError, match="the tube of 'left' must be a number, or 2"):
         pc.first_conflict(checker, {"left": LEFT, "right": RIGHT}, later, {"left": [0.1, 0.1, 0.1]})
+    with pytest.raises(pc.PlannercheckError, match="the tube of 'left' must be numbers, not 'wide'"):
+        pc.first_conflict(checker, {"left": LEFT, "right": RIGHT}, later, {"left": "wide"})
+
+
+def test_what_a_robot_carries_belongs_to_it(checker):
+    scene, place = pc.Scene("carried"), np.eye(4)
+    place[1, 3] = 0.5
+    scene.attach("tool", "left/tip", place, parts=pc.Box((0.1, 0.1, 0.1)))
+    carrying = checker.with_scene(scene)
+    found = pc.first_conflict(carrying, {"left": LEFT, "right": way([1, 0.5], [0.5, 0.5])})
+    assert found.pair.names == ("right/tip", "tool")
+    assert found.robots == ("right", "left")
+    scene.add_box("post", (0.1, 0.1, 0.1), place)
+    alone = pc.first_conflict(carrying.with_scene(scene), {"left": LEFT, "right": [5.0, 5.0]})
+    assert alone.pair.names == ("tool", "post")
+    assert alone.robots == ("left",)
 
 
 def test_no_cell(checker):
@@ -72,6 +88,11 @@ def test_no_cell(checker):
         pc.first_conflict(alone, {"left": LEFT})
     with pytest.raises(pc.PlannercheckError, match=r"needs a pc\.Checker of a cell"):
         pc.first_conflict(alone.robot, {"left": LEFT})
+    untested = pc.Checker(checker.robot, self_collision=False)
+    with pytest.raises(pc.PlannercheckError, match="without self-collision no pair between two robots"):
+        pc.first_conflict(untested, {"left": LEFT, "right": RIGHT})
+    with pytest.raises(pc.PlannercheckError, match="without self-collision no pair between two robots"):
+        pc.least_delay(untested, {"left": LEFT}, {"right": RIGHT})
 
 
 def random_way(rng) -> pc.Trajectory:

@@ -44,6 +44,16 @@ def test_the_least_delay_of_two_that_cross(checker):
     assert found.verdict.proof[0].verify()
 
 
+@pytest.mark.parametrize("resolution", [1e-3, 1e-5])
+def test_a_delay_within_the_tolerance_is_free_by_itself(checker, resolution):
+    """Finer pieces than the trajectory's, by which intervals are judged, would be proved at an earlier delay."""
+    curved = pc.Trajectory([0, 1, 2], [[0, -1], [0.05, 0], [0, 1]], np.zeros((3, 2)))
+    found = pc.least_delay(checker, {"left": LEFT}, {"right": curved}, 3.0, resolution, tolerance=1e-2)
+    assert found.verdict.free
+    starts = {"right": found.delay}
+    assert not pc.first_conflict(checker, {"left": LEFT, "right": curved}, starts, tolerance=1e-2)
+
+
 def test_no_delay_is_needed(checker):
     found = pc.least_delay(checker, {"left": LEFT}, {"right": way([0, -1], [0, -0.5])})
     assert (found.delay, found.lower, found.loss, found.intervals) == (0.0, 0.0, 0.0, ())
@@ -107,7 +117,7 @@ def test_every_free_delay_is_free(tmp_path, seed):
         near = [max(0.0, end + share - 0.15) for end in ends for share in (-0.1, 0.1)]
         for start in [*near, *rng.uniform(0, 4, 5)]:
             width = 0.3
-            settled, _ = judge.settled(start, start + width)
+            settled = judge.settled(start, start + width)
             if settled.settled == "free":
                 found += 1
                 for delay in np.linspace(start, start + width, 9):

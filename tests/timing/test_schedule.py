@@ -74,6 +74,7 @@ def test_the_picture(checker):
     [
         ({"a": A}, "an order is a list of trajectories by robot"),
         ([A], "an order is a list of trajectories by robot"),
+        (None, "an order is a list of trajectories by robot"),
         ([{"a": A}, {"a": A, "b": B, "c": C}], "a can't have two places in the order"),
         ([{"a": A}, {"b": B}], "no trajectory of c"),
         ([], "no trajectory of a, b, c"),

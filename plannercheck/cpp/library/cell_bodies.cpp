@@ -169,20 +169,20 @@ void read_bodies(CellFile& file, PreparedCell& cell) {
   const std::vector<Body> shapes = read_shapes(file);
   const auto of_bodies = file.integers("shapes"), links = file.integers("links");
   const auto placements = file.doubles("body placements", 12);
-  const auto own_poses = file.bytes("own poses");
+  const auto own_poses = file.doubles("own poses", 12);
   const auto paddings = file.doubles("paddings");
   const std::size_t count = of_bodies.size();
-  require_sound(links.size() == count && placements.size() == 12 * count && own_poses.size() == count &&
+  require_sound(links.size() == count && placements.size() == 12 * count && own_poses.size() == 12 * count &&
                     paddings.size() == count && cell.body_names.size() == count,
                 "bodies");
   require_sound(std::all_of(paddings.begin(), paddings.end(), is_radius), "a padding");
   cell.paddings.assign(paddings.begin(), paddings.end());
-  cell.has_own_pose.assign(own_poses.begin(), own_poses.end());
   for (std::size_t i = 0; i < count; ++i) {
     require_sound(is_index_or_none(of_bodies[i], shapes.size()), "a body's shape");
     require_sound(is_index_or_none(links[i], cell.links.size()), "a body's link");
     cell.bodies.push_back(
         {of_bodies[i] < 0 ? nullptr : shapes[at(of_bodies[i])], links[i], placement_at(placements, i)});
+    cell.own_poses.push_back(placement_at(own_poses, i));
     require_sound(!is_half_space(cell.bodies[i]) || links[i] < 0, "a half-space on a link");
   }
   const auto meets = file.bytes("meets obstacles");
@@ -190,6 +190,7 @@ void read_bodies(CellFile& file, PreparedCell& cell) {
   for (std::size_t i = 0; i < meets.size(); ++i)
     require_sound(meets[i] == 0 || cell.bodies[i].body != nullptr, "the bodies that meet obstacles");
   cell.meets_obstacles.assign(meets.begin(), meets.end());
+  cell.takes_other_scenes = file.integer("takes other scenes") != 0;
   cell.obstacle_padding = file.number("obstacle padding");
   require_sound(is_radius(cell.obstacle_padding), "the padding of obstacles");
 }

@@ -15,9 +15,20 @@ constexpr double kPermanentGap = 1e-9;
 
 constexpr std::size_t kListedNames = 20;
 
-// The bodies of an obstacle.
+bool is_link(const PreparedCell& cell, const std::string& name) {
+  return std::find(cell.link_names.begin(), cell.link_names.end(), name) != cell.link_names.end();
+}
+
+// Whether a link carries an object of this name.
+bool is_carried(const PreparedCell& cell, const std::string& name) {
+  const auto past = cell.body_names.begin() + static_cast<std::ptrdiff_t>(cell.meets_obstacles.size());
+  return !is_link(cell, name) && std::find(cell.body_names.begin(), past, name) != past;
+}
+
+// The bodies of an obstacle; the robot's have copies beside obstacles', whose padding is another one.
 Rows bodies_of(const PreparedCell& cell, const std::string& name) {
   Rows found;
+  if (is_link(cell, name) || is_carried(cell, name)) return found;
   for (std::size_t k = cell.meets_obstacles.size(); k < cell.bodies.size(); ++k) {
     if (cell.body_names[k] == name && cell.bodies[k].link < 0) found.push_back(static_cast<std::int32_t>(k));
   }
@@ -29,19 +40,29 @@ Rows bodies_of(const PreparedCell& cell, const std::string& name) {
   std::size_t listed = 0;
   for (std::size_t k = cell.meets_obstacles.size(); k < cell.bodies.size() && listed < kListedNames; ++k) {
     const std::string& other = cell.body_names[k];  // empty once it is removed
-    if (other.empty() || (k > 0 && other == cell.body_names[k - 1])) continue;
+    const Rows bodies = bodies_of(cell, other);
+    if (other.empty() || bodies.empty() || at(bodies[0]) != k) continue;
     known += (listed++ > 0 ? ", " : "") + other;
   }
   throw EditError("unknown obstacle '" + name + "': there is " + (known.empty() ? "none" : known));
 }
 
-void check_edit(const Edit& edit) {
+[[noreturn]] void refuse_pose(const std::string& name) {
+  throw EditError("obstacle '" + name + "': a pose must be rigid, finite and right-handed: |M^T M - 1| at most 1e-6");
+}
+
+void check_edit(const PreparedCell& cell, const Edit& edit) {
+  if (!cell.takes_other_scenes)
+    throw EditError("a checker with stand-ins for its bodies can't take another scene: build a new one");
   if (edit.name.empty()) throw EditError("an obstacle must have a name");
   if (edit.kind == Edit::Kind::kRemove) return;
-  if (!is_placement(edit.pose))
-    throw EditError("obstacle '" + edit.name +
-                    "': a pose must be rigid, finite and right-handed: |M^T M - 1| at most 1e-6");
+  if (!is_placement(edit.pose)) refuse_pose(edit.name);
   if (edit.kind == Edit::Kind::kMove) return;
+  if (is_link(cell, edit.name))
+    throw EditError("object '" + edit.name + "' has the name of a link of '" + cell.robot +
+                    "', so what the scene allows the link would hold for the object: rename the object");
+  if (is_carried(cell, edit.name))
+    throw EditError("object '" + edit.name + "' exists already: remove it first, or choose another name");
   if (edit.points.empty()) throw EditError("obstacle '" + edit.name + "' has no points, a body needs at least one");
   const auto is_point = [](const Vec3& p) { return is_coordinate(p.x) && is_coordinate(p.y) && is_coordinate(p.z); };
   if (!std::all_of(edit.points.begin(), edit.points.end(), is_point))
@@ -74,30 +95,33 @@ bool is_one_of(const Rows& bodies, std::int32_t body) {
   return std::find(bodies.begin(), bodies.end(), body) != bodies.end();
 }
 
-// Of each pair of the new cell, its row in the old one, or −1.
+// Of each pair of the new cell its row in the old one; or −1, and its chains.
 struct NewPairs {
   std::vector<std::array<std::int32_t, 2>> pairs;
   Rows old_rows;
+  std::vector<CertifiedPair> chains;
 };
 
-// The chains between the bodies of rows of a new cell; those of the old one, and those from the world.
+const ChainedTable& whole_table(const PreparedCell& cell) { return cell.has_limits ? cell.all : cell.within_limits; }
+
+// Of each row of the cell its place among a table's pairs, or −1.
+Rows places_in(const ChainedTable& table, std::size_t rows) {
+  Rows place(rows, -1);
+  for (std::size_t k = 0; k < table.rows.size(); ++k) place[at(table.rows[k])] = static_cast<std::int32_t>(k);
+  return place;
+}
+
+// The chains between the bodies of rows of a new cell.
 ChainedTable chained(const PreparedCell& cell, const ChainedTable& old, std::size_t old_rows, const NewPairs& made,
                      const Rows& rows) {
   ChainedTable out;
   out.chains = old.chains, out.from_world = old.from_world;
-  Rows place(old_rows, -1);  // of an old row among the old table's pairs
-  for (std::size_t k = 0; k < old.rows.size(); ++k) place[at(old.rows[k])] = static_cast<std::int32_t>(k);
+  const Rows place = places_in(old, old_rows);
   for (const std::int32_t row : rows) {
     const auto [a, b] = cell.pairs[at(row)];
     if (cell.bodies[at(a)].link < 0 && cell.bodies[at(b)].link < 0) continue;
     const std::int32_t old_row = made.old_rows[at(row)];
-    if (old_row >= 0) {
-      out.pairs.push_back(old.pairs[at(place[at(old_row)])]);
-    } else {
-      const auto found = std::find_if(old.from_world.begin(), old.from_world.end(),
-                                      [&, body = a](const auto& each) { return each[0] == body; });
-      out.pairs.push_back({a, b, -1, found->at(1), -1});
-    }
+    out.pairs.push_back(old_row >= 0 ? old.pairs[at(place[at(old_row)])] : made.chains[at(row)]);
     out.rows.push_back(row);
   }
   return out;
@@ -139,21 +163,23 @@ std::vector<PairsInCells> in_cells(const PreparedCell& old, const PreparedCell& 
 
 // The cell with bodies of which some have changed; pairs of `removed` bodies go, `added` come.
 PreparedCell with_pairs(const PreparedCell& old, PreparedCell cell, const Rows& removed, const Rows& changed,
-                        const std::vector<std::array<std::int32_t, 2>>& added) {
+                        const std::vector<CertifiedPair>& added) {
   NewPairs made;
   cell.unreachable.clear();
   for (std::size_t k = 0; k < old.pairs.size(); ++k) {
     const auto& [a, b] = old.pairs[k];
     if (is_one_of(removed, a) || is_one_of(removed, b)) continue;
     made.pairs.push_back(old.pairs[k]), made.old_rows.push_back(static_cast<std::int32_t>(k));
+    made.chains.push_back({});
     const bool is_changed = is_one_of(changed, a) || is_one_of(changed, b);
     cell.unreachable.push_back(is_changed ? 0 : old.unreachable[k]);
   }
-  for (const auto& pair : added) {
-    made.pairs.push_back(pair), made.old_rows.push_back(-1), cell.unreachable.push_back(0);
+  for (const CertifiedPair& pair : added) {
+    made.pairs.push_back({pair.a, pair.b}), made.chains.push_back(pair);
+    made.old_rows.push_back(-1), cell.unreachable.push_back(0);
   }
   cell.pairs = made.pairs;
-  const ChainedTable& whole = old.has_limits ? old.all : old.within_limits;
+  const ChainedTable& whole = whole_table(old);
   const auto table = [&](Table which) {
     const Rows rows = rows_of(cell, which);
     ChainedTable out = chained(cell, whole, old.pairs.size(), made, rows);
@@ -166,46 +192,88 @@ PreparedCell with_pairs(const PreparedCell& old, PreparedCell cell, const Rows& 
   return cell;
 }
 
+// Gives a body of an obstacle the shape of an edit.
+void put_shape(PreparedCell& cell, std::int32_t body, const Edit& edit) {
+  cell.bodies[at(body)] = {shape_of(edit, cell.paddings[at(body)]), -1, edit.pose};
+  cell.body_names[at(body)] = edit.name;
+  cell.own_poses[at(body)] = {};
+}
+
 PreparedCell with_new(const PreparedCell& old, PreparedCell cell, const Edit& edit) {
   const auto body = static_cast<std::int32_t>(cell.bodies.size());
-  cell.bodies.push_back({shape_of(edit, old.obstacle_padding), -1, edit.pose});
-  cell.body_names.push_back(edit.name);
+  cell.bodies.push_back({}), cell.body_names.push_back({}), cell.own_poses.push_back({});
   cell.paddings.push_back(cell.obstacle_padding);
-  cell.has_own_pose.push_back(0);
-  std::vector<std::array<std::int32_t, 2>> added;
+  put_shape(cell, body, edit);
+  const auto& from_world = whole_table(old).from_world;
+  std::vector<CertifiedPair> added;
   for (std::size_t k = 0; k < old.meets_obstacles.size(); ++k) {
-    if (old.meets_obstacles[k] != 0) added.push_back({static_cast<std::int32_t>(k), body});
+    if (old.meets_obstacles[k] == 0) continue;
+    const auto meeting = static_cast<std::int32_t>(k);
+    const auto chain =
+        std::find_if(from_world.begin(), from_world.end(), [&](const auto& each) { return each[0] == meeting; });
+    added.push_back({meeting, body, -1, chain == from_world.end() ? -1 : chain->at(1), -1});
   }
   return with_pairs(old, std::move(cell), {}, {body}, added);
+}
+
+PreparedCell without(const PreparedCell& old, PreparedCell cell, const std::string& name, const Rows& bodies) {
+  const ChainedTable& whole = whole_table(old);
+  const Rows place = places_in(whole, old.pairs.size());
+  RemovedObstacle removed{name, bodies, {}};
+  for (std::size_t row = 0; row < old.pairs.size(); ++row) {
+    const auto& [a, b] = old.pairs[row];
+    const bool is_first = is_one_of(bodies, a);
+    if (is_first == is_one_of(bodies, b)) continue;
+    const CertifiedPair at_rest{is_first ? b : a, is_first ? a : b, -1, -1, -1};
+    removed.pairs.push_back(place[row] < 0 ? at_rest : whole.pairs[at(place[row])]);
+  }
+  cell.removed.push_back(std::move(removed));
+  for (const std::int32_t body : bodies) cell.bodies[at(body)].body = nullptr, cell.body_names[at(body)].clear();
+  return with_pairs(old, std::move(cell), bodies, {}, {});
+}
+
+// With an obstacle that was removed before, of one shape: a body for each padding, and what these met.
+PreparedCell with_again(const PreparedCell& old, PreparedCell cell, const Edit& edit, const RemovedObstacle& removed) {
+  const auto first_alike = [&](std::int32_t body) {
+    return *std::find_if(removed.bodies.begin(), removed.bodies.end(),
+                         [&](std::int32_t each) { return cell.paddings[at(each)] == cell.paddings[at(body)]; });
+  };
+  Rows bodies;
+  for (const std::int32_t body : removed.bodies) {
+    if (first_alike(body) != body) continue;
+    bodies.push_back(body), put_shape(cell, body, edit);
+  }
+  std::vector<CertifiedPair> added;
+  for (CertifiedPair pair : removed.pairs) {
+    if (cell.bodies[at(pair.a)].body == nullptr) continue;  // only a hostile file pairs obstacles
+    pair.b = first_alike(pair.b);
+    const bool is_known = std::any_of(added.begin(), added.end(),
+                                      [&](const CertifiedPair& each) { return each.a == pair.a && each.b == pair.b; });
+    if (!is_known) added.push_back(pair);
+  }
+  std::erase_if(cell.removed, [&](const RemovedObstacle& each) { return each.name == edit.name; });
+  return with_pairs(old, std::move(cell), {}, bodies, added);
 }
 
 }  // namespace
 
 PreparedCell edited(const PreparedCell& old, const Edit& edit) {
-  check_edit(edit);
+  check_edit(old, edit);
   const Rows bodies = bodies_of(old, edit.name);
   PreparedCell cell = old;
-  const bool is_shape = edit.kind == Edit::Kind::kHull || edit.kind == Edit::Kind::kCloud;
-  if (bodies.empty()) {
-    if (!is_shape) refuse_name(old, edit.name);
+  if (edit.kind == Edit::Kind::kHull || edit.kind == Edit::Kind::kCloud) {
+    if (!bodies.empty()) return edited(without(old, std::move(cell), edit.name, bodies), edit);
+    for (const RemovedObstacle& removed : old.removed) {
+      if (removed.name == edit.name) return with_again(old, std::move(cell), edit, removed);
+    }
     return with_new(old, std::move(cell), edit);
   }
-  if (edit.kind == Edit::Kind::kRemove) {
-    for (const std::int32_t body : bodies) cell.bodies[at(body)].body = nullptr, cell.body_names[at(body)].clear();
-    return with_pairs(old, std::move(cell), bodies, {}, {});
+  if (bodies.empty()) refuse_name(old, edit.name);
+  if (edit.kind == Edit::Kind::kRemove) return without(old, std::move(cell), edit.name, bodies);
+  for (const std::int32_t body : bodies) {
+    cell.bodies[at(body)].placement = placed_on(edit.pose.m, cell.own_poses[at(body)]);
+    if (!is_placement(cell.bodies[at(body)].placement)) refuse_pose(edit.name);
   }
-  if (bodies.size() > 1) {
-    throw EditError("obstacle '" + edit.name + "' has " + std::to_string(bodies.size()) +
-                    " bodies: one pose places only one");
-  }
-  const std::size_t body = at(bodies[0]);
-  if (is_shape) {
-    cell.bodies[body].body = shape_of(edit, cell.paddings[body]), cell.has_own_pose[body] = 0;
-  } else if (cell.has_own_pose[body] != 0) {
-    throw EditError("obstacle '" + edit.name +
-                    "' has a shape with a pose of its own: replace it, or move it in Python and save the cell again");
-  }
-  cell.bodies[body].placement = edit.pose;
   return with_pairs(old, std::move(cell), {}, bodies, {});
 }
 

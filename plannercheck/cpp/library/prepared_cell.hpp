@@ -35,6 +35,13 @@ struct ChainedTable {
   std::vector<std::int32_t> touching;  // pairs that never move relative to each other and touch, by their rows
 };
 
+// An obstacle that an edit took out: if it comes again, its pairs and paddings do.
+struct RemovedObstacle {
+  std::string name;
+  std::vector<std::int32_t> bodies;
+  std::vector<CertifiedPair> pairs;  // its body second
+};
+
 struct PreparedCell {
   std::string about, robot, scene;
   std::vector<std::string> joint_names, link_names, body_names;  // of each body its link or obstacle
@@ -55,13 +62,15 @@ struct PreparedCell {
 
   std::vector<double> paddings;               // of each body, m: the part of its inflation radius
   std::vector<GeometryObject> bodies;         // without a body where no pair needs it
-  std::vector<std::uint8_t> has_own_pose;     // of each body: whether its shape is posed in its obstacle
+  std::vector<Pose> own_poses;                // of each body: its shape's in its obstacle
+  bool takes_other_scenes = false;            // false where bodies stand in for others
   std::vector<std::uint8_t> meets_obstacles;  // of the robot's bodies, which come first: those that are added
   double obstacle_padding = 0;                // of obstacles that are added, m
   std::vector<std::array<std::int32_t, 2>> pairs;
   std::vector<std::uint8_t> unreachable;  // by pair
   bool has_limits = false;                // whether the unreachable pairs are left out within the limits
   std::vector<PairsInCells> in_cells;     // of the pairs that are reachable, by their places among these
+  std::vector<RemovedObstacle> removed;   // by edits; none in a file
 
   MotionModel motion;  // without bodies, pairs and chains, but for the joints of these
   ChainedTable within_limits;

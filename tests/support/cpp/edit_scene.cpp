@@ -1,13 +1,14 @@
-// Edits of the cell of `padded_cell` in tests/benchmarks/cpp_library.py: `edit_scene CELL STATES`.
+// Edits of the cell of `padded_checker` in tests/benchmarks/cpp_library.py: `edit_scene CELL STATES OUT`.
 //
-// A crate keeps its padding when it is replaced by itself, a body with a pose of its own does not move, and all
-// obstacles can go. The exit code is 1, and the line is said, where that is not so.
+// OUT gets, after each edit, what `told_of` there has of the same scene in Python. All obstacles can go, and a checker
+// that was moved from still judges. The exit code is 1, and the line is said, where that is not so.
 #include <array>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <plannercheck/checker.hpp>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,43 +22,96 @@ namespace {
 
 using plannercheck::Checker;
 
-std::vector<std::uint8_t> verdicts(const Checker& checker, const std::vector<double>& states) {
-  plannercheck::Workspace workspace;
-  std::vector<std::uint8_t> valid(states.size() / checker.nq());
-  CHECK(checker.check_states(states, valid, workspace).ok());
-  return valid;
-}
+// What of each scene is written.
+class Told {
+ public:
+  explicit Told(const char* path) : out_(path, std::ios::binary) {}
+
+  void verdicts(const Checker& checker, std::span<const double> states) {
+    std::vector<std::uint8_t> valid(states.size() / checker.nq()), free(kMotions);
+    CHECK(checker.check_states(states, valid, workspace_).ok());
+    write(valid);
+    const std::span<const double> starts = states.first(kMotions * checker.nq());
+    std::vector<double> ends;
+    for (const double start : starts) ends.push_back(start + 0.05);
+    CHECK(checker.check_motions(starts, ends, free, workspace_).ok());
+    write(free);
+  }
+
+  void distances(const Checker& checker, std::span<const double> states) {
+    for (const auto& row : checker.distances(states.first(kMeasured * checker.nq()), workspace_, 0.125).value()) {
+      std::vector<double> numbers{static_cast<double>(row.state), row.distance};
+      for (const auto& point : {row.on_first, row.on_second}) numbers.insert(numbers.end(), point.begin(), point.end());
+      write(numbers);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kMotions = 200, kMeasured = 500;
+  std::ofstream out_;
+  plannercheck::Workspace workspace_;
+
+  template <class T>
+  void write(const std::vector<T>& values) {
+    out_.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(T)));
+  }
+};
 
 bool says(const plannercheck::Result<Checker>& result, const std::string& text) {
   return !result.ok() && result.error().find(text) != std::string_view::npos;
 }
 
+std::array<double, 16> shifted(double x, double y, double z) {
+  return {1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z, 0, 0, 0, 1};
+}
+
 }  // namespace
 
-int main(int, char** argv) {
+int main(int count, char** argv) {
+  CHECK(count == 4);
   const auto loaded = Checker::load(argv[1]);
   CHECK(loaded.ok());
-  Checker checker = loaded.value();
   std::vector<double> states;
   std::ifstream file(argv[2], std::ios::binary);
   for (double number = 0; file.read(reinterpret_cast<char*>(&number), sizeof number);) states.push_back(number);
-  states.resize(states.size() / checker.nq() * checker.nq());
+  Told told(argv[3]);
 
-  const std::array<double, 16> here{1, 0, 0, 0.5, 0, 1, 0, 0.25, 0, 0, 1, 0.5, 0, 0, 0, 1};
-  const std::array<double, 3> size{0.25, 0.5, 0.125};
-  const auto found = verdicts(checker, states);
-  CHECK(verdicts(checker.with_pose("crate", here).value(), states) == found);
-  CHECK(verdicts(checker.with_box("crate", size, here).value(), states) == found);
-  CHECK(says(checker.with_pose("sign", here), "'sign' has a shape with a pose of its own"));
-  CHECK(checker.with_box("sign", size, here).value().with_pose("sign", here).ok());
+  Checker checker = loaded.value();
+  const std::array<double, 16> there{0.36, 0.48, -0.8, 0.31, -0.8, 0.6, 0, -0.37, 0.48, 0.64, 0.6, 0.43, 0, 0, 0, 1};
+  for (const char* const name : {"sign", "rack", "pad"}) {
+    checker = checker.with_pose(name, there).value();
+    told.verdicts(checker, states), told.distances(checker, states);
+  }
+  const std::array<double, 3> crate{0.25, 0.5, 0.125}, other{0.5, 0.25, 0.25};
+  const auto again = [&](const char* name, const std::array<double, 3>& size, const std::array<double, 16>& pose) {
+    const Checker without = checker.without(name).value();
+    told.verdicts(without, states);
+    const Checker replaced = checker.with_box(name, size, pose).value();
+    checker = without.with_box(name, size, pose).value();
+    told.verdicts(checker, states);
+    plannercheck::Workspace workspace;
+    std::vector<std::uint8_t> one(states.size() / checker.nq()), two(one.size());
+    CHECK(checker.check_states(states, one, workspace).ok() && replaced.check_states(states, two, workspace).ok());
+    CHECK(one == two);
+  };
+  again("crate", crate, shifted(0.5, 0.25, 0.5));
+  again("pad", other, shifted(-0.5, -0.25, 0.25));
+  again("rack", other, shifted(-0.25, 0.5, 0.5));
+  checker = checker.with_pose("rack", there).value();
+  told.verdicts(checker, states);
 
-  const Checker without = checker.without("sign").value();
-  CHECK(verdicts(without.without("crate").value(), states) == std::vector<std::uint8_t>(found.size(), 1));
-  CHECK(without.without("sign").error() == "unknown obstacle 'sign': there is crate");
+  Checker none = checker;
+  for (const char* const name : {"crate", "pad", "rack", "sign"}) none = none.without(name).value();
+  std::vector<std::uint8_t> valid(states.size() / checker.nq());
+  plannercheck::Workspace workspace;
+  CHECK(none.check_states(states, valid, workspace).value() == valid.size());
+  CHECK(says(none.without("sign"), "there is none"));
+  CHECK(says(checker.without("panda_link0"), "unknown obstacle 'panda_link0': there is crate, sign, rack, pad"));
   CHECK(says(checker.without(""), "must have a name"));
   CHECK(says(Checker::load("/"), "it is a folder"));
 
-  const Checker other = std::move(checker);
-  CHECK(verdicts(checker, states) == found && verdicts(other, states) == found);
-  std::printf("edits of %zu states: as they have to be\n", found.size());
+  const Checker moved = std::move(checker);
+  CHECK(checker.is_valid({states.data(), checker.nq()}, workspace).ok());
+  CHECK(moved.is_valid({states.data(), moved.nq()}, workspace).ok());
+  std::printf("edits of %zu states: as they have to be\n", valid.size());
 }

@@ -1,6 +1,7 @@
 // Damaged cells: fuzz_cell CELL COUNT SEED changes bytes of a cell, or cuts it short, COUNT times. Half of the files
 // get the right checksum again, as a hostile file has it. Each is refused, or judges some configurations and motions;
 // under the sanitizers, no step may leave its memory. Prints how many were refused, and the slowest file's time.
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -12,7 +13,9 @@
 #include <plannercheck/checker.hpp>
 #include <random>
 #include <set>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "signed_cell.hpp"
@@ -88,6 +91,19 @@ void make_unit(std::span<double> numbers) {
   for (double& number : numbers) number /= std::sqrt(square);
 }
 
+// The scene's obstacles go elsewhere, and out and in again, of which the first has a state judged.
+void edit(const plannercheck::Checker& checker, std::span<const double> row) {
+  const std::array<double, 16> pose{1, 0, 0, 0.25, 0, 1, 0, 0, 0, 0, 1, 0.5, 0, 0, 0, 1};
+  const std::array<double, 3> size{0.25, 0.5, 0.125};
+  plannercheck::Workspace workspace;
+  plannercheck::Checker other = checker;
+  for (const char* const name : {"hull", "plane", "new"}) {
+    for (auto made : {other.with_pose(name, pose), other.without(name), other.with_box(name, size, pose)}) {
+      if (made.ok()) static_cast<void>((other = std::move(made).value()).is_valid(row, workspace));
+    }
+  }
+}
+
 std::size_t judged = 0;  // files whose states had verdicts
 
 // Judges a few states and motions of a cell that was accepted.
@@ -109,6 +125,7 @@ void judge(const plannercheck::Checker& checker, const std::vector<std::int32_t>
   static_cast<void>(checker.explain(row, workspace));
   static_cast<void>(checker.check_motions(few, all.last(few.size()), free, workspace, 0.05));
   static_cast<void>(checker.explain_motion(row, few.last(checker.nq()), workspace, 0.05));
+  edit(checker, row);
 }
 
 }  // namespace

@@ -200,7 +200,8 @@ class PLANNERCHECK_API Checker {
                                           std::size_t nearest = 0) const noexcept;
 
   // The same checker in another scene: with an obstacle that is added or, if it has that name, replaces one. It is
-  // tested against all that such an obstacle of Python's scene would be. A pose is a matrix (4, 4), row by row, m.
+  // tested against all that such an obstacle of Python's scene would be, and keeps paddings and allowed collisions of
+  // an obstacle of its name that the cell had. A pose is a matrix (4, 4), row by row, m.
   using Pose = std::span<const double, 16>;
   // A box by its edge lengths (3), m.
   Result<Checker> with_box(const std::string& name, std::span<const double, 3> size, Pose pose) const noexcept;
@@ -211,7 +212,7 @@ class PLANNERCHECK_API Checker {
   // All points within a radius of those of a cloud (n · 3), m.
   Result<Checker> with_cloud(const std::string& name, std::span<const double> points, double radius,
                              Pose pose) const noexcept;
-  // With an obstacle of one body, which has no pose in its object, at another pose; without an obstacle.
+  // With an obstacle's frame at another pose, as Scene.move places it in Python; without an obstacle.
   Result<Checker> with_pose(const std::string& name, Pose pose) const noexcept;
   Result<Checker> without(const std::string& name) const noexcept;
 
