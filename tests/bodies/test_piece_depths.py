@@ -118,6 +118,15 @@ def cube(half, place=(0.0, 0.0, 0.0)):
     return points + place, triangles
 
 
+@pytest.mark.parametrize("order", [1, -1])
+def test_the_deepest_piece_counts(order):
+    """Two cubes in a slab, 0.05 and 0.15 deep."""
+    cubes = [cube(0.1), cube(0.1, (0.5, 0.0, 0.1))][::order]
+    found = pc.depth(pc.Solid(*both(*cubes)), pc.Box((4, 4, 2)), at(0.0, 0.0, 0.95))
+    assert found.lower_bound == pytest.approx(0.15, abs=1e-12)
+    assert found.depth == pytest.approx(0.15, abs=1e-12)
+
+
 def test_solids_in_cavities_do_not_overlap_and_in_walls_do():
     """A cavity of half edge 0.6 in a cube of half edge 1."""
     hollow, small = pc.Solid(*both(box(), box(0.6), flipped=True)), pc.Solid(*both(cube(0.1), cube(0.05, (0.3, 0, 0))))
