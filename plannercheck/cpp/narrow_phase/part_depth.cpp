@@ -21,7 +21,7 @@ namespace {
 constexpr double kBeyondContact = 8;
 
 // Bisections end at this part of the smaller body's size.
-constexpr double kShortestStep = 1e-10;
+constexpr double kExitStep = 1e-10;
 
 // A length inside of a body's frame, which is off rigid by at most 3.6e-6, is at least so long in the world.
 constexpr double kInWorld = 1 - 1e-5;
@@ -55,7 +55,8 @@ std::vector<std::vector<MeshTriangle>> shells_of(const Solid& solid) {
 
 // The side of all triangles on which all vertices of a shell are, 1 or −1; 0 if there is none. A closed shell with a
 // side is the boundary of its hull: each triangle is in that, and all turn the same way around the inside.
-int side_of(const std::vector<MeshTriangle>& shell, const std::vector<Vec3>& all, const std::vector<Vec3>& vertices) {
+int common_side(const std::vector<MeshTriangle>& shell, const std::vector<Vec3>& all,
+                const std::vector<Vec3>& vertices) {
   int side = 0;
   for (const MeshTriangle& t : shell) {
     for (const Vec3& v : vertices) {
@@ -82,7 +83,7 @@ std::vector<Polytope> convex_shells(const Solid& solid, double inflation_radius)
     if (signs > kMostSigns) return {};
     std::vector<Vec3> vertices;
     for (const std::int32_t v : used) vertices.push_back(solid.points[at(v)]);
-    const int side = side_of(shell, solid.points, vertices);
+    const int side = common_side(shell, solid.points, vertices);
     if (side == 0 || side * all_sides < 0) return {};
     all_sides = side;
     out.push_back(prepare_polytope(vertices));
@@ -102,7 +103,7 @@ PartShape rounded_box(const InnerBox& box) {
   return out;
 }
 
-PartShape ball(Vec3 centre, double radius) { return {{centre}, 1, radius * kInWorld}; }
+PartShape ball_shape(Vec3 centre, double radius) { return {{centre}, 1, radius * kInWorld}; }
 
 // Convex bodies that are in a body, one at a time.
 class Pieces {
@@ -157,9 +158,9 @@ class Pieces {
     const InversePose to_frame(body_.pose);
     const InnerShapes& inner = body_.body->inner_shapes();
     if (inner.box) show(rounded_box(*inner.box), visit);
-    for (const InnerBall& one : inner.balls) show(ball(one.centre, one.radius), visit);
+    for (const InnerBall& one : inner.balls) show(ball_shape(one.centre, one.radius), visit);
     const Vec3 vertex = to_frame.apply(other.pose.apply(other.body->inner.points.front()));
-    if (const double radius = inner_radius(solid(), vertex); radius > 0) show(ball(vertex, radius), visit);
+    if (const double radius = inner_radius(solid(), vertex); radius > 0) show(ball_shape(vertex, radius), visit);
     const double reach = extent(*other.body) + body_.body->inflation_radius;
     each_triangle(to_frame.apply(other.pose.apply(other.body->centre)), reach, visit);
   }
@@ -255,7 +256,7 @@ class PieceDepth {
   }
 
   void shorten(Vec3 way) {
-    const double step = kShortestStep * smaller(extent(*body_a_.body), extent(*body_b_.body));
+    const double step = kExitStep * smaller(extent(*body_a_.body), extent(*body_b_.body));
     double shared = least(), apart = most() - step;
     if (!leaves_by(way, apart)) return;
     while (apart - shared > step) {
