@@ -39,7 +39,7 @@ def add_delay_argument(group: argparse._ActionsContainer) -> None:
 
 def is_of_cell(paths: Sequence[Path] | None) -> bool:
     """Whether --path has files by robot."""
-    return any("=" in path.name and not path.exists() for path in paths or ())
+    return any(path.parts and "=" in path.parts[0] and not path.exists() for path in paths or ())
 
 
 def parts_of(options: argparse.Namespace) -> dict[str, Path | list[float]]:
@@ -61,6 +61,8 @@ def delays_of(options: argparse.Namespace) -> dict[str, float]:
     found = {}
     for given in options.delay or ():
         name, _, value = given.partition("=")
+        if name in found:
+            raise PlannercheckError(f"--delay says twice when {name!r} starts: give one time")
         try:
             found[name] = float(value)
         except ValueError:

@@ -48,6 +48,9 @@ def test_two_that_meet(folder, capsys):
     assert not told["free"]
     assert told["collides_at"] == pytest.approx(0.9, abs=0.15)
     assert told["paths"] == {"left": "left.yaml", "right": "right.yaml"}
+    elsewhere = [f"left={folder[1]}/left.yaml", f"right=../{folder[1].name}/right.yaml"]
+    assert main(["validate", "--robot", "cell.yaml", "--path", *elsewhere]) == 1
+    assert capsys.readouterr().out == out
 
 
 def test_one_that_waits_is_proved_and_held_against_the_messages(folder, capsys):
@@ -140,6 +143,7 @@ def test_moved_knots_cost_tube(tmp_path):
         ("takes one ROBOT=FILE for each robot", [*PATHS, "left=right.yaml"]),
         ("--delay takes ROBOT=SECONDS", [*PATHS, "--delay", "right"]),
         ("must be a time of at least 0 s", [*PATHS, "--delay", "right=-1"]),
+        ("--delay says twice when 'right' starts", [*PATHS, "--delay", "right=0", "right=1"]),
         ("--delay counts only with --path ROBOT=FILE", ["--path", "left.yaml", "--delay", "right=1"]),
         ("--straight counts only for one robot", [*PATHS, "--straight"]),
     ],
