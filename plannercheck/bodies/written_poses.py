@@ -10,10 +10,9 @@ import numpy as np
 from plannercheck.bodies.shapes import checked_pose
 from plannercheck.common.angles import LARGEST_USUAL_ANGLE
 from plannercheck.common.array_types import Floats
-from plannercheck.common.checked_yaml import Node, numbers, sequence
+from plannercheck.common.checked_yaml import Node, numbers, sequence, warn_here
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.transforms import pose_of, quaternion_of_rotation, rotation_of_quaternion, rotation_of_rpy
-from plannercheck.common.user_warnings import warn
 
 POSE_KEYS = ("position", "quaternion", "rpy", "matrix")
 
@@ -32,7 +31,7 @@ def pose_of_node(node: Node) -> Floats:
     if "rpy" in node:
         rpy = numbers(node["rpy"], "rpy", 3)
         if max(map(abs, rpy)) > LARGEST_USUAL_ANGLE:
-            warn(f"rpy {rpy} looks like degrees: rpy is in rad")
+            warn_here(f"rpy {rpy} looks like degrees: rpy is in rad")
         return pose_of(position, rotation_of_rpy(rpy))
     return pose_of(position)
 

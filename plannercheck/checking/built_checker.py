@@ -275,7 +275,8 @@ class BuiltChecker:
         """The same checker with stand-ins, e.g. coarser ones, for the robot's bodies and then the scene's.
 
         Args:
-            bodies: One for each body, on the same link, in their order; the pairs stay as they are.
+            bodies: One for each body, on the same link, in their order; the pairs stay as they are. Copies of bodies
+                for pairs with a padding of their own may be left out.
 
         Returns:
             A checker with the settings of this one, which takes no other scene.

@@ -165,11 +165,14 @@ class MeasuringChecker(ABC):
         most = min(most, max(len(self.pairs), 1))
         return checker._measured(rows, limit, most, own, checked_threads(threads, len(rows)))
 
-    def distance_function(self, limit: float = 0.1) -> Callable[[ArrayLike], tuple[Floats, Floats]]:
+    def distance_function(
+        self, limit: float = 0.1, *, time: float | None = None
+    ) -> Callable[[ArrayLike], tuple[Floats, Floats]]:
         """A function of one configuration for optimisers, which take as many numbers at every configuration.
 
         Args:
             limit: Distances beyond it count as the limit, and don't change, m.
+            time: As `times` of `distances`.
 
         Returns:
             f(q) with q (nq,): distances (k,), m, of the k rows of `pairs`, at most the limit; and their derivatives (k,
@@ -181,7 +184,7 @@ class MeasuringChecker(ABC):
             raise PlannercheckError(f"limit must be finite, in m, not {limit!r}")
 
         def values(q: ArrayLike) -> tuple[Floats, Floats]:
-            table = self.distances(self._single(q), limit)
+            table = self.distances(self._single(q), limit, times=time)
             distance, jacobian = np.full(count, limit), np.zeros((count, table.gradient.shape[1]))
             distance[table.pair], jacobian[table.pair] = table.distance, table.gradient
             return distance, jacobian

@@ -30,6 +30,10 @@ from plannercheck.trajectories.trajectory import Trajectory
 
 AnyChecker = TypeVar("AnyChecker")
 
+# So long before its first time and after its last an object stands still, s: sums of times are rounded (0.1 + 0.2 is
+# not 0.3). Proofs count it with the nanosecond within which knots are one.
+_ROUNDED = 1e-12
+
 
 @dataclass(frozen=True, eq=False)
 class Course:
@@ -56,8 +60,8 @@ class Course:
     def check(self, begin: float, end: float) -> None:
         """Raises if the course does not say where its objects are from begin to end, s."""
         first, last = self.knots[[0, -1]].tolist()
-        if not self.stands and (begin < first or end > last):
-            time = begin if begin < first else end
+        if not self.stands and (begin < first - _ROUNDED or end > last + _ROUNDED):
+            time = begin if begin < first - _ROUNDED else end
             raise PlannercheckError(
                 f"object {self.objects[0]!r} moves from {first:g} to {last:g} s of the scene's clock, not at {time:g}"
                 f" s: give its Moving more poses, or outside='stand'"

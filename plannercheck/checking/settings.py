@@ -70,11 +70,13 @@ def without_attached(robot: Robot, attached: Sequence[SceneObject]) -> Robot:
 def substitute_bodies(
     given: Sequence[GeometryObject] | None, bodies: tuple[GeometryObject, ...]
 ) -> tuple[GeometryObject, ...]:
-    """The bodies that are given in place of others, on the same links."""
+    """The bodies that are given in place of others, on the same links; copies for pairs behind them are left out."""
     if given is None:
         return bodies
-    if [body.link for body in given] != [body.link for body in bodies]:
+    own, copies = tuple(given[: len(bodies)]), given[len(bodies) :]
+    if [body.link for body in own] != [body.link for body in bodies] or not set(copies) <= set(own):
         raise PlannercheckError(
-            f"bodies must stand in for the {len(bodies)} of the robot and the scene, each on the same link"
+            f"bodies must stand in for the {len(bodies)} of the robot and the scene, each on the same link; pairs with "
+            "a padding of their own get copies of these"
         )
-    return tuple(given)
+    return own

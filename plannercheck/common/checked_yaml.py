@@ -15,6 +15,7 @@ import tokenize
 import zipfile
 import zlib
 from collections.abc import Collection
+from contextvars import ContextVar
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -24,6 +25,7 @@ import yaml
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.file_kinds import file_kind
 from plannercheck.common.input_limits import YAML_LOADER, check_yaml
+from plannercheck.common.user_warnings import warn
 from plannercheck.common.yaml_loader import YamlLoader
 
 Node: TypeAlias = dict[str, Any]
@@ -62,17 +64,28 @@ _SEVERAL = "expected a single document in the stream"
 class error_context:  # noqa: N801  # used as a function; a generator would take four times as long
     """Puts a place, e.g. "object 'can'", before the message of a PlannercheckError, which keeps its type."""
 
-    __slots__ = ("_place",)
+    __slots__ = ("place",)
 
     def __init__(self, place: str) -> None:
-        self._place = place
+        self.place = place
 
     def __enter__(self) -> None:
-        pass
+        _open_contexts.set((*_open_contexts.get(), self))
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        # The one, not the last one: generators leave theirs at any time, in any thread.
+        _open_contexts.set(tuple(each for each in _open_contexts.get() if each is not self))
         if isinstance(error, PlannercheckError):
-            raise type(error)(f"{self._place}: {error}") from error.__cause__
+            raise type(error)(f"{self.place}: {error}") from error.__cause__
+
+
+# The contexts that are open, the outer ones first.
+_open_contexts: ContextVar[tuple[error_context, ...]] = ContextVar("open contexts", default=())
+
+
+def warn_here(sentence: str) -> None:
+    """Warns of what is read, with the places of the open contexts before the sentence, as errors have them."""
+    warn(": ".join((*(each.place for each in _open_contexts.get()), sentence)))
 
 
 def read_bytes(path: Path) -> bytes:

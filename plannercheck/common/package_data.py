@@ -50,3 +50,8 @@ def is_folder(path: Path) -> bool:
         return path.is_dir()
     except (OSError, ValueError):
         return False
+
+
+def why_no_file(path: Path) -> str:
+    """Words of an error, after the path of what is no file."""
+    return "is a folder: give the path of a file in it" if is_folder(path) else "does not exist"

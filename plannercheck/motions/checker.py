@@ -5,7 +5,7 @@ In: a `Robot`, a `Scene`. Out: an immutable `Checker`. A motion is proved free f
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -34,7 +34,7 @@ from plannercheck.motions.motion_ends import Motions, checked_ends, with_given_e
 from plannercheck.motions.prepared_cell import CellInputs, check_can_be_saved, write_cell
 from plannercheck.motions.proof_builder import Builder
 from plannercheck.motions.sampling import MotionSampler
-from plannercheck.motions.trajectory_checks import TrajectoryChecks, check_several, check_trajectory_of, named_piece
+from plannercheck.motions.trajectory_checks import TrajectoryChecks, check_trajectory_of, named_piece, several
 from plannercheck.motions.trajectory_verdict import TrajectoryVerdict
 from plannercheck.proofs.proof import Proof
 from plannercheck.trajectories.trajectory import Trajectory
@@ -264,7 +264,7 @@ class Checker(StateChecker):
 
     def check_trajectories(
         self,
-        trajectories: Sequence[Trajectory],
+        trajectories: Iterable[Trajectory],
         tube: ArrayLike = 0.0,
         tolerance: float = DEFAULT_TOLERANCE,
         threads: int = 1,
@@ -276,8 +276,8 @@ class Checker(StateChecker):
         `start_time` is one number, or (n,).
         """
         threads = checked_threads(threads, MOST_THREADS)
-        checker, trajectories = self._on_clock(trajectories, start_time)
-        return TrajectoryChecks(checker, tube, tolerance).are_free(trajectories, threads)
+        checker, judged = self._on_clock(several(trajectories), start_time)
+        return TrajectoryChecks(checker, tube, tolerance).are_free(judged, threads)
 
     def _on_clock(
         self: Same, trajectories: Sequence[Trajectory], start_time: ArrayLike
@@ -285,7 +285,6 @@ class Checker(StateChecker):
         """The checker that judges trajectories in a scene that moves, and the trajectories on the scene's clock."""
         if self._moving is None:
             return self, trajectories
-        check_several(trajectories)
         given = np.asarray(start_time, dtype=object)
         if given.shape not in ((), (len(trajectories),)):
             raise PlannercheckError(f"start_time must be one number, s, or ({len(trajectories)},), not {given.shape}")

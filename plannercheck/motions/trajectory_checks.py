@@ -80,7 +80,6 @@ class TrajectoryChecks:
 
     def are_free(self, trajectories: Sequence[Trajectory], threads: int = 1) -> Bools:
         """Which of n trajectories are proved free (n,), on a number of threads."""
-        check_several(trajectories)
         if not trajectories:
             return np.empty(0, dtype=bool)
         free = self._free_pieces(trajectories, self.tube, self._room, threads)
@@ -265,10 +264,13 @@ class TrajectoryChecks:
         return row
 
 
-def check_several(trajectories: Sequence[Trajectory]) -> None:
-    """Raises for one trajectory in place of several."""
+def several(trajectories: Iterable[Trajectory]) -> Sequence[Trajectory]:
+    """Some trajectories as a sequence; raises for one in place of several."""
     if isinstance(trajectories, Trajectory):
         raise PlannercheckError("this is one pc.Trajectory, not a list of some: check_trajectory takes one")
+    if not isinstance(trajectories, Iterable):
+        raise PlannercheckError(f"trajectories must be some pc.Trajectory, not {type(trajectories).__name__}")
+    return tuple(trajectories)
 
 
 def check_trajectory_of(robot: Robot, trajectory: Trajectory) -> None:

@@ -6,6 +6,7 @@ object. Its configurations are the robot's numbers, then each carrier's; its bod
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -16,6 +17,7 @@ import pinocchio as pin
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.cells import append
 from plannercheck.robots.configurations import ConfigurationMap, side_by_side, whole_robot
 from plannercheck.robots.forward_kinematics import ForwardKinematics
@@ -55,6 +57,16 @@ class Carrier:
     low: Floats
     high: Floats
 
+    def named(self, own: str) -> str:
+        """The name that one of its joints or links has beside the robot."""
+        return f"{self.name}/{own}" if own else self.name
+
+    @property
+    def names(self) -> tuple[list[str], list[str]]:
+        """Of its joints, and of its links and the objects' ones, beside the robot."""
+        own = [frame.name for frame in self.model.frames if frame.type == pin.FrameType.BODY]
+        return [self.named(each) for each in list(self.model.names)[1:]], [*map(self.named, own), *self.links]
+
     @property
     def limited(self) -> ConfigurationMap:
         """Its columns with what it runs through as their limits."""
@@ -80,6 +92,7 @@ class CarriedRobot(Robot):
     def __init__(self, robot: Robot, carriers: Sequence[Carrier]) -> None:
         """Appends carriers to a robot, which keeps its columns, names and what it carries."""
         self._origin = robot, tuple(carriers)
+        _check_names(robot, carriers)
         model = pin.Model(robot.model)
         for carrier in carriers:
             _append(model, carrier)
@@ -113,10 +126,22 @@ class CarriedRobot(Robot):
         return CarriedRobot, (robot.carrying(self.carried), carriers)
 
 
+def _check_names(robot: Robot, carriers: Sequence[Carrier]) -> None:
+    """Raises if two joints or two links would have one name, by which Pinocchio finds the first alone."""
+    for k, known in enumerate((list(robot.model.names), robot.link_names)):
+        names = [name for carrier in carriers for name in carrier.names[k]]
+        twice = next((name for name, count in Counter(names).items() if count > 1 or name in known), None)
+        if twice is not None:
+            raise PlannercheckError(
+                f"the name {twice!r} would be that of two {('joints', 'links')[k]}, since what carries an object that"
+                " moves has its name: rename the object"
+            )
+
+
 def _append(model: pin.Model, carrier: Carrier) -> None:
     """Appends a carrier's joints and frames, and a link for each object on it."""
     name, count = carrier.name, model.njoints - 1
-    append(model, carrier.model, lambda own: f"{name}/{own}" if own else name, pin.SE3(carrier.base))
+    append(model, carrier.model, carrier.named, pin.SE3(carrier.base))
     if not any(carrier.links.values()):
         joint = pin.Frame(name, count + 1, 0, pin.SE3.Identity(), pin.FrameType.JOINT)
         above = model.addFrame(joint)

@@ -60,7 +60,14 @@ from plannercheck.common.checked_yaml import (
 )
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.file_kinds import kind_of
-from plannercheck.common.package_data import example_robot_data, is_file, is_folder, is_planar_file, shipped_folder
+from plannercheck.common.package_data import (
+    example_robot_data,
+    is_file,
+    is_folder,
+    is_planar_file,
+    shipped_folder,
+    why_no_file,
+)
 from plannercheck.robots.link_geometry import Geometry, checked_geometry
 from plannercheck.robots.robot_descriptions import files_by_name
 from plannercheck.robots.srdf import DisabledPair, Srdf, read_srdf
@@ -184,7 +191,7 @@ def find_description(name_or_path: str | Path) -> Path:
     path = Path(name_or_path)
     if path.suffix in (".yaml", ".yml", *URDF_SUFFIXES):
         if not is_file(path):
-            raise PlannercheckError(f"robot file {path} does not exist")
+            raise PlannercheckError(f"robot file {path} {why_no_file(path)}")
         return path
     shipped = shipped_folder("robots") / f"{name_or_path}.yaml"
     if not is_file(shipped) and (path.suffix or (is_file(path) or is_folder(path))):

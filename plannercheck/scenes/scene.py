@@ -84,7 +84,7 @@ from typing import get_args
 from plannercheck.bodies.mesh_files import MeshUnits, checked_units
 from plannercheck.bodies.solids import Solid, open_meshes
 from plannercheck.common.errors import PlannercheckError, unknown_name
-from plannercheck.common.package_data import is_file, is_folder, is_planar_file, shipped_folder
+from plannercheck.common.package_data import is_file, is_folder, is_planar_file, shipped_folder, why_no_file
 from plannercheck.common.public_names import set_module
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.mjcf_scene import read_mjcf_scene
@@ -162,7 +162,7 @@ class Scene(SceneContents):
             raise unknown_name("kind of meshes", str(meshes), get_args(MeshKind))
         scene, file = Scene(), Path(path)
         if not is_file(file):
-            raise PlannercheckError(f"MJCF {file} {'is a folder' if is_folder(file) else 'does not exist'}")
+            raise PlannercheckError(f"MJCF {file} {why_no_file(file)}")
         read_mjcf_scene(scene, file, meshes)
         return scene
 

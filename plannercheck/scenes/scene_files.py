@@ -35,7 +35,7 @@ from plannercheck.common.checked_yaml import (
 )
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.file_kinds import is_mjcf
-from plannercheck.common.package_data import is_file, is_folder
+from plannercheck.common.package_data import is_file, why_no_file
 from plannercheck.scenes import moveit_scene as moveit
 from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
@@ -91,7 +91,7 @@ def read_scene(
         mesh_units: How mesh files are read, as for `Scene.load`.
     """
     if not is_file(path):
-        raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if is_folder(path) else 'does not exist'}")
+        raise PlannercheckError(f"scene file {str(path)!r} {why_no_file(path)}")
     with error_context(f"scene file {str(path)!r}"):
         _refuse_geometry(path)
         content = read_bytes(path)

@@ -7,7 +7,8 @@ In: a cell, a trajectory or a configuration for each robot of its group, and whe
 that the robot's own message defines:
 
 - Instants. A knot on the clock is a double, and knots within a nanosecond of each other are one, so each piece runs up
-  to τ earlier or later than it should, which moves a number by at most τ times its largest speed.
+  to τ earlier or later than it should, which moves a number by at most τ times its largest speed; three times that is
+  counted, so that verifiers find moving objects where the scene has them.
 - Cutting. Pieces are cut by polar forms and raised to higher degrees: averages of control points (`blossom_error`).
 - Unit vectors are cut by slerp. As everywhere, their error is stated, and larger ones than 1e-10 are refused.
 """
@@ -36,6 +37,10 @@ Run: TypeAlias = Trajectory | ArrayLike
 
 # Knots nearer to each other than this are one, s: no piece may be shorter.
 _SAME_KNOT = 0.9e-9
+
+# Steps of what moves are compared with the scene's own ones, extended to a knot that has become another: verifiers
+# bound the difference by so many times what the shift moves a number (proofs/scene_clocks.py).
+_COMPARED = 3
 
 # Roundings of a knot, of the share of a piece, and of a duration, in u of the largest time.
 _TIMES = 8
@@ -310,7 +315,10 @@ def _error(clocked: Clocked, cuts: _Cuts, breaks: Floats, degree: int) -> Floats
     curve, knots = clocked
     late = np.abs(_rounded(knots, breaks) - knots).max()
     largest = max(float(np.abs(each).max()) for each in (breaks, curve.breaks, knots))
-    shift = (late + _TIMES * UNIT * largest) * (1 + 2.0**-40)
+    times = np.full(curve.nq, _COMPARED)
+    for a, b in curve.units:  # compared at the ends of pieces, without a tube
+        times[a:b] = 1
+    shift = (times * late + _TIMES * UNIT * largest) * (1 + 2.0**-40)
     error = (curve.error + shift * _largest_speeds(curve)) * (1 + 2.0**-40)
     is_cut, degrees = cuts.are_cut.any(), curve.counts - 1
     steps = (int(degrees.max()) if is_cut else 0) + degree - int(degrees.min())

@@ -290,6 +290,12 @@ def test_moving_obstacles_are_measured_at_their_times(panda):
         alone = pc.Checker(panda, still).distances(q[:1], np.inf)
         # the ball is a pair with the base as well, which never moves in the other scene
         np.testing.assert_allclose(table.distance[table.state == k][:20], alone.distance[:20], atol=1e-12)
+    with pytest.raises(pc.PlannercheckError, match="time= for one"):
+        moving.distance_function(1.0)(q[0])
+    distance, jacobian = moving.distance_function(1.0, time=5.0)(q[0])
+    rows = (table.state == 1) & (table.distance < 1.0)
+    np.testing.assert_array_equal(distance[table.pair[rows]], table.distance[rows])
+    np.testing.assert_array_equal(jacobian[table.pair[rows]], table.gradient[rows])
     along = pc.distances_along(moving, pc.Trajectory([0.0, 1.0], q[:2]), at=[0.0, 1.0], limit=np.inf, start_time=5.0)
     assert along.distance.min() == pytest.approx(table.distance[table.state == 1].min(), abs=0.11)
 

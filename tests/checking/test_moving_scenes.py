@@ -343,3 +343,22 @@ def test_names_of_links_are_refused(tmp_path: Path) -> None:
     scene.add("base", pc.Box(_SIZE), _crossing())
     with pytest.raises(pc.PlannercheckError, match="'base' moves, but a link or joint"):
         pc.Checker(_robot(tmp_path), scene)
+
+
+def test_an_object_whose_carrier_has_names_of_others(tmp_path: Path) -> None:
+    """Pinocchio finds a link by the first of its name: an object 'a' on 'l0' would ride on 'a/l0' of the cell."""
+    (tmp_path / "arm.urdf").write_text(arm_urdf(np.random.default_rng(0), 2))
+    arm, base = pc.Robot.from_urdf(tmp_path / "arm.urdf"), np.eye(4)
+    base[0, 3] = 2.0
+    cell = pc.Robot.together({"a": arm, "b": (arm, base)})
+    ride = pc.Moving.along(pc.Trajectory([0, 1], np.zeros((2, 2))), "l0", (arm, base))
+    poses = np.tile(np.eye(4), (2, 1, 1))
+    for names, twice in (
+        (("a",), "'a/j0' would be that of two joints"),
+        (("m", "m/l0"), "'m/l0' would be that of two l"),
+    ):
+        scene = pc.Scene("riding")
+        for name, moving in zip(names, (ride, pc.Moving([0, 1], poses)), strict=False):
+            scene.add(name, pc.Sphere(0.1), moving)
+        with pytest.raises(pc.PlannercheckError, match=twice):
+            pc.Checker(cell, scene)

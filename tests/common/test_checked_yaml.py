@@ -13,7 +13,7 @@ import pytest
 import yaml
 
 import plannercheck as pc
-from plannercheck.common.checked_yaml import number, parse_yaml
+from plannercheck.common.checked_yaml import error_context, number, parse_yaml, warn_here
 from plannercheck.common.unique_keys import object_of
 from plannercheck.coverings import plain_files
 from plannercheck.ompl.plans import Plan
@@ -133,3 +133,18 @@ def test_lists_that_echo_cut_short_are_refused() -> None:
         )
         with pytest.raises(pc.PlannercheckError, match=message):
             parse_yaml("a:\n" + f"- {entry}\n" * 128 + "- '...'\n---\n")
+
+
+def test_a_context_that_is_left_late_is_no_place_of_later_warnings():
+    """As of a generator that is given up while it waits."""
+
+    def lines():
+        with error_context("file"):
+            yield 1
+
+    given_up = lines()
+    with error_context("inside"):
+        next(given_up)
+    given_up.close()
+    with error_context("here"), pytest.warns(RuntimeWarning, match=r"^here: odd$"):
+        warn_here("odd")

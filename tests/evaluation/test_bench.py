@@ -3,6 +3,7 @@
 import itertools
 import json
 import time
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -114,6 +115,15 @@ def test_stand_ins_keep_links_and_pairs(checker):
     assert np.array_equal(again.pairs, checker.pairs)
     with pytest.raises(PlannercheckError, match="stand in for"):
         checker.with_bodies(checker.bodies[1:])
+    padded = Checker(checker.robot, checker.scene, padding={checker.pair_names(0): 0.01})
+    count = len(checker.bodies)
+    assert len(padded.bodies) > count
+    for bodies in (padded.bodies, padded.bodies[:count]):
+        again = padded.with_bodies(bodies)
+        assert again.bodies == padded.bodies
+        assert np.array_equal(again.paddings, padded.paddings)
+    with pytest.raises(PlannercheckError, match="get copies"):
+        padded.with_bodies((*padded.bodies[:-1], replace(padded.bodies[-1], name="another")))
 
 
 def test_stand_ins_are_out_of_reach_only_where_they_are(checker):

@@ -78,8 +78,11 @@ def test_start_time_is_the_scenes_clock_at_the_beginning() -> None:
     for start in (-0.5, 6.5):
         with pytest.raises(pc.PlannercheckError, match="'pallet' moves from 0 to 8 s"):
             checker.check_trajectory(trajectory, start_time=start)
+    assert checker.check_trajectories((each for each in [trajectory] * 6), start_time=starts).tolist() == free.tolist()
     with pytest.raises(pc.PlannercheckError, match="check_trajectory takes one"):
         checker.check_trajectories(trajectory)
+    with pytest.raises(pc.PlannercheckError, match=r"must be some pc\.Trajectory, not int"):
+        checker.check_trajectories(3)
     with pytest.raises(pc.PlannercheckError, match=r"no pc\.Trajectory"):
         checker.check_trajectory(trajectory.position([0, 1]))
     with pytest.raises(pc.PlannercheckError, match="3 columns"):
@@ -154,6 +157,42 @@ def test_proofs_say_when_and_the_scene_is_compared_there(tmp_path: Path, path: s
         save_proofs(proofs, tmp_path / "x.json")
         assert [proof.motion for proof in load_proofs(tmp_path / "x.json")] == [proof.motion for proof in proofs]
         assert all(proof.verify() for proof in proofs)
+
+
+def test_sums_of_times_are_rounded(tmp_path: Path) -> None:
+    """0.1 + 0.2 is not 0.3, where an object's motion ends: it stands there, also in proofs, for a picosecond."""
+    pytest.importorskip("flint")
+    rng = np.random.default_rng(3)
+    robot, file = str(tmp_path / "arm.urdf"), str(tmp_path / "belt.yaml")
+    Path(robot).write_text(arm_urdf(rng, 2))
+    scene = pc.Scene("belt")
+    poses = [random_pose(rng, np.array([2.0, y, 0.5])) for y in (0.0, 0.5)]
+    scene.add("pallet", pc.Box((0.1, 0.2, 0.1)), pc.Moving([0.0, 0.3], poses))
+    scene.save(file)
+    checker = pc.Checker(pc.Robot.load(robot), scene)
+    home = checker.robot.reference
+    assert 0.1 + 0.2 > 0.3
+    for begin, end in ((0.0, 0.1 + 0.2), (0.0, 0.3 + 9e-13), (-9e-13, 0.3)):
+        trajectory = pc.Trajectory([0.0, end - begin], [home, home + 0.01], controller="linear", start=home)
+        assert checker.check_trajectory(trajectory, start_time=begin)
+        (proof,) = checker.certify_trajectory(trajectory, start_time=begin)
+        found = model_confirmed(proof, robot, file)
+        assert not found.fault
+        assert "where 'pallet' is at the proof's times" in found.compared[-1]
+        assert proof.verify()
+        np.testing.assert_array_equal(
+            checker.body_poses(home, times=[begin, end]), checker.body_poses(home, times=[0.0, min(end, 0.3)])
+        )
+    home_and_back = np.array([home, home + 0.01, home])
+    scene.remove("pallet")
+    scene.add("pallet", pc.Box((0.1, 0.2, 0.1)), pc.Moving([0.0, 0.1, 0.3], [poses[0], poses[0], poses[1]]))
+    scene.save(file)
+    near = pc.Trajectory([0.0, 0.1 - 9e-13, 0.3], home_and_back, controller="linear", start=home)
+    first, *others = pc.Checker(pc.Robot.load(robot), scene).certify_trajectory(near)
+    assert not model_confirmed(first, robot, file, others=others).fault
+    for begin, end in ((0.0, 0.3 + 1.1e-12), (-1.1e-12, 0.2)):
+        with pytest.raises(pc.PlannercheckError, match=r"'pallet' moves from 0 to 0\.3 s"):
+            checker.body_poses(home, times=[begin, end])
 
 
 def test_proofs_hold_and_name_the_columns_of_what_moves() -> None:

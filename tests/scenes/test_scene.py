@@ -13,6 +13,7 @@ from plannercheck.bodies.objects import Part
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Sphere
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.transforms import pose_of, quaternion_of_rotation, rotation_of_quaternion, rotation_of_rpy
+from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene, shipped_scenes
 
 TETRAHEDRON = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
@@ -254,13 +255,23 @@ def test_bad_files_name_file_object_and_key(tmp_path, text, message):
 
 
 def test_angles_that_look_like_degrees_are_said(tmp_path):
-    with pytest.warns(RuntimeWarning, match=r"rpy \[0\.0, 0\.0, 90\.0\] looks like degrees: rpy is in rad"):
-        loaded(tmp_path, "objects: [{name: a, sphere: {radius: 1}, rpy: [0, 0, 90]}]")
+    turned = "sphere: {radius: 1}, rpy: [0, 0, 90]"
+    for text, place in (
+        ("{name: can, %s}", "object 'can'"),
+        ("{name: a, sphere: {radius: 1}}, {name: can, parts: [{%s}]}", "object 'can': part 0"),
+    ):
+        words = rf"^scene file '.*scene\.yaml': {place}: rpy \[0\.0, 0\.0, 90\.0\] looks like degrees: rpy is in rad$"
+        with pytest.warns(RuntimeWarning, match=words):
+            loaded(tmp_path, f"objects: [{text % turned}]")
 
 
 def test_missing_scenes_are_named(tmp_path):
     with pytest.raises(PlannercheckError, match=r"none\.yaml' does not exist"):
         Scene.load(tmp_path / "none.yaml")
+    (tmp_path / "folder.yaml").mkdir()
+    for load in (Scene.load, Scene.from_mjcf, Robot.load):
+        with pytest.raises(PlannercheckError, match=r"folder\.yaml'? is a folder: give the path of a file in it$"):
+            load(tmp_path / "folder.yaml")
     with pytest.raises(PlannercheckError, match="unknown scene 'bookshelv': did you mean 'bookshelf'"):
         Scene.load("bookshelv")
 

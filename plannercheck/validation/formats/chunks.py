@@ -21,7 +21,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.file_kinds import kind_of
-from plannercheck.common.package_data import is_file, is_folder
+from plannercheck.common.package_data import is_file, is_folder, why_no_file
 from plannercheck.validation.formats.blocks import RowBlock
 from plannercheck.validation.formats.columns import Columns, HeaderError, WidthError, columns_of
 from plannercheck.validation.formats.csv import csv_blocks, csv_stream_blocks
@@ -164,7 +164,7 @@ def _check_file(path: Path) -> None:
     if path.suffix.lower() not in SUFFIXES:
         raise PlannercheckError(f"must be one of {', '.join(SUFFIXES)}, not {path.suffix or 'without suffix'}")
     if not is_file(path):
-        raise PlannercheckError("is a folder" if is_folder(path) else "does not exist")
+        raise PlannercheckError(why_no_file(path))
     kind = kind_of(path)
     if kind not in ("", "it is empty", _KINDS.get(path.suffix.lower())):
         raise PlannercheckError(f"is no {path.suffix.lower()[1:]} file: {kind}")
