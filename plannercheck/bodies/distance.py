@@ -41,8 +41,8 @@ class Distance:
             of the first body by that length along `direction` separates them. Of convex bodies it is the signed
             distance up to rounding, about 1e-14 of their size and of their distance from the origins of their frames.
             Of solids it is that of their hulls, of sets of parts that of the boxes around them: a shorter translation
-            may separate these; `signed_distance` finds a shorter one where a part of a set leaves a hull last. Into
-            a half-space it is minus the depth of any body, rounded down.
+            may separate these, and `signed_distance` looks for one. Into a half-space it is minus the depth of any
+            body, rounded down.
         direction: (3,) of length 1 up to rounding, from the second to the first body: along it they are about
             `lower_bound` apart, or the first body has to be moved.
     """
@@ -89,9 +89,13 @@ def signed_distance(
     """The signed distance of two posed bodies, inflation radii included: minus the penetration depth if they overlap.
 
     It is in [`lower_bound`, `distance`] of what is returned, both proved. They differ by rounding, unless one body is a
-    solid or a set of parts. Where a set of parts and a convex body overlap, `distance` is minus the depth of the
-    deepest part, and `lower_bound` the same up to rounding if the translation that takes this part out separates the
-    set. Where a solid, or two sets, overlap another body, `distance` is 0: no lower bound of their depth is known.
+    solid or a set of parts and both overlap: then `distance` is minus the depth of the deepest two convex pieces, one
+    of each body, and `lower_bound` the same up to rounding if the translation that takes these apart separates the
+    bodies. Else it is the shortest translation that is found along the ways out of the deepest pieces and of the hulls,
+    and along the axes of both bodies' frames, by the exact verdict.
+
+    Pieces of a set are its parts. A solid whose shells are all convex consists of these. Pieces of any other solid are
+    its triangles, a box and balls in it: they do not fill it, so that its bounds may stay open.
 
     Args:
         P: A body, as for `intersects`.
@@ -121,7 +125,7 @@ def pair_bounds(
         R: Another body.
         pose_p: Pose of P.
         pose_r: Pose of R.
-        depths: Whether all parts of a set that overlap a hull are looked at, for closer bounds.
+        depths: Whether all pieces of solids and sets that overlap are looked at, for closer bounds.
     """
     known = queries.distance(P, R, pose_p, pose_r, depths)
     if known is None:

@@ -74,9 +74,9 @@ class ExactPlane:
 
 def direction_of(normal: Floats) -> Point:
     """A vector of doubles (3,), brought to unit length in doubles, as exact numbers."""
-    scaled = normal / np.abs(normal).max()
-    x, y, z = (scaled / np.linalg.norm(scaled)).tolist()
-    return Fraction(x), Fraction(y), Fraction(z)
+    u, v, w = (normal / np.abs(normal).max()).tolist()
+    length = math.sqrt(u * u + v * v + w * w)  # in the order of the C++ library, whose planes have the same bits
+    return Fraction(u / length), Fraction(v / length), Fraction(w / length)
 
 
 def separates_exactly(plane: ExactPlane, bodies: Bodies) -> bool:

@@ -23,11 +23,11 @@ class Depth:
 
     Attributes:
         depth: A translation of the first body by this along `direction` separates the bodies, up to contact, m, rounded
-            up; 0 if they share no point. Of solids it is the depth of their hulls, of sets of parts at most that of
-            the boxes around them.
+            up; 0 if they share no point. Of solids and sets of parts it is the shortest that is found, at most the
+            depth of their hulls and of the boxes around sets.
         lower_bound: No shorter translation separates them, m. Of two convex bodies, and of any body and a half-space,
-            the two differ by rounding only. Of a set of parts and a convex body it is the depth of the deepest part. Of
-            solids, and of two sets, it is 0: no shorter translation is ruled out.
+            the two differ by rounding only. Of solids and sets of parts it is the depth of the deepest two convex
+            pieces, see `signed_distance`.
         direction: (3,) unit vector in the world.
     """
 

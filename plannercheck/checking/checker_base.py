@@ -127,8 +127,6 @@ class ExplainingChecker(ABC):
             row = np.asarray(real_numbers(q), dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
             raise PlannercheckError(f"one configuration must be {nq} numbers, not {shown_array(q)}") from None
-        if row.ndim == 1:
-            row = row[None]
-        if row.ndim != 2 or len(row) != 1:
+        if row.ndim not in (1, 2) or (row.ndim == 2 and len(row) != 1):
             raise PlannercheckError(f"one configuration must have shape ({nq},), not {row.shape}")
-        return row if row.shape[1] == nq else given_configurations(self.robot, row)
+        return row.reshape(1, nq) if row.shape[-1] == nq else given_configurations(self.robot, row)

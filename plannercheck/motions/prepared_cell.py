@@ -31,7 +31,7 @@ from plannercheck.robots.unit_lengths import UNIT_TOLERANCE
 from plannercheck.scenes.scene import Scene
 
 # kCellFormat in cpp/library/cell_file.hpp.
-CELL_FORMAT = 4
+CELL_FORMAT = 5
 
 # BodyKind in cpp/library/cell_bodies.cpp.
 _HULL, _SOLID, _HALF_SPACE = 0, 1, 5
@@ -102,6 +102,7 @@ def _sections(cell: CellInputs) -> Iterator[Section]:
     yield text("scene", cell.scene.name)
     yield texts("joint names", cell.robot.joint_names)
     yield texts("link names", cell.robot.link_names)
+    yield text("described columns", cell.robot.configuration_map.described_columns())
     yield texts("body names", cell.labels)
     yield from _configurations(cell.robot, cell.certifier)
     yield from _kinematics(cell.robot)

@@ -143,7 +143,8 @@ def _off_unit(rows: Floats, start: int, stop: int) -> Floats:
         row = int(np.argmax(~(off <= UNIT_TOLERANCE)))
         kind = "a quaternion" if stop - start == 4 else "cosine and sine"
         raise PlannercheckError(
-            f"columns {start} to {stop - 1} are {kind}, of length 1; in row {row} it is {length[row]}"
+            f"columns {start} to {stop - 1} are {kind}, of length 1; in row {row} it is {length[row]}:"
+            " normalise it in double precision"
         )
     return np.asarray(off)
 

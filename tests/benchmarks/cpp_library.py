@@ -46,7 +46,8 @@ LIFT = """<robot name="lift"><link name="floor"/>
 <axis xyz="1 0 0"/></joint><joint name="fly" type="floating"><parent link="hand"/><child link="kite"/></joint>
 </robot>"""
 
-EDITED, MEASURED, EXPLAINED = 2000, 500, 200  # kEdited, kMeasured and kExplained in judge.cpp
+# kEdited, kMeasured, kExplained and kSeparated in judge.cpp.
+EDITED, MEASURED, EXPLAINED, SEPARATED = 2000, 500, 200, 10
 MOVED = 3  # the first edits of edit_scene.cpp
 PROGRAMS = ROOT / "tests" / "support" / "cpp"
 MOVEIT = ROOT / "ros" / "plannercheck_moveit"
@@ -122,7 +123,13 @@ def consumer(prefix: Path, folder: Path, options: argparse.Namespace) -> Path:
         (source / path.name).write_bytes(path.read_bytes())
     with (source / "CMakeLists.txt").open("a") as lines:
         lines.write(f"include_directories({MOVEIT / 'include'})\n")
-        for name in ("judge", "edit_scene", "test_execution_proof", *(() if options.quick else ("share", "fuzz_cell"))):
+        for name in (
+            "judge",
+            "edit_scene",
+            "say_faults",
+            "test_execution_proof",
+            *(() if options.quick else ("share", "fuzz_cell")),
+        ):
             lines.write(f"add_executable({name} {name}.cpp)\n")
             lines.write(f"target_link_libraries({name} PRIVATE plannercheck::plannercheck Threads::Threads)\n")
         if options.face:
@@ -193,8 +200,10 @@ def answers(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray
     for other in others:
         yield other.check_states(given[0][:EDITED])
         yield other.check_motions(given[1][:EDITED], given[2][:EDITED])
-    for q in given[0][:EXPLAINED]:
-        yield from (found.certificate.point for found in checker.explain(q).collisions)
+    for k, q in enumerate(given[0][:EXPLAINED]):
+        found = checker.explain(q, k < SEPARATED)
+        yield from (each.certificate.point for each in found.collisions)
+        yield from (plane_of(each.certificate) for each in found.separations)
     for each in (checker, others[0]):  # of a box that C++ has made, distances differ by rounding
         yield from of_trajectories(each, given)
         for nearest in (None, 2):
@@ -202,6 +211,17 @@ def answers(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray
             columns = (table.state, table.distance, table.lower, table.gap, table.unique)
             points = table.points.reshape(-1, 6)
             yield np.column_stack([*columns, points, table.normal, table.gradient]).astype(np.float64)
+
+
+def plane_of(certificate: pc.Separation | pc.SolidSeparation | pc.PartSeparation) -> np.ndarray:
+    """Whether one plane separates a pair, and the plane: its normal, its offset, and the gap.
+
+    It is verified in exact arithmetic with all vertices of both bodies.
+    """
+    if not isinstance(certificate, pc.Separation):
+        return np.zeros(6)
+    assert certificate.verify()
+    return np.array([1.0, *certificate.normal, certificate.offset, certificate.gap])
 
 
 def of_trajectories(checker: pc.Checker, given: list[np.ndarray]) -> Iterator[np.ndarray]:
@@ -229,6 +249,24 @@ def check_edits(programs: Path, folder: Path, options: argparse.Namespace) -> No
         sys.exit("edits give OTHER VERDICTS than Python's")
 
 
+def check_sentences(programs: Path, folder: Path, options: argparse.Namespace) -> None:
+    """Compares the sentences of faults with Python's."""
+    sys.path.insert(0, str(PROGRAMS.parent))
+    from cell_faults import sentences, stand_ins_of
+
+    cells = [folder / f"{name}.plannercheck" for name in ("padded", "lift", "stand_ins")]
+    checker, lift = padded_checker(), checker_of_all_kinds(folder)
+    for each, cell in zip((checker, lift, checker.with_bodies(stand_ins_of(checker))), cells, strict=True):
+        each.save(cell)
+    command = [*emulator(options), str(programs / "say_faults"), *map(str, cells)]
+    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+    wanted = sentences(checker, lift)
+    for cpp, python in zip(said, wanted, strict=True):
+        if cpp != python or cpp.endswith("no fault"):
+            sys.exit(f"OTHER SENTENCES:\n{cpp}\n{python}")
+    print(f"{len(said)} faults: the same sentences")
+
+
 def padded_checker() -> pc.Checker:
     """A Panda among what has paddings, may be touched, has several bodies, or one that has a pose in its object."""
     scene = pc.Scene("padded")
@@ -237,6 +275,9 @@ def padded_checker() -> pc.Checker:
     scene.add("sign", pc.Part(pc.Sphere(0.125), shifted(0, 0, 0.25)), shifted(0.25, -0.5, 0.5))
     scene.add("rack", [pc.Part(pc.Box((0.3, 0.05, 0.2)), turn), pc.Part(pc.Sphere(0.1))], shifted(-0.4, 0.3, 0.4))
     scene.add("pad", pc.Box((0.3, 0.3, 0.3)), shifted(-0.3, -0.4, 0.3))
+    scene.add("seen", pc.PointCloud(np.zeros((0, 3)), 0.01))
+    scene.add("mapped", pc.Octree.from_cells(np.zeros((0, 3), dtype=np.int32), 0.1))
+    scene.add("dug", pc.HeightField(np.full((3, 3), np.nan), 0.5, -0.8))
     scene.allow("pad", "panda_hand")
     padding = {"crate": 0.125, ("panda_link5", "pad"): 0.25, ("panda_link0", "pad"): 0.05}
     return pc.Checker(pc.Robot.load("panda"), scene, self_collision=False, padding=padding)
@@ -274,11 +315,10 @@ def told_of(checker: pc.Checker, q: np.ndarray, is_measured: bool) -> Iterator[n
         yield np.column_stack([table.state, table.distance, table.points.reshape(-1, 6)]).astype(np.float64)
 
 
-def cell_of_all_kinds(folder: Path) -> Path:
-    """A small cell with all kinds of bodies, and joints of several kinds, to be damaged."""
+def checker_of_all_kinds(folder: Path) -> pc.Checker:
+    """A small checker with all kinds of bodies, and joints of several kinds."""
     (folder / "lift.urdf").write_text(LIFT)
-    pc.Checker(pc.Robot.from_urdf(folder / "lift.urdf"), scene_of_all_kinds()).save(folder / "lift.plannercheck")
-    return folder / "lift.plannercheck"
+    return pc.Checker(pc.Robot.from_urdf(folder / "lift.urdf"), scene_of_all_kinds())
 
 
 def scene_of_all_kinds() -> pc.Scene:
@@ -389,12 +429,13 @@ def main() -> int:
             same &= compare(checker, programs, folder, options, 10**7)
             if robot == "panda":
                 check_edits(programs, folder, options)
+                check_sentences(programs, folder, options)
         print("ur5 with a link as a solid among all kinds of bodies")
         checker = pc.Checker(pc.Robot.load("ur5", geometry={"forearm_link": "solid"}), scene_of_all_kinds())
         checker.save(folder / "ur5.plannercheck")
         same &= compare(checker, programs, folder, options, 200)
         if options.face or options.fuzz:
-            cell = cell_of_all_kinds(folder)
+            cell = folder / "lift.plannercheck"  # to be damaged
         if options.face:
             corpus = folder / "corpus"
             corpus.mkdir(exist_ok=True)

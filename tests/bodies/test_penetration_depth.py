@@ -183,15 +183,15 @@ def test_depth_into_a_half_space_is_minus_the_distance():
     np.testing.assert_allclose(found.direction, [0, 0, 1])
 
 
-def test_depths_of_solids_and_of_two_sets_are_open():
-    """Their hulls' depth separates them; no lower bound is claimed."""
+def test_distances_of_overlapping_solids_and_sets_claim_no_depth():
+    """Their hulls' depth separates them; `depth` looks at their pieces as well."""
     cloud, box = pc.PointCloud([[0.0, 0, 0], [1, 0, 0]], 0.1), pc.Box((1, 1, 1))
     solid = pc.Polytope(pc.Solid(*angle()))
-    for first, second, least in ((cloud, cloud, 0.2), (solid, box, 0.1)):
+    for first, second, least in ((cloud, cloud, 0.2), (solid, box, 0.5)):
+        assert pc.distance(first, second).distance == 0
         found = pc.depth(first, second)
-        assert found.lower_bound == 0
-        assert found.depth >= least
-        assert pc.signed_distance(first, second).distance == 0
+        assert found.lower_bound == pytest.approx(least, abs=1e-9)
+        assert found.depth == pytest.approx(least, abs=1e-9)
 
 
 @pytest.mark.parametrize("swapped", [False, True])

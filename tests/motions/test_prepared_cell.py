@@ -146,10 +146,10 @@ def test_the_library_reads_the_container(cell, list_sections, tmp_path):
     (line,) = list_sections(cell)
     assert line.split(";")[:-1] == [name for name, _ in read_sections(cell.read_bytes())]
     content = cell.read_bytes()
-    for version in (b"\0\0\0\0", b"\3\0\0\0"):
+    for version in (b"\0\0\0\0", b"\4\0\0\0"):
         (tmp_path / "other").write_bytes(content[:16] + version + content[20:])
         (line,) = list_sections(tmp_path / "other")
-        assert "this version reads 4 with bodies of format" in line
+        assert "this version reads 5 with bodies of format" in line
         assert line.endswith("save the cell again")
 
 

@@ -293,6 +293,12 @@ bool surely_winds_around(const Solid& solid, Vec3 point) {
   return interior.is_known() && interior.winds_around(point);
 }
 
+double inner_radius(const Solid& solid, Vec3 point) {
+  const SolidInterior interior(solid);
+  const bool is_inside = solid.is_closed && interior.is_known() && interior.winds_around(point);
+  return is_inside ? larger(interior.nearest(point).distance, 0) : 0;
+}
+
 InnerShapes inner_shapes_of(const Solid& solid) {
   InnerShapes shapes;
   const SolidInterior interior(solid);

@@ -18,4 +18,7 @@ InnerShapes inner_shapes_of(const Solid& solid);
 // Whether a closed solid winds around a point; false also if rounding, or where the ray goes, leaves that open.
 bool surely_winds_around(const Solid& solid, Vec3 point);
 
+// How large a ball around a point is in a closed solid, at least; 0 where nothing is known.
+double inner_radius(const Solid& solid, Vec3 point);
+
 }  // namespace plannercheck

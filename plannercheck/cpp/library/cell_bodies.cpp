@@ -57,7 +57,7 @@ Polytope read_balls(CellFile& file) {
   const double inflation = read_inflation(file);
   const auto points = file.doubles("points", 3), radii = file.doubles("radii");
   const std::size_t count = points.size() / 3;
-  require_sound(count > 0 && (radii.size() == 1 || radii.size() == count), "a cloud's radii");
+  require_sound(radii.size() == 1 || radii.size() == count, "a cloud's radii");
   require_sound(are_coordinates(points) && std::all_of(radii.begin(), radii.end(), is_radius), "a cloud's points");
   return around(PartSet::balls(points.data(), count, radii.data(), radii.size() == 1), inflation);
 }
@@ -67,7 +67,7 @@ Polytope read_cells(CellFile& file) {
   const double inflation = read_inflation(file);
   const auto keys = file.integers("keys", 3), sizes = file.integers("sizes");
   const auto lattice = file.doubles("lattice", 4);
-  require_sound(!sizes.empty() && keys.size() == 3 * sizes.size() && lattice.size() == 4, "cells of a map");
+  require_sound(keys.size() == 3 * sizes.size() && lattice.size() == 4, "cells of a map");
   require_sound(std::all_of(sizes.begin(), sizes.end(), [](std::int32_t size) { return size > 0; }), "a cell's size");
   constexpr double kSteps = 0x1p33;  // more than any key and size together
   require_sound(lattice[0] > 0 && is_coordinate(kSteps * lattice[0]) && are_coordinates(lattice), "a map's lattice");
@@ -89,7 +89,6 @@ Polytope read_columns(CellFile& file) {
                 "a lattice of heights");
   PartSet set = PartSet::columns(heights.numbers.data(), heights.rows, heights.columns, {lattice[0], lattice[1]},
                                  {lattice[2], lattice[3]}, lattice[4]);
-  require_sound(set.part_count() > 0, "heights");
   return around(std::move(set), inflation);
 }
 

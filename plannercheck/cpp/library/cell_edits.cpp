@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "library/shown_values.hpp"
 #include "narrow_phase/distance.hpp"
 
 namespace plannercheck {
@@ -12,8 +13,6 @@ using Rows = std::vector<std::int32_t>;
 
 // Two bodies at rest that are further apart than this, m, are apart (plannercheck/motions/certifier_pairs.py).
 constexpr double kPermanentGap = 1e-9;
-
-constexpr std::size_t kListedNames = 20;
 
 bool is_link(const PreparedCell& cell, const std::string& name) {
   return std::find(cell.link_names.begin(), cell.link_names.end(), name) != cell.link_names.end();
@@ -36,46 +35,85 @@ Rows bodies_of(const PreparedCell& cell, const std::string& name) {
 }
 
 [[noreturn]] void refuse_name(const PreparedCell& cell, const std::string& name) {
-  std::string known;
-  std::size_t listed = 0;
-  for (std::size_t k = cell.meets_obstacles.size(); k < cell.bodies.size() && listed < kListedNames; ++k) {
+  std::vector<std::string> known;
+  for (std::size_t k = cell.meets_obstacles.size(); k < cell.bodies.size(); ++k) {
     const std::string& other = cell.body_names[k];  // empty once it is removed
     const Rows bodies = bodies_of(cell, other);
-    if (other.empty() || bodies.empty() || at(bodies[0]) != k) continue;
-    known += (listed++ > 0 ? ", " : "") + other;
+    if (!other.empty() && !bodies.empty() && at(bodies[0]) == k) known.push_back(other);
   }
-  throw EditError("unknown obstacle '" + name + "': there is " + (known.empty() ? "none" : known));
+  throw EditError(unknown_name("object", name, known));
 }
 
-[[noreturn]] void refuse_pose(const std::string& name) {
-  throw EditError("obstacle '" + name + "': a pose must be rigid, finite and right-handed: |M^T M - 1| at most 1e-6");
+void check_name(const PreparedCell& cell, const std::string& name) {
+  if (name.empty()) throw EditError("object '' needs a name and at least one shape");
+  if (is_link(cell, name))
+    throw EditError("object '" + name + "' has the name of a link of '" + cell.robot +
+                    "', so what the scene allows the link would hold for the object: rename the object");
+  if (is_carried(cell, name))
+    throw EditError("object '" + name + "' exists already: remove it first, or choose another name");
+}
+
+// As `checked_pose` of plannercheck/bodies/shapes.py does; the largest coordinate is the library's own limit.
+void check_pose(const std::string& name, const Pose& pose) {
+  const std::string what = "pose of object '" + name + "'";
+  if (!are_finite(pose.m)) {
+    const std::span<const double> m(pose.m);
+    throw EditError(what + " has values that are not finite: [" + listed(m.first(4)) + ", " + listed(m.subspan(4, 4)) +
+                    ", " + listed(m.last(4)) + ", [0.0, 0.0, 0.0, 1.0]]");
+  }
+  if (!std::all_of(pose.m.begin(), pose.m.end(), is_coordinate))
+    throw EditError(what + ": coordinates must be at most 1e+50 m in size");
+  const double defect = rigidity_defect(pose);
+  if (!(defect <= kRigidTolerance))
+    throw EditError(what + " is not rigid: |M^T M - 1| is " + rounded(defect, 3) + ", accepted is " +
+                    rounded(kRigidTolerance, 6));
+  if (!is_placement(pose)) throw EditError(what + " is a reflection: det M is -1, a rotation has +1");
+}
+
+void check_points(const Edit& edit) {
+  const bool is_cloud = edit.kind == Edit::Kind::kCloud;
+  const std::string what = is_cloud ? "points of a cloud: " : "hull vertices: ";
+  if (edit.points.empty() && !is_cloud) throw EditError(what + "a body needs at least one point");
+  for (std::size_t row = 0; row < edit.points.size(); ++row) {
+    const std::array<double, 3> point{edit.points[row].x, edit.points[row].y, edit.points[row].z};
+    if (!are_finite(point))
+      throw EditError(what + "row " + std::to_string(row) + " is " + listed(point) + (is_cloud ? ":" : ",") +
+                      " coordinates must be finite");
+    if (!std::all_of(point.begin(), point.end(), is_coordinate))
+      throw EditError((is_cloud ? what : "body '" + edit.name + "': ") + "coordinates must be at most 1e+50 m in size");
+  }
+}
+
+void check_radius(const Edit& edit) {
+  if (edit.kind == Edit::Kind::kCloud && !(edit.radius > 0 && std::isfinite(edit.radius)))
+    throw EditError("radius of a cloud must be finite and above 0 (m), not " + shown(edit.radius));
+  if (is_radius(edit.radius)) return;
+  if (edit.kind == Edit::Kind::kCloud)
+    throw EditError("radius of a cloud: coordinates must be at most 1e+50 m in size");
+  if (edit.radius < 0 || !std::isfinite(edit.radius))
+    throw EditError("sphere radius must be finite and not negative (m), not " + shown(edit.radius));
+  throw EditError("body '" + edit.name + "': inflation radius must be a length in m of at least 0, not " +
+                  shown(edit.radius));
 }
 
 void check_edit(const PreparedCell& cell, const Edit& edit) {
   if (!cell.takes_other_scenes)
     throw EditError("a checker with stand-ins for its bodies can't take another scene: build a new one");
-  if (edit.name.empty()) throw EditError("an obstacle must have a name");
-  if (edit.kind == Edit::Kind::kRemove) return;
-  if (!is_placement(edit.pose)) refuse_pose(edit.name);
-  if (edit.kind == Edit::Kind::kMove) return;
-  if (is_link(cell, edit.name))
-    throw EditError("object '" + edit.name + "' has the name of a link of '" + cell.robot +
-                    "', so what the scene allows the link would hold for the object: rename the object");
-  if (is_carried(cell, edit.name))
-    throw EditError("object '" + edit.name + "' exists already: remove it first, or choose another name");
-  if (edit.points.empty()) throw EditError("obstacle '" + edit.name + "' has no points, a body needs at least one");
-  const auto is_point = [](const Vec3& p) { return is_coordinate(p.x) && is_coordinate(p.y) && is_coordinate(p.z); };
-  if (!std::all_of(edit.points.begin(), edit.points.end(), is_point))
-    throw EditError("obstacle '" + edit.name + "': coordinates must be finite, and at most 1e50 m in size");
-  if (!is_radius(edit.radius))
-    throw EditError("obstacle '" + edit.name + "': a radius must be a length in m of at least 0");
+  if (edit.kind == Edit::Kind::kRemove || edit.kind == Edit::Kind::kMove) {
+    if (bodies_of(cell, edit.name).empty()) refuse_name(cell, edit.name);
+    if (edit.kind == Edit::Kind::kMove) check_pose(edit.name, edit.pose);
+    return;
+  }
+  check_name(cell, edit.name);
+  check_points(edit), check_radius(edit);
+  check_pose(edit.name, edit.pose);
 }
 
 Polytope hull_of(const Edit& edit) {
   try {
     return prepare_polytope(edit.points);
   } catch (const HullError& error) {
-    throw EditError("obstacle '" + edit.name + "' has no hull to work with: " + error.what());
+    throw EditError("body '" + edit.name + "': " + error.what());
   }
 }
 
@@ -268,11 +306,10 @@ PreparedCell edited(const PreparedCell& old, const Edit& edit) {
     }
     return with_new(old, std::move(cell), edit);
   }
-  if (bodies.empty()) refuse_name(old, edit.name);
   if (edit.kind == Edit::Kind::kRemove) return without(old, std::move(cell), edit.name, bodies);
   for (const std::int32_t body : bodies) {
     cell.bodies[at(body)].placement = placed_on(edit.pose.m, cell.own_poses[at(body)]);
-    if (!is_placement(cell.bodies[at(body)].placement)) refuse_pose(edit.name);
+    check_pose(edit.name, cell.bodies[at(body)].placement);
   }
   return with_pairs(old, std::move(cell), {}, bodies, {});
 }

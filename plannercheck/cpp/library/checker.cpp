@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <sstream>
 
 #include "library/checker_impl.hpp"
 
@@ -174,7 +173,7 @@ Result<std::size_t> Checker::check_motions(std::span<const double> q0, std::span
                                     state.answers.data(), *state.scratch);
       for (std::size_t i = 0; i < rows.size(); ++i) {
         const auto answer = static_cast<MotionAnswer>(state.answers[i]);
-        check_precise(answer, "motion", rows[i], tolerance);
+        check_precise(answer, "motion " + std::to_string(rows[i]), tolerance);
         free[rows[i]] = answer == MotionAnswer::kFree ? 1 : 0;
       }
     }
@@ -182,14 +181,23 @@ Result<std::size_t> Checker::check_motions(std::span<const double> q0, std::span
   });
 }
 
-Result<Verdict> Checker::explain(std::span<const double> q, Workspace& workspace) const noexcept {
+Result<Verdict> Checker::explain(std::span<const double> q, Workspace& workspace, bool separations) const noexcept {
   return guarded<Verdict>([&] {
     impl_->check_width(q, 1);
     static_cast<void>(impl_->table_of(q.data(), 0));
     Workspace::State& state = state_of(workspace);
     Verdict verdict;
-    for (const auto& [row, point] : impl_->engine().contacts(q.data(), *state.scratch))
+    const Engine::Explained found = impl_->engine().explain(q.data(), separations, *state.scratch);
+    for (const auto& [row, point] : found.contacts)
       verdict.collisions.push_back({impl_->named(row), {point.x, point.y, point.z}});
+    for (const auto& [row, plane] : found.apart) {
+      Separation each{impl_->named(row), plane.has_value(), {}, 0, 0};
+      if (plane) {
+        each.normal = {plane->normal.x, plane->normal.y, plane->normal.z};
+        each.offset = plane->offset, each.gap = plane->gap;
+      }
+      verdict.separations.push_back(std::move(each));
+    }
     verdict.valid = verdict.collisions.empty();
     return verdict;
   });
@@ -206,7 +214,7 @@ Result<MotionVerdict> Checker::explain_motion(std::span<const double> q0, std::s
     const std::vector<std::int32_t>& touching = chained(*impl_->cell, table).touching;
     if (!touching.empty()) return MotionVerdict{false, 0, -1, impl_->named(at(touching[0]))};
     const MotionReport report = impl_->engine().explain_motion(table, {q0.data(), end}, tolerance, *state.scratch);
-    check_precise(report.answer, "motion", 0, tolerance);
+    check_precise(report.answer, "motion 0", tolerance);
     if (report.answer == MotionAnswer::kFree) return MotionVerdict{};
     return MotionVerdict{false, report.free_until, report.refused, impl_->named(at(report.pair))};
   });
@@ -217,7 +225,7 @@ Result<std::vector<Distance>> Checker::distances(std::span<const double> q, Work
   return guarded<std::vector<Distance>>([&] {
     const std::size_t width = impl_->width(), n = width == 0 ? 1 : q.size() / width;
     impl_->check_width(q, n);
-    if (!(limit > 0)) throw CallError("limit must be positive, m");
+    if (!(limit > 0)) throw CallError("limit must be positive, in m, not " + shown(limit));
     for (std::size_t i = 0; i < n; ++i) static_cast<void>(impl_->table_of(q.data() + i * width, i));
     Workspace::State& state = state_of(workspace);
     if (nearest > 0) limit = std::numeric_limits<double>::infinity();

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <new>
 #include <plannercheck/checker.hpp>
-#include <sstream>
 #include <stdexcept>
+#include <string>
 
 #include "library/engine.hpp"
 #include "library/nearest_turns.hpp"
+#include "library/shown_values.hpp"
 
 namespace plannercheck {
 
@@ -35,15 +35,6 @@ Result<T> guarded(Call call) noexcept {
   }
 }
 
-inline std::string listed(std::span<const double> row) {
-  std::ostringstream out;
-  out.precision(17);
-  out << '[';
-  for (std::size_t k = 0; k < row.size(); ++k) out << (k > 0 ? ", " : "") << row[k];
-  out << ']';
-  return out.str();
-}
-
 // Bytes at an address that doubles may have.
 struct Bytes {
   std::vector<double> storage;
@@ -63,17 +54,13 @@ struct Workspace::State {
 
 inline void check_tolerance(double tolerance) {
   if (tolerance > 0 && std::isfinite(tolerance)) return;
-  std::ostringstream words;
-  words << "tolerance must be a positive length in m, not " << tolerance;
-  throw CallError(words.str());
+  throw CallError("tolerance must be a positive length in m, not " + shown(tolerance));
 }
 
-inline void check_precise(MotionAnswer answer, const char* what, std::size_t row, double tolerance) {
+inline void check_precise(MotionAnswer answer, const std::string& what, double tolerance) {
   if (answer != MotionAnswer::kImprecise) return;
-  std::ostringstream words;
-  words << what << ' ' << row << ": lengths and angles are so large that rounding is no small part of the tolerance of "
-        << tolerance << " m; choose a larger tolerance, or smaller numbers";
-  throw CallError(words.str());
+  throw CallError(what + ": lengths and angles are so large that rounding is no small part of the tolerance of " +
+                  rounded(tolerance, 6) + " m; choose a larger tolerance, or smaller numbers");
 }
 
 inline const ChainedTable& chained(const PreparedCell& cell, Table table) {
@@ -102,8 +89,12 @@ struct Checker::Impl {
 
   void check_width(std::span<const double> q, std::size_t n) const {
     if (q.size() == n * width()) return;
-    throw CallError("configurations must have shape (" + std::to_string(n) + ", " + std::to_string(width()) +
-                    "), not " + std::to_string(q.size()) + " numbers");
+    const std::string nq = std::to_string(width()), size = std::to_string(q.size());
+    if (n > 1 && width() > 0 && q.size() % width() == 0)
+      throw CallError(size + " numbers are " + std::to_string(q.size() / width()) + " configurations, not " +
+                      std::to_string(n) + ", as there are answers");
+    throw CallError("configurations must have shape (" + nq + ",) or (n, " + nq + "), not (" + size + ",); " +
+                    cell->columns);
   }
 
   // The pairs that judge a configuration; an error if it can't be judged.
@@ -120,8 +111,9 @@ struct Checker::Impl {
 
   // The same of a motion to an end, as given and as `turned`.
   Table table_of_motion(const double* start, const double* given, const double* end, std::size_t row) const {
-    const bool within = table_of(start, row) == Table::kWithinLimits && table_of(given, row) == Table::kWithinLimits &&
-                        table_of(end, row) == Table::kWithinLimits;
+    bool within = true;
+    for (const double* const q : {start, given, end})
+      within &= table_of(q, row) == Table::kWithinLimits;  // all of them
     for (std::size_t k = 0; k < width(); ++k) {
       const double least = std::min({start[k], given[k], end[k]}), largest = std::max({start[k], given[k], end[k]});
       if (least < cell->usual_low[k] || largest > cell->usual_high[k]) refuse_range(*cell, "motion", row, k);
@@ -146,9 +138,7 @@ struct Checker::Impl {
   }
 
   [[noreturn]] void refuse_numbers(const double* q, std::size_t row) const {
-    char largest[32];
-    std::snprintf(largest, sizeof largest, "%g", cell->largest_value);
-    throw CallError("configurations must be finite (and at most " + std::string(largest) + "); row " +
+    throw CallError("configurations must be finite (and at most " + rounded(cell->largest_value, 6) + "); row " +
                     std::to_string(row) + " is " + listed({q, width()}));
   }
 
@@ -158,8 +148,7 @@ struct Checker::Impl {
     if (std::fabs(square - 1) <= cell->unit_tolerance) return;
     throw CallError("columns " + std::to_string(first) + " to " + std::to_string(past - 1) + " are " +
                     (past - first == 4 ? "a quaternion" : "cosine and sine") + ", of length 1; in row " +
-                    std::to_string(row) + " it is " + listed({q + first, past - first}) +
-                    ": normalise it in double precision");
+                    std::to_string(row) + " it is " + shown(std::sqrt(square)) + ": normalise it in double precision");
   }
 };
 

@@ -1,6 +1,7 @@
 // The face's other scenes: an edit is made of what is given, and a checker of its own.
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "library/checker_impl.hpp"
 
@@ -10,16 +11,15 @@ namespace {
 Edit edit_of(Edit::Kind kind, const std::string& name, Checker::Pose pose) {
   constexpr std::array<double, 4> kLastRow{0, 0, 0, 1};
   if (!std::equal(kLastRow.begin(), kLastRow.end(), pose.begin() + 12))
-    throw CallError("obstacle '" + name + "': the last row of a pose must be 0, 0, 0, 1");
+    throw CallError("pose of object '" + name + "': last row must be 0 0 0 1, not " + listed(pose.last(4)));
   Edit edit{kind, name, {}, {}};
   std::copy_n(pose.begin(), edit.pose.m.size(), edit.pose.m.begin());
   return edit;
 }
 
-std::vector<Vec3> points_of(const std::string& name, std::span<const double> numbers) {
+std::vector<Vec3> points_of(const char* what, std::span<const double> numbers) {
   if (numbers.size() % 3 != 0)
-    throw CallError("obstacle '" + name + "': points must be three numbers each, not " +
-                    std::to_string(numbers.size()) + " in all");
+    throw CallError(std::string(what) + " must have shape (n, 3), not (" + std::to_string(numbers.size()) + ",)");
   std::vector<Vec3> points;
   for (std::size_t i = 0; i < numbers.size(); i += 3) points.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
   return points;
@@ -29,8 +29,10 @@ std::vector<Vec3> points_of(const std::string& name, std::span<const double> num
 
 Result<Checker> Checker::with_box(const std::string& name, std::span<const double, 3> size, Pose pose) const noexcept {
   return guarded<Checker>([&] {
-    for (const double edge : size) {
-      if (!(edge > 0)) throw CallError("box '" + name + "': edge lengths must be positive, m, not " + listed(size));
+    for (std::size_t k = 0; k < size.size(); ++k) {
+      if (!(size[k] >= 0 && std::isfinite(size[k])))
+        throw CallError(std::string("box size ") + "xyz"[k] + " must be finite and not negative (m), not " +
+                        shown(size[k]));
     }
     Edit edit = edit_of(Edit::Kind::kHull, name, pose);
     for (const double x : {-0.5, 0.5}) {
@@ -54,7 +56,7 @@ Result<Checker> Checker::with_sphere(const std::string& name, double radius,
 Result<Checker> Checker::with_hull(const std::string& name, std::span<const double> points, Pose pose) const noexcept {
   return guarded<Checker>([&] {
     Edit edit = edit_of(Edit::Kind::kHull, name, pose);
-    edit.points = points_of(name, points);
+    edit.points = points_of("hull vertices", points);
     return Checker(std::make_shared<const Impl>(*impl_, edit));
   });
 }
@@ -63,7 +65,7 @@ Result<Checker> Checker::with_cloud(const std::string& name, std::span<const dou
                                     Pose pose) const noexcept {
   return guarded<Checker>([&] {
     Edit edit = edit_of(Edit::Kind::kCloud, name, pose);
-    edit.points = points_of(name, points), edit.radius = radius;
+    edit.points = points_of("points of a cloud", points), edit.radius = radius;
     return Checker(std::make_shared<const Impl>(*impl_, edit));
   });
 }

@@ -11,6 +11,27 @@ namespace {
 // The highest degree of a piece (plannercheck/trajectories/curve.py).
 constexpr std::size_t kMostDegreeOfPiece = 20;
 
+// The shortest piece, s (plannercheck/trajectories/curve.py), and the fastest end that joint_trajectory_controller
+// takes for rest, rad/s and m/s.
+constexpr double kShortest = 0.9e-9, kRest = 0x1p-23;
+
+// So much of a tube that is none is shown (plannercheck/motions/trajectory_checks.py).
+constexpr std::size_t kMostOfTube = 80;
+
+std::string numbered(const char* what, std::size_t k) { return what + (' ' + std::to_string(k)); }
+
+void check_durations(std::span<const double> breaks) {
+  for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
+    if (!(breaks[k + 1] - breaks[k] >= kShortest))
+      throw CallError(numbered("piece", k) + " takes " + rounded(breaks[k + 1] - breaks[k], 3) + " s, less than 1 ns");
+  }
+}
+
+std::string named_piece(const Trajectory& trajectory, std::size_t k) {
+  return numbered("piece", k) + " of the trajectory, " + rounded(trajectory.breaks[k], 6) + " to " +
+         rounded(trajectory.breaks[k + 1], 6) + " s";
+}
+
 // A trajectory for one checker: where the control points of each piece begin, its tube, and the pairs that judge it.
 struct JudgedTrajectory {
   std::vector<std::size_t> first;
@@ -19,7 +40,7 @@ struct JudgedTrajectory {
 
   JudgedTrajectory(const Trajectory& given, const Checker& checker, const PreparedCell& cell,
                    std::span<const double> around) {
-    check_shape(given, checker);
+    check_shape(given, checker, cell.columns);
     set_tube(given, around, cell);
     for (std::size_t k = 0; k < given.degrees.size(); ++k) tables.push_back(table_of_piece(given, cell, k));
   }
@@ -31,24 +52,26 @@ struct JudgedTrajectory {
   }
 
  private:
-  void check_shape(const Trajectory& given, const Checker& checker) {
+  void check_shape(const Trajectory& given, const Checker& checker, const std::string& columns) {
     const std::size_t width = checker.nq(), count = given.degrees.size();
     if (checker.joint_names().size() != width)
       throw CallError("joints of " + checker.robot_name() + " take several numbers: check its trajectories in Python");
+    if (given.error.size() != width)
+      throw CallError("the trajectory has " + std::to_string(given.error.size()) + " columns, but " + columns);
     std::size_t past = 0;
-    for (const std::size_t degree : given.degrees) {
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t degree = given.degrees[k];
       if (degree < 1 || degree > kMostDegreeOfPiece)
-        throw CallError("a piece's degree must be 1 to 20, not " + std::to_string(degree));
+        throw CallError(numbered("piece", k) + " must have 2 to " + std::to_string(kMostDegreeOfPiece + 1) +
+                        " control points, not " + std::to_string(degree + 1));
       first.push_back(past);
       past += (degree + 1) * width;
     }
-    if (count == 0 || given.breaks.size() != count + 1 || given.points.size() != past || given.error.size() != width)
+    if (count == 0 || given.breaks.size() != count + 1 || given.points.size() != past)
       throw CallError("a trajectory of " + std::to_string(count) + " pieces has " + std::to_string(count + 1) +
-                      " breaks, " + std::to_string(past) + " numbers of control points and " + std::to_string(width) +
-                      " errors");
+                      " breaks and " + std::to_string(past) + " numbers of control points");
+    check_durations(given.breaks);
     for (std::size_t k = 0; k < count; ++k) {
-      if (!(given.breaks[k + 1] > given.breaks[k]))
-        throw CallError("breaks must grow, s, from piece " + std::to_string(k));
       if (k > 0 && !std::equal(given.points.begin() + static_cast<std::ptrdiff_t>(first[k] - width),
                                given.points.begin() + static_cast<std::ptrdiff_t>(first[k]),
                                given.points.begin() + static_cast<std::ptrdiff_t>(first[k])))
@@ -59,14 +82,15 @@ struct JudgedTrajectory {
 
   void set_tube(const Trajectory& given, std::span<const double> around, const PreparedCell& cell) {
     const std::size_t width = given.error.size();
-    if (!around.empty() && around.size() != width)
-      throw CallError("tube must be " + std::to_string(width) + " numbers, or none");
+    const auto is_usable = [&](double off) { return off >= 0 && off <= cell.largest_value; };
+    const bool is_row = around.size() <= 1 || around.size() == width;
+    if (!is_row || !std::all_of(around.begin(), around.end(), is_usable))
+      throw CallError("tube must be a number from 0 to " + rounded(cell.largest_value, 6) + ", or a row of " +
+                      std::to_string(width) + ", rad and m, not " + listed(around).substr(0, kMostOfTube));
+    if (!std::all_of(given.error.begin(), given.error.end(), is_usable))
+      throw CallError("errors must be at least 0, rad and m, not " + listed(given.error));
     for (std::size_t c = 0; c < width; ++c) {
-      const double asked = around.empty() ? 0 : around[c];
-      for (const double off : {asked, given.error[c]}) {
-        if (!(off >= 0 && off <= cell.largest_value))
-          throw CallError("tube and error must be at least 0, rad and m, not " + listed({&off, 1}));
-      }
+      const double asked = around.empty() ? 0 : around[around.size() == 1 ? 0 : c];
       tube.push_back((asked + given.error[c]) * (1 + 0x1p-52));
     }
     tube.push_back(0);
@@ -81,7 +105,7 @@ struct JudgedTrajectory {
         const double x = given.points[first[piece] + row * width + c];
         least = std::min(least, x), largest = std::max(largest, x);
         if (!(std::fabs(x) <= cell.largest_value))
-          throw CallError("piece " + std::to_string(piece) + ": control points must be finite");
+          throw CallError(numbered("piece", piece) + " has control points beyond " + rounded(cell.largest_value, 6));
       }
       least -= tube[c], largest += tube[c];
       if (least < cell.usual_low[c] || largest > cell.usual_high[c]) refuse_range(cell, "piece", piece, c);
@@ -94,15 +118,11 @@ struct JudgedTrajectory {
 // The number that each row of some array has at a joint.
 class JointRows {
  public:
-  JointRows(const char* what, std::span<const double> numbers, std::size_t count, std::size_t width)
-      : numbers_(numbers), width_(width) {
-    if (numbers.size() != count * width)
-      throw CallError(std::string(what) + " must have shape (" + std::to_string(count) + ", " + std::to_string(width) +
-                      "), not " + std::to_string(numbers.size()) + " numbers");
+  JointRows(const char* what, std::span<const double> numbers, std::size_t width) : numbers_(numbers), width_(width) {
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       if (!std::isfinite(numbers[i]))
-        throw CallError(std::string(what) + " must be finite: point " + std::to_string(i / width) + " has " +
-                        listed({&numbers[i], 1}));
+        throw CallError(std::string(what) + " must be finite: " + numbered("point", i / width) + ", " +
+                        numbered("column", i % width) + " has " + shown(numbers[i]));
     }
   }
   double at(std::size_t row, std::size_t column) const { return numbers_[row * width_ + column]; }
@@ -156,21 +176,48 @@ double rounding_of(const Ends& e, std::size_t degree) {
   return error > 0 ? error * (1 + 0x1p-30) + 1e-270 : 0;
 }
 
-void check_points(std::span<const double> times, std::size_t width, std::span<const double> velocities,
-                  std::span<const double> accelerations) {
-  if (times.size() < 2 || width == 0) throw CallError("a trajectory takes at least two points, of numbers");
+void check_times(std::span<const double> times) {
   for (std::size_t k = 0; k < times.size(); ++k) {
-    if (!std::isfinite(times[k]) || times[k] < 0 || (k > 0 && times[k] - times[k - 1] < 0.9e-9))
-      throw CallError("times must grow from 0 s on, by 1 ns at least, but point " + std::to_string(k) + " is at " +
-                      listed({&times[k], 1}) + " s");
+    if (!std::isfinite(times[k]) || !(k == 0 ? times[k] >= 0 : times[k] > times[k - 1]))
+      throw CallError("times must grow from 0 s on, but " + numbered("point", k) + " is at " + shown(times[k]) + " s");
   }
-  if (velocities.empty() && !accelerations.empty())
-    throw CallError("points have accelerations without velocities: joint_trajectory_controller would command 0");
-  for (const double last : velocities.last(velocities.empty() ? 0 : width)) {
-    if (std::fabs(last) > 0x1p-23)
-      throw CallError(
-          "the last point moves: joint_trajectory_controller refuses a trajectory that does not end at rest");
+}
+
+// `width`: of the positions; derivatives are of as many numbers, or of none.
+void check_shapes(std::span<const double> times, std::span<const double> positions, std::size_t width,
+                  std::span<const double> velocities, std::span<const double> accelerations) {
+  const std::string count = std::to_string(times.size());
+  if (width == 0 || positions.size() != times.size() * width)
+    throw CallError("a trajectory takes times (n,) and positions (n, nq), not (" + count + ",) and (" +
+                    std::to_string(positions.size()) + ",)");
+  check_times(times);
+  const auto check = [&](const char* what, std::span<const double> rows) {
+    if (!rows.empty() && rows.size() != positions.size())
+      throw CallError(std::string(what) + " must have the shape of positions, (" + count + ", " +
+                      std::to_string(width) + "), not (" + std::to_string(rows.size()) + ",)");
+  };
+  check("velocities", velocities), check("accelerations", accelerations);
+}
+
+// What joint_trajectory_controller refuses, or runs in a way that nobody means.
+void check_run(std::span<const double> times, std::size_t width, std::span<const double> velocities,
+               std::span<const double> accelerations) {
+  if (!velocities.empty()) {
+    const std::span<const double> last = velocities.last(width);
+    const auto fastest =
+        std::max_element(last.begin(), last.end(), [](double a, double b) { return std::fabs(a) < std::fabs(b); });
+    if (std::fabs(*fastest) > kRest)
+      throw CallError("the last point has velocity " + rounded(*fastest, 3) + " in " +
+                      numbered("column", static_cast<std::size_t>(fastest - last.begin())) +
+                      ": jtc refuses a trajectory that does not end at rest; set the last velocities to 0");
   }
+  if (velocities.empty() && !accelerations.empty() && times.size() > 1)
+    throw CallError(
+        "points 0 and 1 have accelerations without velocities: joint_trajectory_controller would command 0 on every "
+        "joint between them; give velocities as well, or leave accelerations out");
+  if (times.size() < 2)
+    throw CallError("a trajectory of one point needs another one before it, where the robot comes from");
+  check_durations(times);
 }
 
 }  // namespace
@@ -180,9 +227,10 @@ Result<Trajectory> Trajectory::executed(std::span<const double> times, std::span
                                         std::span<const double> accelerations) noexcept {
   return guarded<Trajectory>([&] {
     const std::size_t n = times.size(), width = n == 0 ? 0 : positions.size() / n;
-    const JointRows q("positions", positions, n, width), v("velocities", velocities, velocities.empty() ? 0 : n, width),
-        a("accelerations", accelerations, accelerations.empty() ? 0 : n, width);
-    check_points(times, width, velocities, accelerations);
+    check_shapes(times, positions, width, velocities, accelerations);
+    const JointRows q("positions", positions, width), v("velocities", velocities, width),
+        a("accelerations", accelerations, width);
+    check_run(times, width, velocities, accelerations);
     const std::size_t degree = velocities.empty() ? 1 : accelerations.empty() ? 3 : 5;
     const std::vector<double> steps = durations(times);
     Trajectory out{{times.begin(), times.end()}, std::vector<std::size_t>(n - 1, degree), {}, {}};
@@ -220,7 +268,7 @@ Result<bool> Checker::check_trajectory(const Trajectory& trajectory, Workspace& 
                                     state.answers.data() + k, *state.scratch);
       for (std::size_t i = k; i < past; ++i) {
         const auto answer = static_cast<MotionAnswer>(state.answers[i]);
-        check_precise(answer, "piece", i, tolerance);
+        check_precise(answer, named_piece(trajectory, i), tolerance);
         if (answer != MotionAnswer::kFree) return false;
       }
     }
@@ -241,7 +289,7 @@ Result<MotionVerdict> Checker::explain_trajectory(const Trajectory& trajectory, 
       if (!touching.empty()) return MotionVerdict{false, start, -1, impl_->named(at(touching[0]))};
       const MotionReport report =
           impl_->engine().explain_motion(judged.tables[k], judged.from(trajectory, k)[0], tolerance, *state.scratch);
-      check_precise(report.answer, "piece", k, tolerance);
+      check_precise(report.answer, named_piece(trajectory, k), tolerance);
       if (report.answer != MotionAnswer::kFree)
         return MotionVerdict{false, time(report.free_until), time(report.refused), impl_->named(at(report.pair))};
     }

@@ -140,7 +140,7 @@ class LevelEngine final : public Engine {
     pairs.checker().check_states(kinematics_, q, n, valid, states(pairs, scratch));
   }
 
-  std::vector<Contact> contacts(const double* q, Scratch& scratch) const override {
+  Explained explain(const double* q, bool planes, Scratch& scratch) const override {
     const CompiledTable& pairs = compiled(Table::kAll);
     constexpr std::size_t kPoseNumbers = 16;
     std::vector<double>& poses = static_cast<LevelScratch&>(scratch).poses;
@@ -156,11 +156,15 @@ class LevelEngine final : public Engine {
       std::copy_n(poses.data() + kPoseNumbers * at(object.link), link.size(), link.begin());
       return {object.body.get(), placed_on(link, object.placement)};
     };
-    std::vector<Contact> out;
+    Explained out;
     PairCounters counters;
     for (std::size_t row = 0; row < colliding.size(); ++row) {
       const auto [a, b] = cell_->pairs[row];
-      if (colliding[row] != 0) out.push_back({row, shared_point(posed(a), posed(b), counters)});
+      if (colliding[row] != 0) {
+        out.contacts.push_back({row, shared_point(posed(a), posed(b), counters)});
+      } else if (planes) {
+        out.apart.push_back({row, separating_plane(posed(a), posed(b), counters)});
+      }
     }
     return out;
   }

@@ -8,13 +8,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "distances/distance_core.hpp"
 #include "library/cell_edits.hpp"
 #include "library/prepared_cell.hpp"
 #include "motions/motion_report.hpp"
+#include "narrow_phase/separating_plane.hpp"
 
 namespace plannercheck {
 
@@ -34,12 +37,21 @@ class Engine {
   // Whether each of n configurations is free, by the pairs of a table.
   virtual void check_states(Table table, const double* q, std::size_t n, std::uint8_t* valid,
                             Scratch& scratch) const = 0;
-  // The pairs that collide at a configuration, by the cell's rows, and a point that each shares.
+  // The pairs that collide at a configuration, by the cell's rows, and a point that each shares; if `planes`, all
+  // others as well, with the plane between both bodies, if there is one.
   struct Contact {
     std::size_t row;
     Vec3 point;
   };
-  virtual std::vector<Contact> contacts(const double* q, Scratch& scratch) const = 0;
+  struct Apart {
+    std::size_t row;
+    std::optional<SeparatingPlane> plane;
+  };
+  struct Explained {
+    std::vector<Contact> contacts;
+    std::vector<Apart> apart;
+  };
+  virtual Explained explain(const double* q, bool planes, Scratch& scratch) const = 0;
   // The MotionAnswer of each of n motions.
   virtual void check_motions(Table table, const Segments& motions, std::size_t n, double tolerance,
                              std::uint8_t* answers, Scratch& scratch) const = 0;

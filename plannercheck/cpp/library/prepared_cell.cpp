@@ -10,9 +10,6 @@ namespace {
 // The largest coordinate, m (plannercheck/bodies/core_polytopes.py).
 constexpr double kLargestCoordinate = 1e50;
 
-// The largest defect of a body's placement (plannercheck/bodies/shapes.py).
-constexpr double kRigidTolerance = 1e-6;
-
 constexpr std::size_t kRigidNumbers = 12, kJointNumbers = 7;
 
 // How far the length of a joint's axis may be from 1 (plannercheck/robots/kinematics.py).
@@ -35,6 +32,7 @@ Rigid rigid_at(std::span<const double> rows, std::size_t i) {
 void read_names(CellFile& file, PreparedCell& cell) {
   cell.about = file.text("about"), cell.robot = file.text("robot"), cell.scene = file.text("scene");
   cell.joint_names = file.texts("joint names"), cell.link_names = file.texts("link names");
+  cell.columns = file.text("described columns");
   cell.body_names = file.texts("body names");
 }
 

@@ -45,6 +45,7 @@ struct RemovedObstacle {
 struct PreparedCell {
   std::string about, robot, scene;
   std::vector<std::string> joint_names, link_names, body_names;  // of each body its link or obstacle
+  std::string columns;                                           // says in words which joint takes which
 
   std::vector<double> lower, upper;                             // (nq)
   double largest_value = 0;                                     // of a configuration's numbers
@@ -89,6 +90,9 @@ PreparedCell read_cell(CellFile& file);
 void read_bodies(CellFile& file, PreparedCell& cell);
 void read_pairs(CellFile& file, PreparedCell& cell);
 void read_motions(CellFile& file, PreparedCell& cell);
+
+// The largest defect of a body's placement (plannercheck/bodies/shapes.py).
+inline constexpr double kRigidTolerance = 1e-6;
 
 // What is checked of numbers.
 bool are_finite(std::span<const double> numbers);

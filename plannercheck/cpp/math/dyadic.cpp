@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace plannercheck {
 namespace {
@@ -178,6 +179,32 @@ DyadicVec3 apply_exactly(const Pose& pose, Vec3 v) {
     return Dyadic(m[i]) * p.x + Dyadic(m[i + 1]) * p.y + Dyadic(m[i + 2]) * p.z + Dyadic(m[i + 3]);
   };
   return {row(0), row(4), row(8)};
+}
+
+DyadicVec3 rotate_back_exactly(const Pose& pose, const DyadicVec3& d) {
+  const auto column = [&](std::size_t j) {
+    return Dyadic(pose.m[j]) * d.x + Dyadic(pose.m[j + 4]) * d.y + Dyadic(pose.m[j + 8]) * d.z;
+  };
+  return {column(0), column(1), column(2)};
+}
+
+double nearest_quotient(const Dyadic& a, const Dyadic& b) {
+  if (a.sign() == 0) return 0;
+  const std::int64_t scale_a = a.log2(), scale_b = b.log2();
+  double nearest = std::ldexp(a.to_double(-scale_a) / b.to_double(-scale_b), static_cast<int>(scale_a - scale_b));
+  const auto off = [&](double x) {
+    const Dyadic out = a - Dyadic(x) * b;
+    return out.sign() < 0 ? -out : out;
+  };
+  for (const double end : {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()}) {
+    for (;;) {
+      const double x = std::nextafter(nearest, end);
+      const int order = (off(x) - off(nearest)).sign();
+      if (order > 0 || (order == 0 && (std::bit_cast<std::uint64_t>(x) & 1) != 0)) break;
+      nearest = x;
+    }
+  }
+  return nearest;
 }
 
 DoubleDoubleVec3 direction_of(const DyadicVec3& v) {

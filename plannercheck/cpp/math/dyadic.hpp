@@ -73,8 +73,11 @@ DyadicVec3 cross(const DyadicVec3& a, const DyadicVec3& b);
 bool is_zero(const DyadicVec3& v);
 // Up to a relative error of 2^-106, or 2^-1074; infinite beyond the range of doubles.
 DoubleDouble to_double_double(const Dyadic& x);
-// M v + t, exactly.
+// M v + t, and Mᵀ d, exactly.
 DyadicVec3 apply_exactly(const Pose& pose, Vec3 v);
+DyadicVec3 rotate_back_exactly(const Pose& pose, const DyadicVec3& d);
+// The double nearest to a quotient whose divisor is positive; of two as near, the even one.
+double nearest_quotient(const Dyadic& a, const Dyadic& b);
 // The same direction up to a relative error of 2^-105 an entry, its largest entry scaled to between 1/2 and 1; 0 for 0.
 // Entries below 2^-900 of the largest err by up to 2^-1073 instead.
 DoubleDoubleVec3 direction_of(const DyadicVec3& v);

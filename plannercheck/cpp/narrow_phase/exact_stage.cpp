@@ -8,14 +8,6 @@
 namespace plannercheck {
 namespace {
 
-// Mᵀ d, exactly.
-DyadicVec3 rotate_back_exactly(const Pose& pose, const DyadicVec3& d) {
-  const auto column = [&](std::size_t j) {
-    return Dyadic(pose.m[j]) * d.x + Dyadic(pose.m[j + 4]) * d.y + Dyadic(pose.m[j + 8]) * d.z;
-  };
-  return {column(0), column(1), column(2)};
-}
-
 struct Corner {
   std::int32_t body_a, body_b;
   DyadicVec3 point;  // A vertex − B vertex in the world

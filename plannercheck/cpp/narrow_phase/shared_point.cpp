@@ -1,8 +1,6 @@
 #include "narrow_phase/shared_point.hpp"
 
-#include <bit>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "bodies/half_space.hpp"
@@ -11,26 +9,6 @@
 
 namespace plannercheck {
 namespace {
-
-// The double nearest to a quotient whose divisor is positive; of two as near, the even one.
-double nearest_quotient(const Dyadic& a, const Dyadic& b) {
-  if (a.sign() == 0) return 0;
-  const std::int64_t scale_a = a.log2(), scale_b = b.log2();
-  double nearest = std::ldexp(a.to_double(-scale_a) / b.to_double(-scale_b), static_cast<int>(scale_a - scale_b));
-  const auto off = [&](double x) {
-    const Dyadic out = a - Dyadic(x) * b;
-    return out.sign() < 0 ? -out : out;
-  };
-  for (const double end : {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()}) {
-    for (;;) {
-      const double x = std::nextafter(nearest, end);
-      const int order = (off(x) - off(nearest)).sign();
-      if (order > 0 || (order == 0 && (std::bit_cast<std::uint64_t>(x) & 1) != 0)) break;
-      nearest = x;
-    }
-  }
-  return nearest;
-}
 
 Vec3 nearest_point(const DyadicVec3& sum, const Dyadic& by) {
   return {nearest_quotient(sum.x, by), nearest_quotient(sum.y, by), nearest_quotient(sum.z, by)};

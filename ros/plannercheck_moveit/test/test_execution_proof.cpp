@@ -59,11 +59,11 @@ int main(int count, char** arguments) {
   expect(proof.judge(other), false, "does not end at rest");
   other = away;
   other.points[1].velocities.clear();
-  expect(proof.judge(other), false, "velocities must have shape");
+  expect(proof.judge(other), false, "velocities must have the shape");
   other = away;
   other.points[1].nanoseconds = 0;
   expect(proof.judge(other), false, "times must grow");
   other.points.clear();
-  expect(proof.judge(other), false, "at least two points");
+  expect(proof.judge(other), false, "a trajectory takes times");
   return 0;
 }

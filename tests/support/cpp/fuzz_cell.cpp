@@ -122,7 +122,7 @@ void judge(const plannercheck::Checker& checker, const std::vector<std::int32_t>
   judged += checker.check_states(q, answers, workspace).ok();
   const std::span<const double> all(q), row = all.first(checker.nq()), few = all.first(kMotions * checker.nq());
   static_cast<void>(checker.is_valid(row, workspace));
-  static_cast<void>(checker.explain(row, workspace));
+  static_cast<void>(checker.explain(row, workspace, true));
   static_cast<void>(checker.check_motions(few, all.last(few.size()), free, workspace, 0.05));
   static_cast<void>(checker.explain_motion(row, few.last(checker.nq()), workspace, 0.05));
   edit(checker, row);

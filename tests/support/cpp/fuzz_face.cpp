@@ -106,7 +106,7 @@ void call(Checker& checker, plannercheck::Workspace& workspace, Input& in) {
       return;
     }
     case 4:
-      static_cast<void>(checker.explain(in.row(nq), workspace));
+      static_cast<void>(checker.explain(in.row(nq), workspace, true));
       return;
     case 5: {
       const std::vector<double> q = in.row(nq * flags.size());

@@ -17,7 +17,7 @@ namespace {
 
 using plannercheck::Checker;
 
-constexpr std::size_t kEdited = 2000, kMeasured = 500, kExplained = 200;
+constexpr std::size_t kEdited = 2000, kMeasured = 500, kExplained = 200, kSeparated = 10;
 
 std::vector<double> doubles(const char* path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
@@ -78,13 +78,18 @@ void append(const std::vector<double>& numbers, std::vector<std::uint8_t>& out) 
   for (const std::byte byte : std::as_bytes(std::span(numbers))) out.push_back(std::to_integer<std::uint8_t>(byte));
 }
 
-// Points that the pairs share that collide at some states.
+// Points that the pairs share that collide at some states; and the planes between all others at a few.
 void explain(const Checker& checker, const Inputs& given, std::vector<std::uint8_t>& out) {
   const std::size_t nq = checker.nq();
   plannercheck::Workspace workspace;
   for (std::size_t i = 0; i < std::min(kExplained, given.states.size() / nq); ++i) {
-    const auto verdict = checker.explain(std::span(given.states).subspan(i * nq, nq), workspace).value();
+    const std::span<const double> q = std::span(given.states).subspan(i * nq, nq);
+    const auto verdict = checker.explain(q, workspace, i < kSeparated).value();
     for (const auto& each : verdict.collisions) append({each.point.begin(), each.point.end()}, out);
+    for (const auto& each : verdict.separations) {
+      const auto& [x, y, z] = each.normal;
+      append({each.has_plane ? 1.0 : 0.0, x, y, z, each.offset, each.gap}, out);
+    }
   }
 }
 

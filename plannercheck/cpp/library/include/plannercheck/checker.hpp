@@ -76,10 +76,20 @@ struct Collision : NamedPair {
   std::array<double, 3> point{};  // that both bodies share, in the world, m: computed exactly, then rounded
 };
 
-// All pairs that collide at one configuration.
+// A pair that is apart, paddings included, and the plane halfway between its bodies: exact arithmetic has proved that
+// the plane which the numbers round separates them.
+struct Separation : NamedPair {
+  bool has_plane = false;          // false of solids and sets of parts whose hulls, or the boxes around them, meet
+  std::array<double, 3> normal{};  // of length 1, in the world, from the second to the first
+  double offset = 0;               // m: normal · x is more on the first, less on the second
+  double gap = 0;                  // a lower bound of the distance between them, m
+};
+
+// All pairs that collide at one configuration and, if asked for, all others.
 struct Verdict {
   bool valid = true;
   std::vector<Collision> collisions;
+  std::vector<Separation> separations;
 };
 
 // How far a motion is proved free, by its parameter from 0 to 1, of a trajectory by its time, s; if it is not free,
@@ -182,11 +192,11 @@ class PLANNERCHECK_API Checker {
                                     std::span<std::uint8_t> free, Workspace& workspace,
                                     double tolerance = kDefaultTolerance) const noexcept;
   // Whether a trajectory is proved free at every instant, for joints of one number each. `tube`: (nq) by how much each
-  // number may be off at every instant, all at once; none if empty.
+  // number may be off at every instant, all at once, or one for all; none if empty.
   Result<bool> check_trajectory(const Trajectory& trajectory, Workspace& workspace, std::span<const double> tube = {},
                                 double tolerance = kDefaultTolerance) const noexcept;
-  // All pairs that collide at q, by name, and a common point of each.
-  Result<Verdict> explain(std::span<const double> q, Workspace& workspace) const noexcept;
+  // All pairs that collide at q, by name, and a common point of each; `separations`: all others as well, with planes.
+  Result<Verdict> explain(std::span<const double> q, Workspace& workspace, bool separations = false) const noexcept;
   // How far a motion is free, and what stops it.
   Result<MotionVerdict> explain_motion(std::span<const double> q0, std::span<const double> q1, Workspace& workspace,
                                        double tolerance = kDefaultTolerance) const noexcept;
