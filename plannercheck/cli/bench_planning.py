@@ -287,6 +287,7 @@ def _run_distances(options: argparse.Namespace) -> None:
             "µs a state": lambda row: f"{row.microseconds:.2f}",
             "x": ratio_of,
             "near pairs": lambda row: f"{row.near:.1f}",
+            "error, m": lambda row: "–" if row.error is None else f"{row.error:.0e}",
         }
         show(found, columns)
         rows += found

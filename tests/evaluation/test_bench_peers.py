@@ -171,6 +171,8 @@ def test_other_libraries_measure_the_distances_of_the_same_pairs(checker):
     rows = distances.measure(checker, 60, 1, 0, left_out.append)
     assert {row.states for row in rows} == {"at random", "along motions"}
     assert {row.method for row in rows} >= {"distances", "Pinocchio, all pairs", "coal, near pairs"}
+    assert all((row.error is not None) == row.method.startswith("coal") for row in rows)
+    assert max(row.error or 0 for row in rows) < 1e-5
     assert all("drake" in reason for reason in left_out)
     q = distances.free_states(checker, 20, 1)
     found, table = distances.coal_distances(checker, q)(), checker.distances(q, distances.LIMIT)

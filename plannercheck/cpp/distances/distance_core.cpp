@@ -145,9 +145,10 @@ void DistanceCore::measure(const GivenStates& states, const Tangent* tangent, Di
     const PoseColumns* const links = posed_links(states, row, w);
     for (const std::int32_t pair : pairs) {
       NearestParts nearest;
-      const PairDistance found = with_parts(pair, links, limit_, nearest, w.counters);
+      const PosedPair posed = posed_pair(pair, links);
+      const PairDistance found = with_parts(posed, limit_, nearest, w.counters);
       if (found.upper > limit_) continue;
-      add_row(row, pair, found, spread(pair, links, found, nearest, w.counters), states, tangent, out, w);
+      add_row(row, pair, found, spread(posed, found, nearest, w.counters), states, tangent, out, w);
     }
   };
   if (near_ && states.kinematics != nullptr) {
@@ -182,12 +183,12 @@ void DistanceCore::nearest(const GivenStates& states, const Tangent* tangent, st
     for (const std::int32_t pair : w.order) {
       const double limit = best.size() < count ? kNoLimit : best.back().found.measured();
       if (best.size() == count && w.gaps[at(pair)] > limit) break;
-      const PosedPolytope a = posed(pairs_[at(pair)][0], links), b = posed(pairs_[at(pair)][1], links);
+      const PosedPair posed = posed_pair(pair, links);
       PairDistance found;
       if (rounds > 0) {
-        found.lower = found.upper = distance_bound(a, b, rounds, w.counters);
+        found.lower = found.upper = distance_bound(posed.a, posed.b, rounds, w.counters);
       } else {
-        found = pair_distance(a, b, limit, w.counters);
+        found = pair_distance(posed.a, posed.b, limit, w.counters);
       }
       const Candidate candidate{found, pair};
       if (found.lower > limit || (best.size() == count && !is_nearer(candidate, best.back()))) continue;
@@ -196,8 +197,9 @@ void DistanceCore::nearest(const GivenStates& states, const Tangent* tangent, st
     }
     for (const auto& [found, pair] : best) {
       NearestParts nearest;
-      if (rounds == 0 && !are_convex(pair)) with_parts(pair, links, found.upper, nearest, w.counters);
-      const double apart = rounds == 0 ? spread(pair, links, found, nearest, w.counters) : kNoLimit;
+      const PosedPair posed = posed_pair(pair, links);
+      if (rounds == 0 && !posed.are_convex()) with_parts(posed, found.upper, nearest, w.counters);
+      const double apart = rounds == 0 ? spread(posed, found, nearest, w.counters) : kNoLimit;
       add_row(row, pair, found, apart, states, tangent, out, w);
     }
   }
@@ -254,6 +256,13 @@ PosedPolytope DistanceCore::posed(std::int32_t body, const PoseColumns* links) c
   return {object.body.get(), object.link < 0 ? object.placement : placed_on(links[at(object.link)], object.placement)};
 }
 
+DistanceCore::PosedPair DistanceCore::posed_pair(std::int32_t pair, const PoseColumns* links) const {
+  const auto& bodies = pairs_[at(pair)];
+  return {posed(bodies[0], links), posed(bodies[1], links), bodies};
+}
+
+bool DistanceCore::PosedPair::are_convex() const { return a.body->traits().is_convex && b.body->traits().is_convex; }
+
 void DistanceCore::order_by_gaps(const PoseColumns* links, Workspace& w) const {
   w.gaps.resize(pairs_.size());
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
@@ -277,33 +286,25 @@ void DistanceCore::add_row(std::size_t state, std::int32_t pair, const PairDista
   add_gradient(*states.kinematics, w.poser, w.joints[at(pair)], *tangent, found.on_body_a, found.direction, gradient);
 }
 
-PairDistance DistanceCore::with_parts(std::int32_t pair, const PoseColumns* links, double limit, NearestParts& nearest,
+PairDistance DistanceCore::with_parts(const PosedPair& pair, double limit, NearestParts& nearest,
                                       PairCounters& counters) const {
-  const auto [a, b] = pairs_[at(pair)];
-  const PosedPolytope body_a = posed(a, links), body_b = posed(b, links);
-  if (are_convex(pair)) return pair_distance(body_a, body_b, limit, counters);
+  if (pair.are_convex()) return pair_distance(pair.a, pair.b, limit, counters);
   std::array<HullEdges, 2> of_parts;
   const auto edges_from = [&](const PosedPolytope& part, HullEdges& own) -> const HullEdges& {
-    if (part.body == body_a.body) return edges(pairs_[at(pair)][0]);
-    return part.body == body_b.body ? edges(pairs_[at(pair)][1]) : own = edges_of(*part.body);
+    if (part.body == pair.a.body) return edges(pair.bodies[0]);
+    return part.body == pair.b.body ? edges(pair.bodies[1]) : own = edges_of(*part.body);
   };
   const auto show = [&](const PosedPolytope& part_a, const PosedPolytope& part_b, const PairDistance& found) {
     nearest.add(part_a, edges_from(part_a, of_parts[0]), part_b, edges_from(part_b, of_parts[1]), found, counters);
   };
   const PartVisitor add{show};
-  return pair_distance(body_a, body_b, limit, counters, &add);
+  return pair_distance(pair.a, pair.b, limit, counters, &add);
 }
 
-double DistanceCore::spread(std::int32_t pair, const PoseColumns* links, const PairDistance& found,
-                            const NearestParts& nearest, PairCounters& counters) const {
-  const auto [a, b] = pairs_[at(pair)];
-  if (!are_convex(pair)) return nearest.spread();
-  return nearest_spread(posed(a, links), edges(a), posed(b, links), edges(b), found, counters);
-}
-
-bool DistanceCore::are_convex(std::int32_t pair) const {
-  const auto [a, b] = pairs_[at(pair)];
-  return bodies_[at(a)].body->traits().is_convex && bodies_[at(b)].body->traits().is_convex;
+double DistanceCore::spread(const PosedPair& pair, const PairDistance& found, const NearestParts& nearest,
+                            PairCounters& counters) const {
+  if (!pair.are_convex()) return nearest.spread();
+  return nearest_spread(pair.a, edges(pair.bodies[0]), pair.b, edges(pair.bodies[1]), found, counters);
 }
 
 const HullEdges& DistanceCore::edges(std::int32_t body) const {

@@ -84,6 +84,13 @@ class DistanceCore {
                     const double* points, std::size_t count, std::vector<double>& out, Workspace& workspace) const;
 
  private:
+  struct PosedPair {
+    PosedPolytope a, b;
+    std::array<std::int32_t, 2> bodies;
+
+    bool are_convex() const;
+  };
+
   std::vector<GeometryObject> bodies_;
   std::vector<std::array<std::int32_t, 2>> pairs_;
   std::int32_t links_;
@@ -96,15 +103,14 @@ class DistanceCore {
   void prepare(const GivenStates& states, const Tangent* tangent, Workspace& workspace) const;
   const PoseColumns* posed_links(const GivenStates& states, std::size_t row, Workspace& workspace) const;
   PosedPolytope posed(std::int32_t body, const PoseColumns* links) const;
+  PosedPair posed_pair(std::int32_t pair, const PoseColumns* links) const;
   void add_row(std::size_t state, std::int32_t pair, const PairDistance& found, double spread,
                const GivenStates& states, const Tangent* tangent, DistanceTable& out, Workspace& workspace) const;
   void order_by_gaps(const PoseColumns* links, Workspace& workspace) const;
   // The distance of a pair; of two bodies that are not both convex, the parts that are nearest are added.
-  PairDistance with_parts(std::int32_t pair, const PoseColumns* links, double limit, NearestParts& nearest,
-                          PairCounters& counters) const;
-  double spread(std::int32_t pair, const PoseColumns* links, const PairDistance& found, const NearestParts& nearest,
+  PairDistance with_parts(const PosedPair& pair, double limit, NearestParts& nearest, PairCounters& counters) const;
+  double spread(const PosedPair& pair, const PairDistance& found, const NearestParts& nearest,
                 PairCounters& counters) const;
-  bool are_convex(std::int32_t pair) const;
   const HullEdges& edges(std::int32_t body) const;
 };
 

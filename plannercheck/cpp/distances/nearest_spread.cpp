@@ -22,6 +22,7 @@ constexpr double kHeightRounding = 64 * 0x1p-53;
 constexpr double kNormalError = 1e-8;
 
 using VertexSet = std::vector<std::int32_t>;
+constexpr std::size_t kAllVertices = std::numeric_limits<std::size_t>::max();
 
 class ConvexPair {
  public:
@@ -43,8 +44,20 @@ class ConvexPair {
     return slack < kNormalError * upper_ ? std::sqrt(2 * slack / upper_) : kNoLimit;
   }
 
-  VertexSet face_of_a(const HullEdges& edges, double turn) const { return face(a_, edges, found_.direction, turn); }
-  VertexSet face_of_b(const HullEdges& edges, double turn) const { return face(b_, edges, -found_.direction, turn); }
+  // All vertices of sets that are no larger than `most`; of others some, more than `most`.
+  VertexSet face_of_a(const HullEdges& edges, double turn, std::size_t most = kAllVertices) const {
+    return face(a_, edges, found_.direction, turn, most);
+  }
+  VertexSet face_of_b(const HullEdges& edges, double turn, std::size_t most = kAllVertices) const {
+    return face(b_, edges, -found_.direction, turn, most);
+  }
+
+  // Of bodies apart, one vertex of A says all, and sets of more than two vertices, that they are more.
+  double spread(const HullEdges& edges_a, const HullEdges& edges_b, double turn) const {
+    const std::size_t most = overlap_ ? kAllVertices : 2;
+    const VertexSet face_a = face_of_a(edges_a, turn, most);
+    return spread(face_a, face_a.size() == 1 && !overlap_ ? VertexSet{} : face_of_b(edges_b, turn, most), turn);
+  }
 
   double spread(const VertexSet& face_a, const VertexSet& face_b, double turn) const {
     const Vec3 n = found_.direction;
@@ -71,12 +84,12 @@ class ConvexPair {
   bool is_bounded() const { return a_.body->traits().is_bounded && b_.body->traits().is_bounded; }
 
   // The set of vertices that holds the face, of equal ones one; of a half-space none.
-  VertexSet face(const PosedPolytope& posed, const HullEdges& edges, Vec3 normal, double turn) const {
+  VertexSet face(const PosedPolytope& posed, const HullEdges& edges, Vec3 normal, double turn, std::size_t most) const {
     if (!posed.body->traits().is_bounded) return {};
     const std::vector<Vec3>& points = posed.body->inner.points;
     const Vec3 along = posed.pose.rotate_back(normal);
     VertexSet out{extreme(posed.body->inner, -along, counters_.queries)};
-    for (std::size_t k = 0; k < out.size(); ++k) {
+    for (std::size_t k = 0; k < out.size() && out.size() <= most; ++k) {
       for (std::int32_t e = edges.starts[at(out[k])]; e < edges.starts[at(out[k]) + 1]; ++e) {
         const Vec3 end = points[at(edges.ends[at(e)])], step = end - points[at(out[k])];
         const bool ascends = dot(along, step) > turn * norm(step) + rounding_;
@@ -180,7 +193,9 @@ HullEdges edges_of(const Polytope& body) {
 
 double nearest_spread(const PosedPolytope& body_a, const HullEdges& edges_a, const PosedPolytope& body_b,
                       const HullEdges& edges_b, const PairDistance& found, PairCounters& counters) {
-  return nearest_faces(body_a, edges_a, body_b, edges_b, found, counters).spread;
+  const ConvexPair pair(body_a, body_b, found, counters);
+  const double turn = pair.turn();
+  return turn < kWidestTurn ? pair.spread(edges_a, edges_b, turn) : kNoLimit;
 }
 
 void NearestParts::add(const PosedPolytope& body_a, const HullEdges& edges_a, const PosedPolytope& body_b,

@@ -28,89 +28,100 @@ struct Simplex {
   int count = 0;
   std::array<DifferenceCorner, 4> corner;
   std::array<double, 4> weight;
+  Vec3 nearest;  // the mixture of the corners' differences
 
-  Vec3 nearest() const {
-    return mixed(count, weight, [&](std::size_t i) { return corner[i].difference; });
-  }
   Vec3 on_body_a() const {
     return mixed(count, weight, [&](std::size_t i) { return corner[i].body_a; });
   }
 };
 
-// Some corners of a simplex: their differences, in the simplex's order.
-struct CornerFace {
-  unsigned chosen = 0;
-  int count = 0;
-  std::array<Vec3, 4> difference;
-  std::array<double, 4> weight;
+// Weights of the projection of the origin on the span of 1 to 4 points, of any sum; all of one sign where it is inside.
+std::array<double, 1> weights(const std::array<Vec3, 1>&) { return {1}; }
+std::array<double, 2> weights(const std::array<Vec3, 2>& p) {
+  const Vec3 e = p[1] - p[0];
+  return {dot(p[1], e), -dot(p[0], e)};
+}
+std::array<double, 3> weights(const std::array<Vec3, 3>& p) {
+  const auto [a, b, c] = p;
+  const Vec3 n = cross(b - a, c - a);
+  return {dot(n, cross(b, c)), dot(n, cross(c, a)), dot(n, cross(a, b))};
+}
+std::array<double, 4> weights(const std::array<Vec3, 4>& p) {
+  const auto [a, b, c, d] = p;
+  const Vec3 ab = cross(a, b), cd = cross(c, d);
+  const std::array<double, 4> w{dot(b, cd), -dot(a, cd), dot(d, ab), -dot(c, ab)};
+  return w[0] < 0 ? std::array<double, 4>{-w[0], -w[1], -w[2], -w[3]} : w;
+}
 
-  Vec3 nearest() const {
-    return mixed(count, weight, [&](std::size_t i) { return difference[i]; });
-  }
+// The face of a simplex whose point is the nearest so far.
+struct NearestFace {
+  double square;        // of its distance
+  unsigned chosen = 0;  // its corners; none: the simplex is no nearer than it was
+  std::array<double, 4> weight;
+  Vec3 point;
 };
 
-// Weights of the projection of the origin on the span of 2, 3 or 4 corners; false unless all are positive.
-bool project(CornerFace& f) {
-  const Vec3 a = f.difference[0], b = f.difference[1];
-  if (f.count == 2) {
-    const Vec3 e = b - a;
-    f.weight = {dot(b, e), -dot(a, e), 0, 0};
-  } else if (f.count == 3) {
-    const Vec3 c = f.difference[2], n = cross(b - a, c - a);
-    f.weight = {dot(n, cross(b, c)), dot(n, cross(c, a)), dot(n, cross(a, b)), 0};
-  } else {
-    const Vec3 c = f.difference[2], d = f.difference[3];
-    f.weight = {dot(b, cross(c, d)), -dot(a, cross(c, d)), dot(a, cross(b, d)), -dot(a, cross(b, c))};
-    if (f.weight[0] < 0) {
-      for (double& w : f.weight) w = -w;
-    }
+// Takes the face of some corners if the origin's projection is inside of it, and nearer.
+template <std::size_t kCount>
+bool take_face(const Simplex& simplex, unsigned chosen, NearestFace& best) {
+  std::array<Vec3, kCount> p;
+  unsigned left = chosen;
+  for (Vec3& point : p) {
+    point = simplex.corner[static_cast<std::size_t>(__builtin_ctz(left))].difference;
+    left &= left - 1;
   }
+  const std::array<double, kCount> weight = weights(p);
   double sum = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(f.count); ++i) {
-    if (!(f.weight[i] > 0)) return false;
-    sum += f.weight[i];
+  for (const double w : weight) {
+    if (!(w > 0)) return false;
+    sum += w;
   }
   if (!(sum > 0) || !std::isfinite(sum)) return false;
-  for (double& w : f.weight) w /= sum;
+  std::array<double, 4> parts{};
+  Vec3 v;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    parts[i] = weight[i] / sum;
+    v = v + parts[i] * p[i];
+  }
+  const double square = kCount == 4 ? 0 : dot(v, v);
+  if (!(square < best.square)) return false;
+  best = {square, chosen, parts, v};
   return true;
 }
 
-void take_corners(const Simplex& all, unsigned chosen, CornerFace& face) {
-  face.chosen = chosen, face.count = 0;
-  for (; chosen != 0; chosen &= chosen - 1) {
-    const auto i = static_cast<std::size_t>(__builtin_ctz(chosen));
-    face.difference[static_cast<std::size_t>(face.count++)] = all.corner[i].difference;
+bool take_face(const Simplex& simplex, unsigned chosen, NearestFace& best) {
+  switch (__builtin_popcount(chosen)) {
+    case 1:
+      return take_face<1>(simplex, chosen, best);
+    case 2:
+      return take_face<2>(simplex, chosen, best);
+    case 3:
+      return take_face<3>(simplex, chosen, best);
+    default:
+      return take_face<4>(simplex, chosen, best);
   }
-}
-
-void keep_corners(const CornerFace& face, Simplex& simplex) {
-  simplex.count = 0;
-  for (unsigned left = face.chosen; left != 0; left &= left - 1) {
-    const auto i = static_cast<std::size_t>(__builtin_ctz(left));
-    simplex.corner[static_cast<std::size_t>(simplex.count++)] = simplex.corner[i];
-  }
-  simplex.weight = face.weight;
 }
 
 // Keeps the face, among those with the newest corner, that holds the point nearest to the origin, as far as doubles
-// tell. Whatever face is chosen, its point is a mixture of corners. False if it is no nearer than `square`; else its
-// squared distance becomes `square`.
+// tell: a face's own faces are no nearer than its projection. Whatever face is chosen, its point is a mixture of
+// corners. False if it is no nearer than `square`; else its squared distance becomes `square`.
 bool reduce_to_nearest_face(Simplex& simplex, double& square) {
   const unsigned newest = 1U << (simplex.count - 1);
-  CornerFace face, best;
-  for (unsigned others = 0; others < newest; ++others) {
-    take_corners(simplex, others | newest, face);
-    if (face.count == 1) {
-      face.weight = {1, 0, 0, 0};
-    } else if (!project(face)) {
-      continue;
-    }
-    const Vec3 v = face.nearest();
-    const double found = face.count == 4 ? 0 : dot(v, v);
-    if (found < square) best = face, square = found;
+  NearestFace best{square, 0, {}, {}};
+  std::array<bool, 8> is_passed{};  // by the corners besides the newest
+  for (unsigned others = newest; others-- > 0;) {
+    if (is_passed[others] || !take_face(simplex, others | newest, best)) continue;
+    for (unsigned part = others; part > 0;) is_passed[part = (part - 1) & others] = true;
   }
-  if (best.count > 0) keep_corners(best, simplex);
-  return best.count > 0;
+  if (best.chosen == 0) return false;
+  simplex.count = 0;
+  for (unsigned left = best.chosen; left != 0; left &= left - 1) {
+    simplex.corner[static_cast<std::size_t>(simplex.count++)] =
+        simplex.corner[static_cast<std::size_t>(__builtin_ctz(left))];
+  }
+  simplex.weight = best.weight, simplex.nearest = best.point;
+  square = best.square;
+  return true;
 }
 
 // Whether four differences, each known up to `error`, surely hold the origin strictly inside: all four determinants
@@ -152,7 +163,7 @@ class NearestPoints {
   HullDistance distance(Vec3 direction, const DistanceGoal& goal) {
     Simplex simplex;
     HullDistance out = descend(direction, goal, simplex);
-    out.start.direction = simplex.count > 0 && simplex.count < 4 ? simplex.nearest() : out.direction;
+    out.start.direction = simplex.count > 0 && simplex.count < 4 ? simplex.nearest : out.direction;
     out.start = with_corners(out.start, simplex);
     return out;
   }
@@ -202,7 +213,7 @@ class NearestPoints {
       if (goal.met(out)) return out;
       if (!take(corner, simplex, square)) return out;
       if (simplex.count == 4) return out;  // the origin is inside, as far as doubles tell
-      direction = simplex.nearest();
+      direction = simplex.nearest;
       out.upper = norm_at_any_scale(direction) + 2 * difference_error_;
       out.on_body_a = simplex.on_body_a();
       out.on_body_b = out.on_body_a - direction;
@@ -227,7 +238,7 @@ class NearestPoints {
         return out;
       }
       if (!take(corner, simplex, square)) return out;
-      const Vec3 v = simplex.nearest();
+      const Vec3 v = simplex.nearest;
       if (shared(simplex, v, out)) return out;
       if (simplex.count == 4) return out;
       direction = v;

@@ -2,8 +2,9 @@
 
 In: a checker, how many states. Out: a row for each method, of free states drawn at random and along motions. Pinocchio
 measures all pairs, and joints' Jacobians stand for the gradients' cost; coal measures the pairs that `distances`
-leaves, at poses that are known; drake's `CalcRobotClearance` has an influence distance, as `limit`. What Python adds to
-a call of theirs is a few microseconds for Pinocchio and drake; coal's calls are made one a pair.
+leaves, at poses that are known, at its own tolerance and at one as fine as ours; drake's `CalcRobotClearance` has an
+influence distance, as `limit`. What Python adds to a call of theirs is a few microseconds for Pinocchio and drake;
+coal's calls are made one a pair.
 """
 
 from __future__ import annotations
@@ -27,6 +28,9 @@ LIMIT = 0.1  # m
 # States of a motion, and those that slow libraries measure in a round.
 _ON_A_MOTION, _FEW = 100, 20
 
+# Of coal's GJK, m: its own tolerance, and that of our bounds.
+_COAL_TOLERANCES = {"coal, near pairs": 1e-6, "coal, to 1e-12 m": 1e-12}
+
 
 @dataclass(frozen=True)
 class DistanceRow(TimedRow):
@@ -37,12 +41,14 @@ class DistanceRow(TimedRow):
         scene: Its name.
         states: How they were drawn.
         near: Pairs within the limit a state.
+        error: How far its distances are outside of our bounds, m; None where these are not compared.
     """
 
     robot: str
     scene: str
     states: str
     near: float
+    error: float | None
 
 
 def measure(
@@ -61,22 +67,27 @@ def _of_states(
         "without gradients": Contender([partial(checker.distances, q, LIMIT, gradients=False)], len(q)),
         "nearest=1": Contender([partial(checker.distances, q, nearest=1)], len(q)),
     }
-    some = q[:: max(1, len(q) // _FEW)]
-    for name, make in (("Pinocchio, all pairs", _pinocchio), ("coal, near pairs", coal_distances), ("drake", _drake)):
+    some, table = q[:: max(1, len(q) // _FEW)], checker.distances(q, LIMIT)
+    peers: dict[str, tuple[Callable[[Checker, Floats], Callable[[], object]], Floats]] = {
+        "Pinocchio, all pairs": (_pinocchio, some),
+        **{name: (partial(coal_distances, tolerance=each), q) for name, each in _COAL_TOLERANCES.items()},
+        "drake": (_drake, some),
+    }
+    errors: dict[str, float] = {}
+    for name, (make, of) in peers.items():
         try:
-            works[name] = Contender([make(checker, some)], len(some))
+            work = make(checker, of)
         except (PlannercheckError, ImportError) as error:
             skipped(f"{name} is left out: {error}")
+            continue
+        works[name] = Contender([work], len(of))
+        if name in _COAL_TOLERANCES:
+            found = np.asarray(work())
+            errors[name] = float(np.maximum(table.lower - found, found - table.distance).max(initial=0.0))
     times = measured(works, rounds)
-    near = len(checker.distances(q, LIMIT)) / len(q)
+    near = len(table) / len(q)
     return [
-        DistanceRow(
-            *times.row(name),
-            checker.robot.name,
-            checker.scene.name,
-            drawn,
-            near,
-        )
+        DistanceRow(*times.row(name), checker.robot.name, checker.scene.name, drawn, near, errors.get(name))
         for name in works
     ]
 
@@ -116,8 +127,10 @@ def _pinocchio(checker: Checker, q: Floats) -> Work:
     return work
 
 
-def coal_distances(checker: Checker, q: Floats) -> Callable[[], list[float]]:
-    """Coal's distance for the pairs that are near, at poses computed before."""
+def coal_distances(
+    checker: Checker, q: Floats, tolerance: float = _COAL_TOLERANCES["coal, near pairs"]
+) -> Callable[[], list[float]]:
+    """Coal's distance for the pairs that are near, at poses computed before; `tolerance` of its GJK, m."""
     import coal
 
     geometry, table, calls = coal_geometry_model(checker), checker.distances(q, LIMIT), list[tuple[Any, ...]]()
@@ -135,7 +148,7 @@ def coal_distances(checker: Checker, q: Floats) -> Callable[[], list[float]]:
             args += [shape.geometry, coal.Transform3s(pose[:3, :3], pose[:3, 3])]
         calls.append(tuple(args))
     request, result = coal.DistanceRequest(), coal.DistanceResult()
-    request.enable_signed_distance = True
+    request.enable_signed_distance, request.gjk_tolerance = True, tolerance
 
     def work() -> list[float]:
         found = []
