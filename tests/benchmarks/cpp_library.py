@@ -339,7 +339,7 @@ def scene_of_all_kinds() -> pc.Scene:
     scene.add("cloud", pc.PointCloud(rng.uniform(-1, 1, (20, 3)), 0.02), shifted(0, 1.2, 0))
     scene.add("map", pc.Octree.from_cells(np.array([[0, 0, 0], [2, 1, 3]], dtype=np.int32), 0.1), shifted(0, -1, 0))
     scene.add("ground", pc.HeightField(rng.uniform(-0.6, -0.5, (4, 5)), 0.5, -0.8))
-    scene.add("plane", pc.HalfSpace((0.0, 0.1, 1.0), -0.7))
+    scene.add("plane", pc.HalfSpace((0.0, 0.1, 1.0), -0.5), shifted(0.3, 0, -0.2))
     return scene
 
 

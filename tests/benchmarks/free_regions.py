@@ -55,7 +55,9 @@ def by_drake(checker, q, samples: int):
         if region is None:
             volumes.append(0.0)
             continue
-        volumes.append(region.CalcVolumeViaSampling(RandomGenerator(0), 0.1, 1_000_000).volume)
+        moved, still = region.A()[:, : robot.nq], region.A()[:, robot.nq :]
+        slice_of_group = HPolyhedron(moved, region.b() - still @ full[robot.nq :])
+        volumes.append(slice_of_group.CalcVolumeViaSampling(RandomGenerator(0), 0.1, 1_000_000).volume)
         points = hit_and_run(region, full, rng, samples)
         collide += int((~checker.check_states(points[:, : robot.nq])).sum())
     return spent / len(q), volumes, collide
