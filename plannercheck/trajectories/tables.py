@@ -50,17 +50,13 @@ def read_csv(path: Path, robot: Joints) -> Points:
             raise PlannercheckError(f"point {k} has {len(row)} cells, and the header {len(header)}")
     positions = _values(rows[1:], header, columns["position"], may_lack=False)
     times = _values(rows[1:], header, [time], may_lack=False)[:, 0]
-    _check_start(times)
+    if times[0] >= _CLOCK:
+        raise PlannercheckError(f"its times are those of a clock ({times[0]:.3f} s): subtract the first from all")
     none = np.full_like(positions, np.nan)
     v, a = (
         _values(rows[1:], header, columns[name], may_lack=True) if columns[name] else none for name in _QUANTITIES[1:]
     )
     return Points(times, positions, v, a, robot.joint_names)
-
-
-def _check_start(times: Floats) -> None:
-    if times.size and times.flat[0] >= _CLOCK:
-        raise PlannercheckError(f"its times are those of a clock ({times.flat[0]:.3f} s): subtract the first from all")
 
 
 def _columns(header: Sequence[str], robot: Joints) -> tuple[int, dict[str, list[int]]]:
@@ -146,9 +142,7 @@ def read_npz(path: Path, robot: Joints) -> Points:
         if row.shape != positions.shape:
             raise PlannercheckError(f"{name!r} must be {positions.shape} as the positions, not {row.shape}")
     v, a = (row[:, order] for row in rows)
-    times = _numbers(found, "times")
-    _check_start(times)
-    return Points(times, positions[:, order], v, a, robot.joint_names)
+    return Points(_numbers(found, "times"), positions[:, order], v, a, robot.joint_names)
 
 
 def _numbers(arrays: dict[str, np.ndarray], name: str) -> Floats:

@@ -105,7 +105,7 @@ def test_files_of_sets(folder, capsys):
 def test_one_configuration(checker):
     for q, message in (
         (SAMPLES[:2], r"one configuration must have shape \(7,\), not \(2, 7\)"),
-        ([0.0] * 6, r"not \(1, 6\); the joints are panda_joint1"),
+        ([0.0] * 6, r"not \(6,\); the joints are panda_joint1"),
         ([np.nan] * 7, "must be finite"),
     ):
         with pytest.raises(pc.PlannercheckError, match=message):

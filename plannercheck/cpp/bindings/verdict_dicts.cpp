@@ -37,15 +37,8 @@ Vec3 vertex_in_world(const PosedPolytope& posed, std::int32_t v) {
   return posed.pose.apply(posed.body->inner.points[static_cast<std::size_t>(v)]);
 }
 
-void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedPolytope& body_a, const PosedPolytope& body_b,
-               bool first_is_a) {
-  if (!answer.shared) {
-    const DyadicVec3 d = Dyadic(first_is_a ? 1.0 : -1.0) * answer.direction;
-    const DoubleDoubleVec3 near = direction_of(d);
-    out["normal"] = point_array({near.x.high, near.y.high, near.z.high});
-    out["exact_normal"] = exact_vector(d);
-    return;
-  }
+void put_shared(nb::dict& out, const ExactAnswer& answer, const PosedPolytope& body_a, const PosedPolytope& body_b,
+                bool first_is_a) {
   const std::vector<double> weights = weights_of(answer);
   std::vector<std::int32_t> indices_a, indices_b;
   nb::list exact_weights;
@@ -84,21 +77,16 @@ nb::dict verdict_dict(const PairVerdict& verdict, const PosedPolytope& body_a, c
   nb::dict out;
   out["shared"] = verdict.shared;
   out["stage"] = kStageNames[static_cast<std::size_t>(verdict.stage)];
-  if (verdict.exact) {
-    put_exact(out, *verdict.exact, body_a, body_b, first_is_a);
-    return out;
-  }
-  const bool near = verdict.stage == Stage::kNearest || verdict.stage == Stage::kDoubleDouble;
-  if (verdict.shared) {
+  if (!verdict.shared) {
+    const auto [rounded, exact] = direction_found(verdict, body_b);
+    out["normal"] = point_array(first_is_a ? rounded : -rounded);
+    if (exact) out["exact_normal"] = exact_vector(first_is_a ? *exact : -*exact);
+  } else if (verdict.exact) {
+    put_shared(out, *verdict.exact, body_a, body_b, first_is_a);
+  } else {
+    const bool near = verdict.stage == Stage::kNearest || verdict.stage == Stage::kDoubleDouble;
     out["point"] =
         point_array(near ? verdict.proximity.point : body_b.pose.apply(body_b.body->centre + verdict.certificate.x));
-    return out;
-  }
-  const Vec3 d = near ? verdict.proximity.direction : body_b.pose.rotate(verdict.certificate.q);
-  out["normal"] = point_array(first_is_a ? d : -d);
-  if (verdict.stage == Stage::kDoubleDouble) {
-    const DyadicVec3 fine = DyadicVec3(d) + DyadicVec3(verdict.proximity.direction_low);
-    out["exact_normal"] = exact_vector(first_is_a ? fine : -fine);
   }
   return out;
 }

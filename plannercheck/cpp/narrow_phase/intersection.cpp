@@ -137,6 +137,19 @@ PairVerdict certified(const Certificate& certificate, PairMemory* memory) {
   return verdict;
 }
 
+FoundDirection direction_found(const PairVerdict& verdict, const PosedPolytope& body_b) {
+  if (verdict.exact) {
+    const DoubleDoubleVec3 near = direction_of(verdict.exact->direction);
+    return {{near.x.high, near.y.high, near.z.high}, verdict.exact->direction};
+  }
+  const Vec3 found = verdict.proximity.direction;
+  if (verdict.stage == Stage::kNearest) return {found, std::nullopt};
+  if (verdict.stage == Stage::kDoubleDouble) {
+    return {found, DyadicVec3(found) + DyadicVec3(verdict.proximity.direction_low)};
+  }
+  return {body_b.pose.rotate(verdict.certificate.q), std::nullopt};
+}
+
 int choose_b(const Polytope& a, const Polytope& b) { return conditioning(b) <= conditioning(a) ? 1 : 0; }
 
 PairVerdict test_pair(const PosedPolytope& body_a, const PosedPolytope& body_b, const PairOptions& options,

@@ -52,6 +52,13 @@ struct PairVerdict {
   std::optional<ExactAnswer> exact;  // stage kExact
 };
 
+// From B to A, in the world, for bodies that are apart: up to rounding, and exactly in the last two stages.
+struct FoundDirection {
+  Vec3 rounded;
+  std::optional<DyadicVec3> exact;
+};
+FoundDirection direction_found(const PairVerdict& verdict, const PosedPolytope& body_b);
+
 // The verdict of a certificate that is not undecided; caches its plane.
 PairVerdict certified(const Certificate& certificate, PairMemory* memory);
 

@@ -83,18 +83,7 @@ DyadicVec3 unit_direction(Vec3 v) {
 // Along what a verdict of hulls that are apart has found: up to rounding, then exactly. `sense`: −1 if its A is `b`.
 std::optional<SeparatingPlane> plane_of(const PairVerdict& verdict, double sense, const PosedPolytope& frame,
                                         const PosedPolytope& a, const PosedPolytope& b) {
-  Vec3 found;
-  std::optional<DyadicVec3> exact;
-  if (verdict.exact) {
-    exact = verdict.exact->direction;
-    const DoubleDoubleVec3 near = direction_of(*exact);
-    found = {near.x.high, near.y.high, near.z.high};
-  } else if (verdict.stage == Stage::kNearest || verdict.stage == Stage::kDoubleDouble) {
-    found = verdict.proximity.direction;
-    if (verdict.stage == Stage::kDoubleDouble) exact = DyadicVec3(found) + DyadicVec3(verdict.proximity.direction_low);
-  } else {
-    found = frame.pose.rotate(verdict.certificate.q);
-  }
+  const auto [found, exact] = direction_found(verdict, frame);
   std::optional<SeparatingPlane> plane;
   const double largest = norm_max(found);
   if (largest > 0 && std::isfinite(largest)) plane = plane_along(unit_direction(sense * found), a, b);
