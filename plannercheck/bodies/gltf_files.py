@@ -32,7 +32,7 @@ _LOOKS = (
 
 _POINTS, _LINES, _TRIANGLES, _STRIP, _FAN = 0, (1, 2, 3), 4, 5, 6
 
-# A rotation's squared length may be off by this: texts have two digits and more.
+# How far the squared length of a rotation may be off, which an exporter may have rounded to two digits.
 _UNIT = 0.02
 
 # From glTF's axes (y up, z forward; specification 2.0, section 3.4) to z up.
