@@ -20,6 +20,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath
+from plannercheck.common.real_numbers import positive_number
 from plannercheck.motions.motion_ends import shorter_turn
 from plannercheck.robots.configurations import NO_LIMIT
 from plannercheck.robots.joints import kind_of
@@ -148,9 +149,7 @@ def checked_resolution(resolution: float | None, default: float) -> float:
     """A resolution in m, or the default."""
     if resolution is None:
         return default
-    if not (np.isfinite(resolution) and resolution > 0):
-        raise PlannercheckError(f"resolution must be a positive length in m, not {resolution!r}")
-    return float(resolution)
+    return positive_number(resolution, "resolution must be a positive length in m")
 
 
 def samples_are_free(checker: AnyChecker, states: Callable[[Floats], Floats], steps: int) -> bool:

@@ -18,6 +18,7 @@ from plannercheck.common.arrays import Configuration
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.start_and_goal import checked_end
+from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.robots.configurations import is_continuous, joint_by_name
 from plannercheck.robots.joint_values import own_joints
 from plannercheck.robots.robot import Robot
@@ -38,6 +39,12 @@ def angle_checker(checker: Some) -> Some:
         robot = checker.robot
         _MADE[checker] = checker.with_group(own_joints(robot.model, robot.mimics), "all joints")
     return _MADE[checker]  # type: ignore[return-value]  # a Checker, as the given one is
+
+
+def check_checker(checker: object) -> None:
+    """Raises an error unless something is a checker, in space or in the plane."""
+    if not isinstance(checker, Checker | PlanarChecker):
+        raise PlannercheckError(f"checker must be a pc.Checker or a pc.planar.Checker, not {checker!r:.80}")
 
 
 def angle_end(checker: AnyChecker, planned: AnyChecker, q: Configuration, name: str) -> Floats:

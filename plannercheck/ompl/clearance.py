@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from ompl import base
 
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.real_numbers import positive_number
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.motion_validators import Space
 from plannercheck.ompl.pose_space import PoseSpace
@@ -27,8 +27,7 @@ class MaxMinClearance(base.OptimizationObjective):  # type: ignore[misc]  # OMPL
 
     def __init__(self, information: Any, checker: Checker, space: Space, resolution: float) -> None:
         """Takes OMPL's SpaceInformation of the space; the resolution is in the space's distance."""
-        if not (np.isfinite(resolution) and resolution > 0):
-            raise PlannercheckError(f"resolution must be a positive distance, not {resolution!r}")
+        resolution = positive_number(resolution, "resolution must be a positive distance")
         super().__init__(information)
         self._ompl_space = information.getStateSpace()  # keeping the information would be a cycle
         self._checker = checker

@@ -24,6 +24,7 @@ from ompl import base, geometric
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import Configuration
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.real_numbers import positive_number
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.ompl.planning import LONGEST_MOTION, OMPL_SILENCE, full_name, seed_ompl, shortened, why_not
@@ -39,6 +40,8 @@ _DETOUR = 2.0
 # OMPL's own steps, by which it finds where to go next, in rad: coarse, since each costs several calls of the user's
 # function, and since what it finds is walked again in the path's steps before it is used.
 _STRIDE = 0.4
+# OMPL takes no step of 1 or more.
+_LONGEST_STRIDE = 0.99
 # Steps of Newton's method after which a state is given up. Near a solution each doubles the digits: 5 are many.
 _NEWTON_STEPS = 10
 
@@ -79,10 +82,13 @@ def plan_constrained(
     Raises:
         PlannercheckError: If a joint has no limits, or start or goal do not satisfy the constraint.
     """
+    if not isinstance(checker, Checker):
+        raise PlannercheckError(f"checker must be a pc.Checker, not {checker!r:.80}")
+    if not (callable(constraint) and (jacobian is None or callable(jacobian))):
+        raise PlannercheckError("constraint and jacobian must be functions of configurations")
     planner = full_name(planner)
     for name, value in (("tolerance", tolerance), ("step", step), ("time_limit", time_limit)):
-        if not (np.isfinite(value) and value > 0):
-            raise PlannercheckError(f"{name} must be a positive number, not {value!r}")
+        positive_number(value, f"{name} must be a positive number")
     space = JointSpace(checker.robot)
     if space.continuous.any():
         names = [name for name, turns in zip(checker.robot.joint_names, space.continuous, strict=True) if turns]
@@ -241,7 +247,7 @@ def _search(
     simplify: bool,
 ) -> Plan:
     manifold = base.ProjectedStateSpace(space.ompl_space(), equation)
-    manifold.setDelta(max(step, _STRIDE))
+    manifold.setDelta(min(max(step, _STRIDE), _LONGEST_STRIDE))
     manifold.setLambda(_DETOUR)
     setup = SimpleSetup(base.ConstrainedSpaceInformation(manifold))
     information, numbers = setup.getSpaceInformation(), _Numbers(checker.robot.nq)

@@ -14,7 +14,6 @@ import math
 import time
 from functools import cache
 from itertools import pairwise
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -26,10 +25,12 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.progress import is_heard, report
+from plannercheck.common.real_numbers import positive_number
 from plannercheck.common.silence import Silence
+from plannercheck.common.whole_numbers import whole_number
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
-from plannercheck.ompl.angle_checkers import angle_checker, angle_end
+from plannercheck.ompl.angle_checkers import angle_checker, angle_end, check_checker
 from plannercheck.ompl.clearance import CLEARANCE_RESOLUTION, MaxMinClearance
 from plannercheck.ompl.curved_space import sampled_curve
 from plannercheck.ompl.goals import Goal, Goals, goals_of
@@ -191,20 +192,21 @@ def plan(
         the resolution. If the start collides or is beyond the limits, or all goals do or are, the plan is unsolved and
         `reason` says why. What is beyond a limit by at most 1e-6 is taken at the limit, with a warning.
     """
+    check_checker(checker)
     if (start_time, latest) != (None, None) or getattr(checker, "clock", None) is not None:
         raise PlannercheckError(
             "there are no plans in space and time: OMPL's Python bindings have no such planner (STRRTstar); plan"
             " without a clock, and pc.least_delay says how long to wait"
         )
     planner = planner if planner == AUTO else full_name(planner)
-    if not (isfinite(time_limit) and time_limit > 0):
-        raise PlannercheckError(f"time_limit must be a positive time in s, not {time_limit!r}")
+    time_limit = positive_number(time_limit, "time_limit must be a positive time in s")
+    if resolution is not None:
+        resolution = positive_number(resolution, "resolution must be a positive length in m")
     if sampling not in SAMPLINGS:
         raise unknown_name("sampling", sampling, SAMPLINGS)
     if longest_motion is None:
         longest_motion = 0 if isinstance(checker, PlanarChecker) else LONGEST_MOTION
-    if not (isfinite(longest_motion) and longest_motion >= 0):
-        raise PlannercheckError(f"longest_motion must be a length in rad or 0, not {longest_motion!r}")
+    longest_motion = positive_number(longest_motion, "longest_motion must be a length in rad or 0", or_zero=True)
     given, checker = checker, angle_checker(checker)
     robot, began = checker.robot, time.perf_counter()
     first = angle_end(given, checker, start, "start")
@@ -271,7 +273,8 @@ def _timed(time_limit: float, planner: str) -> Any:
 def why_not(planner: str, setup: Any, status: Any, spent: float) -> str:
     """Why a search has no path."""
     if setup.refused_path:
-        return f"{planner} found a path with a curve that collides the way it is gone; try another seed"
+        what = "does not begin at the start, or has a curve that collides the way it is gone"
+        return f"{planner} found a path that {what}; try another seed"
     has_timed_out = str(status.asString()) in ("Timeout", "Approximate solution")  # there is nothing of use
     return f"{planner} found no path in {spent:.1f} s" + ("" if has_timed_out else f": {status.asString()}")
 
@@ -324,6 +327,7 @@ def seed_ompl(seed: int | None) -> None:
     """Seeds OMPL's random numbers; it warns, wrongly for a fresh planner, if there have been some already."""
     if seed is None:
         return
-    if seed < 1:
-        raise PlannercheckError(f"seed must be at least 1, not {seed}")
-    util.RNG.setSeed(seed)
+    wanted = "seed must be a whole number from 1 to 2**64 - 1"
+    if whole_number(seed, wanted) >= 2**64:
+        raise PlannercheckError(f"{wanted}, not {seed:.3g}")
+    util.RNG.setSeed(int(seed))

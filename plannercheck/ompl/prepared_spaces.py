@@ -24,8 +24,10 @@ from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.real_numbers import positive_number
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
+from plannercheck.ompl.angle_checkers import check_checker
 from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.ompl.motion_validators import Space, motion_validator
 from plannercheck.ompl.planar_space import PlanarSpace
@@ -128,6 +130,7 @@ def space_of(
     bounds: ArrayLike | None = None,
 ) -> Space:
     """The space in which a checker's robot is planned for; arguments as for `setup`, `held` as for `JointSpace`."""
+    check_checker(checker)
     has_poses = isinstance(checker, Checker) and has_free_bodies(checker.robot)
     if bounds is not None and not has_poses:
         raise PlannercheckError("bounds are for robots with a floating, planar or ball joint; others have limits")
@@ -145,8 +148,8 @@ def space_information(
 ) -> Any:
     """OMPL's SpaceInformation with a checker's validators, not set up; arguments as for `setup`."""
     for name, length in (("resolution", resolution), ("tolerance", tolerance)):
-        if length is not None and not (np.isfinite(length) and length > 0):
-            raise PlannercheckError(f"{name} must be a positive length in m, not {length!r}")
+        if length is not None:
+            positive_number(length, f"{name} must be a positive length in m")
     information = base.SpaceInformation(space.ompl_space())
     information.setStateValidityChecker(_state_validity(information, checker, space))
     information.setMotionValidator(motion_validator(information, checker, space, resolution, tolerance))

@@ -37,13 +37,35 @@ class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindin
         self._failure = failure
         self.checks_found_paths = checks_found_paths
         self.refused_path = False  # that was found last
+        self._start: Any = None
         _MADE.add(self)
 
+    def setStartAndGoalStates(self, start: Any, *others: Any, **named: Any) -> None:  # noqa: N802  # OMPL's name
+        """Sets both; a copy of the start is kept, since OMPL's bindings lose the memory of the starts they return."""
+        super().setStartAndGoalStates(start, *others, **named)
+        self._keep_start(start)
+
+    def setStartState(self, state: Any) -> None:  # noqa: N802  # OMPL's name
+        """Sets the only start; likewise."""
+        super().setStartState(state)
+        self._keep_start(state)
+
+    def addStartState(self, state: Any) -> None:  # noqa: N802  # OMPL's name
+        """Adds a start; likewise."""
+        super().addStartState(state)
+        self._keep_start(state)
+
+    def _keep_start(self, state: Any) -> None:
+        information = self.getSpaceInformation()
+        self._start = information.allocState()
+        information.copyState(self._start, state)
+
     def solve(self, *arguments: Any, **named: Any) -> Any:
-        """Solves the problem; a path of curves with a motion that collides is none.
+        """Solves the problem; a path that begins elsewhere, or of curves with a motion that collides, is none.
 
         Planners that grow from both ends, or keep roadmaps, check a curve one way and go it the other way, where a
-        Reeds-Shepp curve may be another one.
+        Reeds-Shepp curve may be another one. AORRTC (OMPL 2.0.1) loses the start of paths whose start sees the goal: it
+        gets it back if the motion from the last start that was set is free.
 
         Raises:
             PlannercheckError: If the planner can't plan in this space.
@@ -58,7 +80,10 @@ class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindin
         self.refused_path = False
         try:
             status = self._solved(*arguments, **named)
-            if self.checks_found_paths and self.haveExactSolutionPath() and not self.getSolutionPath().check():
+            if self.haveExactSolutionPath() and not (
+                self._begins_at_start(self.getSolutionPath())
+                and (not self.checks_found_paths or self.getSolutionPath().check())
+            ):
                 self.getProblemDefinition().clearSolutionPaths()
                 self.refused_path = True
                 return base.PlannerStatus(base.PlannerStatus.TIMEOUT)
@@ -71,6 +96,19 @@ class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindin
             f"{', '.join(INFORMED_PLANNERS)} serve bounded joints and planar robots without joints, "
             "all others serve every space (RRTstar and PRMstar look for short paths, too)"
         )
+
+    def _begins_at_start(self, path: Any) -> bool:
+        """Whether a path begins at a start, or now does, since the motion from the start to it is free."""
+        problem, first = self.getProblemDefinition(), path.getState(0)
+        if problem.hasStartState(first, 0):
+            return True
+        start = self._start
+        if start is None or not (
+            problem.hasStartState(start, 0) and self.getSpaceInformation().checkMotion(start, first)
+        ):
+            return False
+        path.prepend(start)
+        return True
 
     def _solved(self, *arguments: Any, **named: Any) -> Any:
         """OMPL's `solve`, ended by the first exception of a validator, which is raised when the planner has ended."""

@@ -16,7 +16,7 @@ from plannercheck.checking.input_hints import degrees_hint
 from plannercheck.checking.named_configurations import given_configurations, named_configuration
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import Configuration
+from plannercheck.common.arrays import Configuration, named_numbers
 from plannercheck.common.errors import PlannercheckError
 
 # What is beyond a limit by at most this, rad or m, is taken at the limit: rounding of files and degrees.
@@ -74,8 +74,9 @@ def check_end_state(checker: AnyChecker, q: Floats) -> EndState:
 
 def checked_end(checker: AnyChecker, q: Configuration, name: str) -> Floats:
     """One configuration (nq,), given by its numbers or by names of joints, or an error that uses its name."""
-    if not isinstance(q, Mapping) and np.ndim(q) != 1:
-        raise PlannercheckError(f"{name} must be one configuration ({checker.robot.nq},), not {np.shape(q)}")
+    shape = () if isinstance(q, Mapping) else named_numbers(q, name).shape
+    if not isinstance(q, Mapping) and len(shape) != 1:
+        raise PlannercheckError(f"{name} must be one configuration ({checker.robot.nq},), not {shape}")
     try:
         of = named_configuration(checker.robot, q) if isinstance(q, Mapping) else given_configurations(checker.robot, q)
         return _at_limits(checker.robot, np.asarray(of[0]), name)

@@ -143,6 +143,8 @@ def _waypoints(robot: Robot, path: Any) -> Floats:
     if getattr(path, "solved", True) is False:
         raise PlannercheckError(f"the plan has no path: {path.reason}")
     rows = given_configurations(robot, getattr(path, "path", path)).copy()
+    if not len(rows):
+        raise PlannercheckError("the path has no configurations: there is no motion")
     turning = np.flatnonzero(robot.configuration_map.turning_columns())
     for k in range(1, len(rows)):
         rows[k, turning] = nearest_turns(rows[k - 1, turning], rows[k, turning])

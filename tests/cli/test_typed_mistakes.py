@@ -64,7 +64,7 @@ MISTAKES = {
     f"{PLAN} --start 0 --goal 90": "goal is beyond the limits: hinge is 90, not in .*as degrees it would be within",
     f"{PLAN} --start nan --goal 1": "start: configurations must be finite",
     f"{PLAN} --start 0 --goal 1 --time -3": "time_limit must be a positive time in s, not -3",
-    f"{PLAN} --start 0 --goal 1 --seed 0": "seed must be at least 1, not 0",
+    f"{PLAN} --start 0 --goal 1 --seed 0": r"seed must be a whole number from 1 to 2\*\*64 - 1, not 0",
     f"{PLAN} --start 0 --goal 1 --range -1": "must be a length in rad or 0, not -1",
     f"{PLAN} --start 0 --goal 1 --curve dubins": "curves and turning radii are for planar robots",
     f"view {ARM} --q zero --html p.html": "--q must be numbers separated by commas, not 'zero'",

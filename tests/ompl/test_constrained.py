@@ -84,13 +84,20 @@ def test_every_planner_holds_to_the_constraint(checker, ends, name):
         ({"constraint": lambda q: q}, r"k from 1 to 6: of 3 configurations it gave \(3, 7\)"),
         ({"constraint": lambda q: 0.0}, r"it gave \(\)"),
         ({"step": 0.0}, "step must be a positive number"),
+        ({"step": True}, "step must be a positive number"),
+        ({"checker": None}, "checker must be a pc.Checker, not None"),
+        ({"constraint": None}, "constraint and jacobian must be functions"),
         ({"planner": "RRTConect"}, "did you mean 'RRTConnect'"),
     ],
 )
 def test_bad_input(checker, ends, change, message):
-    arguments = {"start": ends[0], "goal": ends[1], "constraint": tilt(checker), **change}
+    arguments = {"checker": checker, "start": ends[0], "goal": ends[1], "constraint": tilt(checker), **change}
     with pytest.raises(pc.PlannercheckError, match=message):
-        plan_constrained(checker, **arguments)
+        plan_constrained(**arguments)
+
+
+def test_steps_may_be_longer_than_ompl_takes(checker, ends):
+    assert plan_constrained(pc.Checker(checker.robot), *ends, tilt(checker), step=1.5, seed=1).solved
 
 
 def test_ends_that_collide_are_reasons(checker, ends):

@@ -206,6 +206,15 @@ def test_bad_ends_are_called_by_their_names(checker, ends):
         planning.plan(checker, np.zeros((2, 7)), ends[1])
     with pytest.raises(PlannercheckError, match=r"goal.*finite"):
         planning.plan(checker, ends[0], np.full(7, np.nan))
+    with pytest.raises(PlannercheckError, match=r"start must be numbers, not \[\[1, 2\], \[3\]\]"):
+        planning.plan(checker, [[1, 2], [3]], ends[1])
+
+
+@pytest.mark.parametrize("name", ["checker", "time_limit", "seed", "resolution", "longest_motion"])
+@pytest.mark.parametrize("value", ["1", True, 1j, np.array([1.0])])
+def test_arguments_that_are_no_numbers_are_named(checker, ends, name, value):
+    with pytest.raises(PlannercheckError, match=f"^{name} must be"):
+        planning.plan(**{"checker": checker, "start": ends[0], "goal": ends[1], name: value})
 
 
 def test_all_motions_of_a_plan_are_proved_free(checker, plan):

@@ -88,6 +88,40 @@ def test_a_plan_is_not_simplified_into_a_collision(monkeypatch):
     assert checker.check_motions(found.path[:-1], found.path[1:]).all()
 
 
+@pytest.mark.parametrize("several", [False, True])
+def test_paths_begin_at_the_start_where_aorrtc_loses_it(several):
+    """OMPL 2.0.1's AORRTC drops the start of paths whose start sees the goal."""
+    checker = pc.Checker(pc.Robot.load("panda"))
+    start, *goals = checker.robot.random_configurations(400, seed=1)
+    goals = np.array([q for q in goals if checker.check_motion(start, q)][:2])
+    found = pc.ompl.plan(checker, start, goals if several else goals[0], "AORRTC", 0.2, simplify=False, seed=1)
+    assert np.array_equal(found.path[0], start)
+    assert np.array_equal(found.path[-1], goals[found.goal])
+    assert checker.check_motions(found.path[:-1], found.path[1:]).all()
+
+
+@pytest.mark.parametrize("is_far", [False, True])
+def test_a_path_from_elsewhere_is_none_unless_its_begin_is_free(monkeypatch, is_far):
+    checker = P.Checker(P.Robot.load("forklift"), P.Scene.load("parking"))
+    made, space = setup(checker), space_of(checker)
+    information, ends = made.getSpaceInformation(), [checker.scene.start("forklift"), checker.scene.goal("forklift")]
+    begin = ends[1] if is_far else ends[0] + [0.1, 0, 0]
+    assert checker.check_motion(ends[0], begin) != is_far
+
+    def claim(problem, *_):
+        problem.getProblemDefinition().addSolutionPath(geometric.PathGeometric(information, first, first))
+
+    first = space.state(information, begin)
+    made.setStartState(space.state(information, ends[0]))
+    made.setGoalState(first)
+    monkeypatch.setattr(geometric.SimpleSetup, "solve", claim)
+    made.solve(0.1)
+    assert made.haveExactSolutionPath() != is_far
+    assert made.refused_path == is_far
+    if not is_far:
+        assert np.array_equal(configurations(made, space)[:2], [ends[0], begin])
+
+
 def test_without_a_path_there_is_nothing_to_simplify():
     setup(P.Checker(P.Robot.load("forklift"), P.Scene.load("parking"))).simplifySolution(0.1)
 

@@ -194,6 +194,7 @@ def test_limits_come_from_the_urdf_and_from_moveits_file(tmp_path):
     ("change", "words"),
     [
         ({"path": CORNER[:1]}, "stays where it is"),
+        ({"path": CORNER[:0]}, "path has no configurations"),
         ({"path": CORNER[[0, 0, 0]]}, "path of 3 configurations stays where it is"),
         ({"path": np.zeros((3, 5))}, "5"),
         ({"path": CORNER * np.nan}, "finite"),

@@ -1,0 +1,25 @@
+"""Real numbers that callers give: Python's and NumPy's."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+from plannercheck.common.errors import PlannercheckError
+
+
+def positive_number(value: Any, wanted: str, *, or_zero: bool = False) -> float:
+    """The number, finite and above 0 (or 0), or an error that says what is wanted.
+
+    Raises:
+        PlannercheckError: "`wanted`, not …", also for truth values and texts.
+    """
+    number = -1.0
+    if not isinstance(value, str | bytes | bool | np.bool_):
+        with suppress(TypeError, ValueError, OverflowError):
+            number = float(value) if np.ndim(value) == 0 else -1.0
+    if not (0 < number < np.inf or (or_zero and number == 0)):
+        raise PlannercheckError(f"{wanted}, not {value!r:.80}")
+    return number
