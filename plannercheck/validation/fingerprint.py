@@ -59,6 +59,10 @@ def content_hash(checker: AnyChecker) -> str:
     else:
         digest.update(checker.paddings.tobytes())
         _add_shapes(digest, checker.bodies, checker.excess)
+        for item in checker.scene.moving:
+            assert item.moving is not None
+            digest.update(repr((item.name, item.moving.path, item.moving.outside)).encode())
+            digest.update(item.moving.times.tobytes() + item.moving.poses.tobytes())
     return digest.hexdigest()
 
 

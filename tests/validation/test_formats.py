@@ -244,6 +244,17 @@ def test_standard_input(tmp_path, monkeypatch, rows, name, order):
             standard_input(monkeypatch, content[:-80])
 
 
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_what_is_behind_an_array_is_not_passed_over(tmp_path, monkeypatch, rows, order):
+    with (tmp_path / "q.npy").open("wb") as file:
+        for _ in range(2):
+            np.save(file, np.asarray(rows, order=order))
+    with pytest.raises(PlannercheckError, match=r"q.npy.*holds more behind its array"):
+        read(tmp_path / "q.npy")
+    with pytest.raises(PlannercheckError, match="standard input: holds more behind its array"):
+        standard_input(monkeypatch, (tmp_path / "q.npy").read_bytes())
+
+
 def test_what_standard_input_cannot_be(tmp_path, monkeypatch, rows):
     write_npz(tmp_path / "q.npz", rows)
     with pytest.raises(PlannercheckError, match="holds npz, which can't be read as a stream"):
@@ -283,9 +294,9 @@ def test_bad_parquet(tmp_path, columns, message):
 
 def test_a_folder_of_parquet_files(tmp_path, rows):
     for first in (0, 10, 20):
-        write_parquet(tmp_path / f"part-{first}.parquet", rows[first : first + 10])
+        write_parquet(tmp_path / f"part-{first}.{'pq' if first else 'parquet'}", rows[first : first + 10])
     files = files_of([tmp_path, tmp_path / "other.npy"])
-    assert [path.name for path in files] == ["part-0.parquet", "part-10.parquet", "part-20.parquet", "other.npy"]
+    assert [path.name for path in files] == ["part-0.parquet", "part-10.pq", "part-20.pq", "other.npy"]
     chunks = list(read_sets(files[:3], Columns(JOINTS, 3)))
     assert [chunk.file for chunk in chunks] == [0, 1, 2]
     assert np.array_equal(np.concatenate([chunk.rows for chunk in chunks]), rows)

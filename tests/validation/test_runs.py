@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import plannercheck as pc
 from plannercheck import planar
 from plannercheck.bodies.certificates import Separation, SharedPoint
 from plannercheck.cli import validate as command
@@ -252,6 +253,18 @@ def test_the_hash_of_a_checker_depends_on_what_verdicts_do(checker):
     held = robot.holding({"panda_finger_joint1": 0.01})
     others = [Checker(robot, scene), Checker(held, checker.scene), Checker(robot, checker.scene, padding=0.01)]
     assert len({content_hash(other) for other in [checker, *others]}) == 4
+
+
+def test_the_hash_of_a_checker_depends_on_how_obstacles_move(checker):
+    def scene(end=1.0, last=4.0, **how):
+        poses = np.array([np.eye(4)] * 2)
+        poses[:, 1, 3] = -1.0, end
+        made = Scene("belt")
+        made.add("pallet", pc.Box((0.4, 0.3, 0.2)), pc.Moving([0, last], poses, **how))
+        return made
+
+    scenes = scene(), scene(2.0), scene(last=5.0), scene(path="screw"), scene(outside="stand")
+    assert len({content_hash(Checker(checker.robot, each)) for each in scenes}) == len(scenes)
 
 
 def test_the_hash_of_a_checker_depends_on_where_bodies_are_and_on_limits(checker, tmp_path):

@@ -34,6 +34,7 @@ CHUNK_ROWS = 65_536
 
 STANDARD_INPUT = Path("-")
 
+_PARQUET = (".parquet", ".pq")
 _SINGLE = {".npy": npy_blocks, ".csv": csv_blocks, ".tsv": csv_blocks}
 _KEYED = {
     ".npz": npz_blocks,
@@ -71,7 +72,7 @@ def files_of(paths: Sequence[Path]) -> list[Path]:
     """The paths, with the parquet files in a folder, in the order of their names, in place of it."""
     files: list[Path] = []
     for path in paths:
-        parts = sorted(path.glob("*.parquet")) if is_folder(path) else []
+        parts = sorted(p for p in path.glob("*") if p.suffix.lower() in _PARQUET) if is_folder(path) else []
         files += parts or [path]
     return files
 

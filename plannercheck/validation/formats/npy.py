@@ -55,6 +55,7 @@ def npy_blocks(path: Path, columns: Columns, size: int) -> Iterator[RowBlock]:
             raise PlannercheckError("is empty")
         whole = np.lib.format.open_memmap(path, mode="r")  # maps only; says whether the file is complete
         layout, offset = _Layout.of(whole.shape, whole.dtype, whole.flags.fnc, columns), whole.offset
+        _check_end(offset + whole.nbytes < os.fstat(file.fileno()).st_size)
         del whole
         for first in range(0, layout.total, size):
             n = min(size, layout.total - first)
@@ -127,6 +128,13 @@ def npy_stream_blocks(stream: BinaryIO, columns: Columns, size: int, kind: str =
             with _whole(kind):
                 rows = layout.rows(_values(stream, layout.dtype, n * layout.numbers), n)
         yield RowBlock(rows, (first + n) / layout.total)
+    _check_end(bool(stream.read(1)))
+
+
+def _check_end(goes_on: bool) -> None:
+    """Raises if a file goes on behind its array: its rows would be lost."""
+    if goes_on:
+        raise PlannercheckError("holds more behind its array, of which nothing is read: give each array its own file")
 
 
 def _layout_of_header(stream: BinaryIO, columns: Columns) -> _Layout:
