@@ -24,6 +24,9 @@ from plannercheck.common.errors import PlannercheckError
 INFORMED_PLANNERS = ("AORRTC", "BITstar", "InformedRRTstar", "SORRTstar")
 _NO_SAMPLER = "PathLengthDirectInfSampler only supports"
 
+# How an error of theirs begins where a goal is the start itself, around which there is no ellipsoid.
+_NO_ELLIPSOID = "The transformation is not up to date in the PHS class"
+
 
 class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindings are untyped
     """OMPL's SimpleSetup; only the differences are documented here."""
@@ -89,6 +92,10 @@ class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindin
                 return base.PlannerStatus(base.PlannerStatus.TIMEOUT)
             return status
         except RuntimeError as error:  # once the planner is set up: AORRTC's destructor needs that
+            if str(error).startswith(_NO_ELLIPSOID) and self._start_is_goal():
+                information, start = self.getSpaceInformation(), self._start
+                self.getProblemDefinition().addSolutionPath(geometric.PathGeometric(information, start, start))
+                return base.PlannerStatus(base.PlannerStatus.EXACT_SOLUTION)
             if not str(error).startswith(_NO_SAMPLER):
                 raise
         raise PlannercheckError(
@@ -96,6 +103,9 @@ class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindin
             f"{', '.join(INFORMED_PLANNERS)} serve bounded joints and planar robots without joints, "
             "all others serve every space (RRTstar and PRMstar look for short paths, too)"
         )
+
+    def _start_is_goal(self) -> bool:
+        return self._start is not None and bool(self.getGoal().isSatisfied(self._start))
 
     def _begins_at_start(self, path: Any) -> bool:
         """Whether a path begins at a start, or now does, since the motion from the start to it is free."""

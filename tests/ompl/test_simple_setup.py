@@ -100,6 +100,17 @@ def test_paths_begin_at_the_start_where_aorrtc_loses_it(several):
     assert checker.check_motions(found.path[:-1], found.path[1:]).all()
 
 
+@pytest.mark.parametrize("name", ["InformedRRTstar", "RRTConnect", "SORRTstar"])
+@pytest.mark.parametrize("several", [False, True])
+def test_a_goal_that_is_the_start_is_reached(name, several):
+    checker = pc.Checker(pc.Robot.load("panda"))
+    start, other = checker.robot.reference, checker.robot.reference + 0.1
+    found = pc.ompl.plan(checker, start, [other, start] if several else start, name, 0.2, seed=1)
+    assert found.solved
+    assert np.array_equal(found.path[0], start)
+    assert np.array_equal(found.path[-1], [other, start][found.goal] if several else start)
+
+
 @pytest.mark.parametrize("is_far", [False, True])
 def test_a_path_from_elsewhere_is_none_unless_its_begin_is_free(monkeypatch, is_far):
     checker = P.Checker(P.Robot.load("forklift"), P.Scene.load("parking"))
