@@ -110,11 +110,11 @@ def _answer(gate: Gate, line: str) -> tuple[dict[str, Any], GateVerdict | None]:
     try:
         given = mapping(json.loads(line, object_pairs_hook=object_of), "a line")
         verdict = _judged(gate, given)
+        return {**_id(given), **verdict.as_json()}, verdict
     except PlannercheckError as error:
         return {**_id(given), "ok": False, "error": str(error)}, None
     except (ValueError, RecursionError) as error:  # of json
         return {"ok": False, "error": f"no JSON: {error!s:.100}"}, None
-    return {**_id(given), **verdict.as_json()}, verdict
 
 
 def _id(given: Node) -> dict[str, Any]:

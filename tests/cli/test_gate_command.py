@@ -42,6 +42,17 @@ def test_each_line_is_answered(answers):
         assert words in answer["error"]
 
 
+def test_numbers_beyond_all_robots_are_answered_and_the_next_line_too(answers):
+    q = [0.0] * 7
+    lines = [line(start={"q": q, "dq": [1e3] * 7}), line(1e14), line(1e300), line(rate=10**400), line()]
+    code, (fast, far, huge, rate, good) = answers(lines)
+    assert code == 2
+    assert [fast["ok"], far["ok"], good["ok"]] == [False, False, True]
+    assert {reason["kind"] for reason in far["reasons"]} >= {"jump", "unproved"}
+    assert "within 1e+15" in huge["error"]
+    assert "rate must be" in rate["error"]
+
+
 def test_exit_codes(answers):
     assert answers([line()])[0] == 0
     assert answers([line(), line(0.5)])[0] == 1

@@ -200,6 +200,15 @@ def test_speeds_that_are_clamped_pass(checker, home):
         assert plain(gate).judge(chunk, rate, start=(home, np.full(7, 0.2)))
 
 
+def test_stops_that_are_too_long_to_prove_leave_the_shorter_ones(gate, home):
+    """The chunk ends so fast that rounding is no small part of its stop; a stop from its start is proved."""
+    verdict = gate.judge([home, home + 1e8], rate=50, start=home)
+    assert not verdict.ok
+    assert verdict.reasons
+    assert verdict.safe_until == 0.02
+    assert not json.loads(verdict.record())["verdict"]["ok"]
+
+
 def test_a_stop_beyond_the_limits_is_a_reason(gate, checker, home):
     q, dq = home.copy(), np.zeros(7)
     q[6], dq[6] = checker.robot.upper[6] - 0.05, 1.0

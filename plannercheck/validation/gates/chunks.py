@@ -140,7 +140,7 @@ def _finite(values: ArrayLike, name: str, *shape: int | None) -> Floats:
 def is_rate(rate: Any) -> bool:
     """Whether something is a number of waypoints a second."""
     is_number = type(rate) in (float, int) or (isinstance(rate, Real) and not isinstance(rate, bool))
-    return is_number and 0 < float(rate) <= _MOST_A_SECOND
+    return is_number and bool(0 < rate <= _MOST_A_SECOND)
 
 
 def _checked_rate(rate: Any) -> float:

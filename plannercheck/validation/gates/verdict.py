@@ -15,6 +15,7 @@ import numpy as np
 
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.public_names import set_module
+from plannercheck.motions.certifier_answers import ImpreciseError
 from plannercheck.motions.trajectory_verdict import Stop
 from plannercheck.trajectories.curve import Curve
 from plannercheck.trajectories.limits import Excess
@@ -145,7 +146,7 @@ class GateVerdict:
             return ()
         found = [*self._jumps(), *self._excesses()]
         if not self._free.all():
-            found.append(_stopped(self._tools.proofs.checks.stopped(self.trajectory, self._free), on_stop=False))
+            found.append(self._refusal(self.trajectory, self._free))
         if not found:
             found = self._reasons_of_stop()
         return tuple(sorted(found, key=lambda reason: (reason.time, reason.kind != "jump")))
@@ -270,11 +271,17 @@ class GateVerdict:
             found.append(Reason("limit", end, tools.limits.names[j], float(rest[j]), float(limit), on_stop=True))
         curve = stops.curve(0, begin, run.error)
         if curve is not None:
-            stop = Trajectory.of_curve(curve)
-            free = tools.proofs.checks.free_pieces(stop)
+            free = tools.proofs.stop_pieces_free(run.error, stops)[0, stops.lasting[0]]
             if not free.all():
-                found.append(_stopped(tools.proofs.checks.stopped(stop, free), on_stop=True))
+                found.append(self._refusal(Trajectory.of_curve(curve), free, on_stop=True))
         return found or [Reason("unproved", begin)]
+
+    def _refusal(self, trajectory: Trajectory, free: Bools, on_stop: bool = False) -> Reason:
+        """Why not all pieces are free; without a pair where numbers are so large that rounding is no small part."""
+        try:
+            return _stopped(self._tools.proofs.checks.stopped(trajectory, free), on_stop)
+        except ImpreciseError:
+            return Reason("unproved", float(trajectory.curve.breaks[int(np.argmin(free))]), on_stop=on_stop)
 
 
 def _stopped(stop: Stop, on_stop: bool) -> Reason:
