@@ -12,6 +12,8 @@ from solid_meshes import angle, dimpled, ring
 import plannercheck as pc
 from plannercheck.bodies.shapes import Box, Capsule
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*has no <collision> elements")
+
 STEP = 1e-6  # m and rad
 
 
