@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.moving import checked_time
 from plannercheck.checking.compiled_tables import CompiledTables
-from plannercheck.checking.distances import Distances, Places
+from plannercheck.checking.distances import CORNER_NUMBERS, Distances, Places
 from plannercheck.checking.named_configurations import given_configurations
 from plannercheck.checking.nearest_sets import NearestPlace
 from plannercheck.checking.prepared_bodies import Preparation
@@ -33,6 +33,10 @@ Same = TypeVar("Same", bound="MeasuringChecker")
 
 # Steps of the descent for a lower bound of a distance.
 _BOUND_ROUNDS = 2
+
+# Of an earlier table: where the rows of each configuration begin (n + 1,), pairs (r,), corners (r, CORNER_NUMBERS).
+Earlier: TypeAlias = tuple[Ints, Ints, Ints]
+_NOTHING_EARLIER = np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros((0, CORNER_NUMBERS), np.int32)
 
 # Configurations whose links Pinocchio poses at once.
 _BLOCK = 1024
@@ -135,6 +139,7 @@ class MeasuringChecker(ABC):
         threads: int = 1,
         *,
         times: ArrayLike | None = None,
+        start: Distances | None = None,
     ) -> Distances:
         """Distances of the pairs that are near, with nearest points and gradients.
 
@@ -145,13 +150,16 @@ class MeasuringChecker(ABC):
             gradients: Whether to give gradients.
             threads: How many threads measure.
             times: As of `check_states`; gradients are by the robot's own configuration, at a standing clock.
+            start: This checker's table of configurations near these, row by row, as of an optimiser's last step. Two
+                hulls are searched from their nearest vertices there on: faster, and bounds hold as ever; the last
+                digits, or which of several nearest points is given, may change.
 
         Returns:
             A table; the same rows whatever the threads and the other configurations.
 
         Raises:
-            PlannercheckError: If the limit is not positive, `nearest` is below 1, or gradients are asked for where
-                Pinocchio poses the links.
+            PlannercheckError: If the limit is not positive, `nearest` is below 1, gradients are asked for or `start` is
+                given where Pinocchio poses the links, or `start` is of other configurations.
         """
         limit = _checked_limit(limit)
         most = 0 if nearest is None else whole_number(nearest, "nearest must be a number of pairs, 1 or more")
@@ -163,7 +171,8 @@ class MeasuringChecker(ABC):
         checker, rows = self.in_time(given_configurations(self.robot, q), times)
         own = self.robot.configuration_map.tangent_places if gradients else None
         most = min(most, max(len(self.pairs), 1))
-        return checker._measured(rows, limit, most, own, checked_threads(threads, len(rows)))
+        earlier = self._earlier(start, len(rows))
+        return checker._measured(rows, limit, most, own, checked_threads(threads, len(rows)), earlier)
 
     def distance_function(
         self, limit: float = 0.1, *, time: float | None = None
@@ -197,24 +206,43 @@ class MeasuringChecker(ABC):
         _, pairs, found, *_ = self._rows(self.robot.check_configurations(rows), math.inf, 1, None, 1, lower_bound)
         return found, pairs
 
-    def _measured(self, rows: Floats, limit: float, nearest: int, own: Ints | None, threads: int) -> Distances:
+    def _earlier(self, start: Distances | None, rows: int) -> Earlier:
+        """Where the rows of each configuration lie in an earlier table, their pairs and corners."""
+        if start is None:
+            return _NOTHING_EARLIER
+        if self._kernel is None:
+            raise PlannercheckError("start needs the compiled kinematics, and Pinocchio poses this robot's links")
+        if not isinstance(start, Distances) or max(start.state.max(initial=0), 0) >= max(rows, 1):
+            raise PlannercheckError(f"start must be a table of {rows} configurations near these, not {start!r:.80}")
+        return np.searchsorted(start.state, np.arange(rows + 1)).astype(np.int32), start.pair, start._corners
+
+    def _measured(
+        self, rows: Floats, limit: float, nearest: int, own: Ints | None, threads: int, earlier: Earlier
+    ) -> Distances:
         """A table of configurations of this checker; `own`: the places of the first columns' gradients."""
         rows = self.robot.check_configurations(rows)
         places = None if own is None else self.robot.configuration_map.tangent_places
-        found = self._rows(rows, limit, nearest, places, threads)
-        state, pair, distance, lower, points, normal, gap, unique, gradient = found
+        found = self._rows(rows, limit, nearest, places, threads, earlier=earlier)
+        state, pair, distance, lower, points, normal, gap, unique, gradient, corners = found
         width = 0 if own is None else int(own.max(initial=-1)) + 1
         nearest_places = self._places(rows, state, pair, width, limit) if width else None
         tables = gap, unique.view(bool), np.ascontiguousarray(gradient[:, :width])
-        return Distances(state, pair, distance, lower, points, normal, *tables, nearest_places)
+        return Distances(state, pair, distance, lower, points, normal, *tables, corners, nearest_places)
 
     def _rows(
-        self, rows: Floats, limit: float, nearest: int, places: Ints | None, threads: int, lower_bound: bool = False
+        self,
+        rows: Floats,
+        limit: float,
+        nearest: int,
+        places: Ints | None,
+        threads: int,
+        lower_bound: bool = False,
+        earlier: Earlier = _NOTHING_EARLIER,
     ) -> Any:
         """The core's columns of a table."""
         measure, rounds = self._tables.all.distances(limit), _BOUND_ROUNDS if lower_bound else 0
         if self._kernel is not None:
-            return measure.of_states(self._kernel, places, rows, nearest, rounds, threads)
+            return measure.of_states(self._kernel, places, rows, nearest, rounds, threads, *earlier)
         blocks = [
             measure.of_poses(self._link_poses(rows[first : first + _BLOCK]), nearest, rounds, threads)
             for first in range(0, max(len(rows), 1), _BLOCK)

@@ -22,6 +22,9 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.common.whole_numbers import row_of_table
 
+# Numbers that say where a row's descent ended: how many corners, their vertices of the first body, of the second one.
+CORNER_NUMBERS = 9
+
 # All places where the bodies of a row are nearest, without padding, and the gradients (n, nv) at nearest points (n, 3)
 # of the first one along a normal.
 Places = Callable[[int], tuple[list[NearestPlace], Callable[[Floats, Floats], Floats]]]
@@ -60,6 +63,7 @@ class Distances(OwnsArrays):
     gap: Floats
     unique: Bools
     gradient: Floats
+    _corners: Ints = field(compare=False)
     _places: Places | None = field(default=None, compare=False)
 
     def __getstate__(self) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """Tables of distances against single pairs, Pinocchio's tangent, and derivatives in 300 bits."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -94,6 +95,43 @@ def test_rows_depend_on_the_configuration_alone(panda, checker, states, change):
         own = table.state == state
         np.testing.assert_array_equal(single.gradient, table.gradient[own])
         np.testing.assert_array_equal(single.points, table.points[own])
+
+
+@pytest.mark.parametrize("off", [0.0, 0.003, 0.1, 3.0])
+@pytest.mark.parametrize("nearest", [None, 3])
+def test_earlier_rows_change_digits_alone(checker, states, off, nearest):
+    earlier = checker.distances(states + off * np.random.default_rng(2).normal(size=states.shape), 2 * LIMIT)
+    table = checker.distances(states, LIMIT, nearest)
+    again = checker.distances(states, LIMIT, nearest, start=earlier, threads=2)
+    order, other = np.lexsort((table.pair, table.state)), np.lexsort((again.pair, again.state))
+    for name in ("state", "pair", "unique"):
+        np.testing.assert_array_equal(getattr(table, name)[order], getattr(again, name)[other])
+    np.testing.assert_allclose(table.distance[order], again.distance[other], rtol=0, atol=1e-13)
+    apart = table.distance[order] > 0  # else the distance is its lower bound
+    assert (again.lower[other] <= table.distance[order])[apart].all()
+    assert (table.lower[order] <= again.distance[other])[apart].all()
+    own = order[table.unique[order]], other[again.unique[other]]
+    np.testing.assert_allclose(table.gradient[own[0]], again.gradient[own[1]], rtol=0, atol=1e-9)
+    one = checker.distances(states[:1], LIMIT, nearest, start=checker.distances(states[:1], 2 * LIMIT))
+    np.testing.assert_allclose(one.distance, table.distance[table.state == 0], rtol=0, atol=1e-13)
+
+
+def test_descents_begin_at_the_earlier_corners(checker, states):
+    """From its own corners a descent ends where it began, with other digits in some rows."""
+    table = checker.distances(states)
+    again = checker.distances(states, start=table)
+    assert (again.distance != table.distance).any() or (again.points != table.points).any()
+    twice = checker.distances(states, start=table, threads=3)
+    np.testing.assert_array_equal(again.points, twice.points)
+    kept = pickle.loads(pickle.dumps(table))
+    np.testing.assert_array_equal(again.points, checker.distances(states, start=kept).points)
+
+
+@pytest.mark.parametrize("numbers", [[9] * 9, [-1] * 9, [2, 10**6, 0, 0, 0, 0, 0, 0, 0], [1, 0, 0, 0, 0, -5, 0, 0, 0]])
+def test_corners_that_are_none_are_passed_over(checker, states, numbers):
+    table = checker.distances(states)
+    broken = replace(table, _corners=np.tile(np.array(numbers, np.int32), (len(table), 1)))
+    np.testing.assert_array_equal(checker.distances(states, start=broken).points, table.points)
 
 
 def test_gradients_are_those_of_300_bits(checker, states):
@@ -323,6 +361,7 @@ def test_a_function_for_optimisers_has_a_row_for_each_pair(checker, states):
         ({"nearest": 0}, "nearest must be"),
         ({"nearest": True}, "nearest must be"),
         ({"threads": 0}, "threads must be"),
+        ({"start": 0.5}, "start must be a table of 1 configurations"),
     ],
 )
 def test_bad_arguments_are_named(checker, states, arguments, message):
@@ -341,6 +380,14 @@ def test_instants_that_are_none_are_named(checker, at, start_time, message):
     still = pc.Trajectory([0.0, 1.0], np.stack([checker.robot.reference] * 2), controller="linear")
     with pytest.raises(pc.PlannercheckError, match=message):
         pc.distances_along(checker, still, at, start_time=start_time)
+
+
+def test_earlier_rows_are_of_as_many_configurations(panda, checker, states):
+    with pytest.raises(pc.PlannercheckError, match="start must be a table of 1 configurations"):
+        checker.distances(states[:1], start=checker.distances(states))
+    slow = pc.Checker(panda, checker.scene, kinematics="pinocchio")
+    with pytest.raises(pc.PlannercheckError, match="start needs the compiled kinematics"):
+        slow.distances(states[:1], gradients=False, start=checker.distances(states[:1]))
 
 
 def test_so_many_nearest_pairs_as_there_are(checker, states):

@@ -51,7 +51,7 @@ class BoundDistances : public Pooled<DistanceCore> {
           const std::size_t first = taken.fetch_add(kRowsAtOnce);
           if (first >= all.count) break;
           const std::size_t count = std::min(kRowsAtOnce, all.count - first);
-          measure(GivenStates{all.kinematics, all.numbers + first * width, first, count}, parts[taker], w);
+          measure(GivenStates{all.kinematics, all.numbers + first * width, first, count, all.earlier}, parts[taker], w);
           poll_interruption();
         }
       });
@@ -60,24 +60,29 @@ class BoundDistances : public Pooled<DistanceCore> {
   }
 };
 
-// (states, pairs, distances, lower bounds, points, normals, spreads, which are unique, gradients), a row each.
+// (states, pairs, distances, lower bounds, points, normals, spreads, which are unique, gradients, corners), a row each.
 nb::tuple arrays_of(const DistanceTable& table, std::size_t tangent) {
   const std::size_t n = table.rows.size();
   std::vector<std::int64_t> states(n);
-  std::vector<std::int32_t> pairs(n);
+  std::vector<std::int32_t> pairs(n), corners(kCornerNumbers * n);
   std::vector<std::uint8_t> unique(n);
   std::vector<double> distances(n), lower(n), points, normals, spreads(n);
+  points.reserve(6 * n), normals.reserve(3 * n);
   const auto put = [](std::vector<double>& to, Vec3 v) { to.insert(to.end(), {v.x, v.y, v.z}); };
   for (std::size_t i = 0; i < n; ++i) {
     const DistanceRow& row = table.rows[i];
     states[i] = row.state, pairs[i] = row.pair, distances[i] = row.distance, lower[i] = row.lower;
     put(points, row.on_a), put(points, row.on_b), put(normals, row.normal);
     spreads[i] = row.spread, unique[i] = row.unique;
+    std::int32_t* const vertices = &corners[kCornerNumbers * i];
+    vertices[0] = row.corners.count;
+    std::copy_n(row.corners.body_a.begin(), 4, vertices + 1);
+    std::copy_n(row.corners.body_b.begin(), 4, vertices + 5);
   }
   return nb::make_tuple(output_array(states, {n}), output_array(pairs, {n}), output_array(distances, {n}),
                         output_array(lower, {n}), output_array(points, {n, 2, 3}), output_array(normals, {n, 3}),
                         output_array(spreads, {n}), output_array(unique, {n}),
-                        output_array(table.gradients, {n, tangent}));
+                        output_array(table.gradients, {n, tangent}), output_array(corners, {n, kCornerNumbers}));
 }
 
 // `nearest`: how many pairs of each state; 0 for all within the limit.
@@ -95,6 +100,16 @@ nb::tuple table_of(BoundDistances& distances, const GivenStates& states, std::si
 }
 
 using Places = InputArray<std::int32_t, -1>;
+using Corners = InputArray<std::int32_t, -1, kCornerNumbers>;
+
+EarlierRows earlier_rows(const Places& bounds, const Places& pairs, const Corners& corners, std::size_t states) {
+  if (bounds.shape(0) == 0) return {};
+  const std::span<const std::int32_t> all{bounds.data(), bounds.shape(0)};
+  const bool are_whole = all.size() == states + 1 && all.front() >= 0 && std::is_sorted(all.begin(), all.end()) &&
+                         at(all.back()) <= std::min(pairs.shape(0), corners.shape(0));
+  if (!are_whole) throw nb::value_error("earlier rows need a bound before each state and one behind");
+  return {all, pairs.data(), corners.data()};
+}
 
 Tangent tangent_of(const Places& places, const Kinematics& kinematics) {
   if (places.shape(0) != at(kinematics.width())) throw nb::value_error("each number needs its place in the tangent");
@@ -105,11 +120,13 @@ Tangent tangent_of(const Places& places, const Kinematics& kinematics) {
 }
 
 nb::tuple of_states(BoundDistances& distances, const Kinematics& kinematics, std::optional<Places> places,
-                    Configurations q, int nearest, int rounds, int threads) {
+                    Configurations q, int nearest, int rounds, int threads, Places bounds, Places pairs,
+                    Corners corners) {
   Tangent tangent;
   if (places) tangent = tangent_of(*places, kinematics);
-  return table_of(distances, {&kinematics, q.data(), 0, q.shape(0)}, q.shape(1), places ? &tangent : nullptr, nearest,
-                  rounds, threads);
+  const EarlierRows earlier = earlier_rows(bounds, pairs, corners, q.shape(0));
+  return table_of(distances, {&kinematics, q.data(), 0, q.shape(0), earlier}, q.shape(1), places ? &tangent : nullptr,
+                  nearest, rounds, threads);
 }
 
 nb::tuple of_poses(BoundDistances& distances, LinkPoses poses, int nearest, int rounds, int threads) {
@@ -154,7 +171,7 @@ void bind_distance_tables(nb::module_& m) {
                     std::shared_ptr<SampledPoses>>(),
            plain_floats)
       .def("of_states", &of_states, nb::arg("kinematics"), nb::arg("places").none(), nb::arg("q"), nb::arg("nearest"),
-           nb::arg("rounds"), nb::arg("threads"), plain_floats)
+           nb::arg("rounds"), nb::arg("threads"), nb::arg("bounds"), nb::arg("pairs"), nb::arg("corners"), plain_floats)
       .def("nearest_places", &nearest_places, plain_floats)
       .def("gradients_at", &gradients_at, plain_floats)
       .def("of_poses", &of_poses, plain_floats);

@@ -146,9 +146,12 @@ void DistanceCore::measure(const GivenStates& states, const Tangent* tangent, Di
     for (const std::int32_t pair : pairs) {
       NearestParts nearest;
       const PosedPair posed = posed_pair(pair, links);
-      const PairDistance found = with_parts(posed, limit_, nearest, w.counters);
+      VertexPairs corners;
+      const PairDistance found = posed.are_hulls()
+                                     ? between_hulls(states, row, pair, posed, limit_, corners, w.counters)
+                                     : with_parts(posed, limit_, nearest, w.counters);
       if (found.upper > limit_) continue;
-      add_row(row, pair, found, spread(posed, found, nearest, w.counters), states, tangent, out, w);
+      add_row(row, pair, found, spread(posed, found, nearest, w.counters), corners, states, tangent, out, w);
     }
   };
   if (near_ && states.kinematics != nullptr) {
@@ -168,6 +171,7 @@ void DistanceCore::nearest(const GivenStates& states, const Tangent* tangent, st
   struct Candidate {
     PairDistance found;
     std::int32_t pair;
+    VertexPairs corners;
   };
   const auto is_nearer = [](const Candidate& a, const Candidate& b) {
     const double of_a = a.found.measured(), of_b = b.found.measured();
@@ -185,22 +189,24 @@ void DistanceCore::nearest(const GivenStates& states, const Tangent* tangent, st
       if (best.size() == count && w.gaps[at(pair)] > limit) break;
       const PosedPair posed = posed_pair(pair, links);
       PairDistance found;
+      VertexPairs corners;
       if (rounds > 0) {
         found.lower = found.upper = distance_bound(posed.a, posed.b, rounds, w.counters);
       } else {
-        found = pair_distance(posed.a, posed.b, limit, w.counters);
+        found = posed.are_hulls() ? between_hulls(states, row, pair, posed, limit, corners, w.counters)
+                                  : pair_distance(posed.a, posed.b, limit, w.counters);
       }
-      const Candidate candidate{found, pair};
+      const Candidate candidate{found, pair, corners};
       if (found.lower > limit || (best.size() == count && !is_nearer(candidate, best.back()))) continue;
       if (best.size() == count) best.pop_back();
       best.insert(std::upper_bound(best.begin(), best.end(), candidate, is_nearer), candidate);
     }
-    for (const auto& [found, pair] : best) {
+    for (const auto& [found, pair, corners] : best) {
       NearestParts nearest;
       const PosedPair posed = posed_pair(pair, links);
       if (rounds == 0 && !posed.are_convex()) with_parts(posed, found.upper, nearest, w.counters);
       const double apart = rounds == 0 ? spread(posed, found, nearest, w.counters) : kNoLimit;
-      add_row(row, pair, found, apart, states, tangent, out, w);
+      add_row(row, pair, found, apart, corners, states, tangent, out, w);
     }
   }
 }
@@ -263,6 +269,10 @@ DistanceCore::PosedPair DistanceCore::posed_pair(std::int32_t pair, const PoseCo
 
 bool DistanceCore::PosedPair::are_convex() const { return a.body->traits().is_convex && b.body->traits().is_convex; }
 
+bool DistanceCore::PosedPair::are_hulls() const {
+  return a.body->traits().fills_hull() && b.body->traits().fills_hull();
+}
+
 void DistanceCore::order_by_gaps(const PoseColumns* links, Workspace& w) const {
   w.gaps.resize(pairs_.size());
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
@@ -275,15 +285,41 @@ void DistanceCore::order_by_gaps(const PoseColumns* links, Workspace& w) const {
 }
 
 void DistanceCore::add_row(std::size_t state, std::int32_t pair, const PairDistance& found, double spread,
-                           const GivenStates& states, const Tangent* tangent, DistanceTable& out, Workspace& w) const {
+                           const VertexPairs& corners, const GivenStates& states, const Tangent* tangent,
+                           DistanceTable& out, Workspace& w) const {
   const auto [a, b] = pairs_[at(pair)];
   const double size = smaller(extent(*bodies_[at(a)].body), extent(*bodies_[at(b)].body));
   out.rows.push_back({static_cast<std::int64_t>(states.first + state), pair, found.measured(), found.lower,
-                      found.on_body_a, found.on_body_b, found.direction, spread, spread <= kOnePoint * size});
+                      found.on_body_a, found.on_body_b, found.direction, spread, spread <= kOnePoint * size, corners});
   if (tangent == nullptr) return;
   out.gradients.resize(out.gradients.size() + tangent->width, 0.0);
   double* const gradient = out.gradients.data() + out.gradients.size() - tangent->width;
   add_gradient(*states.kinematics, w.poser, w.joints[at(pair)], *tangent, found.on_body_a, found.direction, gradient);
+}
+
+PairDistance DistanceCore::between_hulls(const GivenStates& states, std::size_t row, std::int32_t pair,
+                                         const PosedPair& posed, double limit, VertexPairs& corners,
+                                         PairCounters& counters) const {
+  if (!states.earlier.bounds.empty()) take_earlier(states, row, pair, posed, corners);
+  return convex_distance(posed.a, posed.b, limit, counters, &corners);
+}
+
+void DistanceCore::take_earlier(const GivenStates& states, std::size_t row, std::int32_t pair, const PosedPair& posed,
+                                VertexPairs& corners) {
+  const EarlierRows& earlier = states.earlier;
+  const std::int32_t* const bounds = &earlier.bounds[states.first + row];
+  const std::int32_t* const own = std::find(earlier.pairs + bounds[0], earlier.pairs + bounds[1], pair);
+  if (own == earlier.pairs + bounds[1]) return;
+  const std::int32_t* const numbers = earlier.corners + kCornerNumbers * static_cast<std::size_t>(own - earlier.pairs);
+  const std::int32_t count = numbers[0];
+  const auto are_of = [&](const std::int32_t* vertices, const Polytope& body) {
+    const auto is_own = [&](std::int32_t vertex) { return vertex >= 0 && at(vertex) < body.inner.points.size(); };
+    return std::all_of(vertices, vertices + count, is_own);
+  };
+  if (count < 1 || count > 4 || !are_of(numbers + 1, *posed.a.body) || !are_of(numbers + 5, *posed.b.body)) return;
+  corners.count = count;
+  std::copy_n(numbers + 1, count, corners.body_a.begin());
+  std::copy_n(numbers + 5, count, corners.body_b.begin());
 }
 
 PairDistance DistanceCore::with_parts(const PosedPair& pair, double limit, NearestParts& nearest,

@@ -3,7 +3,7 @@
 // In: bodies on links, pairs, a limit; then configurations, or posed links. Out: a row for each pair that is asked for,
 // with its points, normal and gradient. Idea: bodies that are inflated by half of the limit meet where a pair is near,
 // so the filters of verdicts leave these pairs, and each of them is measured. Immutable: each thread brings a
-// workspace. Rows depend on nothing but the configuration.
+// workspace. A row depends on nothing but its configuration, and the earlier row that is given for it.
 #pragma once
 
 #include <array>
@@ -30,6 +30,7 @@ struct DistanceRow {
   Vec3 on_a, on_b, normal;         // in the world; the normal from b to a
   double spread = 0;               // see nearest_spread.hpp, m; infinite where nothing is proved
   bool unique = false;             // whether the spread is that of one pair of points, up to rounding
+  VertexPairs corners;             // of two hulls, where the descent of another configuration may begin
 };
 
 struct DistanceTable {
@@ -43,12 +44,21 @@ DistanceTable in_order(const std::vector<DistanceTable>& parts, std::size_t tang
 // The bodies without the part of each inflation radius that is padding, m.
 std::vector<GeometryObject> without_padding(std::vector<GeometryObject> bodies, std::span<const double> paddings);
 
+// Rows of a table of configurations near those that are asked about, by state: `bounds` has one number more than there
+// are states, `corners` a row of kCornerNumbers: the count, the vertices of A, those of B.
+inline constexpr std::size_t kCornerNumbers = 9;
+struct EarlierRows {
+  std::span<const std::int32_t> bounds;
+  const std::int32_t *pairs = nullptr, *corners = nullptr;
+};
+
 // Configurations (n, width of the kinematics), or posed links: n times as many matrices as there are links, row-major
 // 4x4. The first one is number `first` of all.
 struct GivenStates {
   const Kinematics* kinematics;  // null: links
   const double* numbers;
   std::size_t first, count;
+  EarlierRows earlier = {};
 };
 
 // Two convex parts of a pair, or two hulls, that are nearest: their vertices in the world, none of a half-space; their
@@ -89,6 +99,7 @@ class DistanceCore {
     std::array<std::int32_t, 2> bodies;
 
     bool are_convex() const;
+    bool are_hulls() const;
   };
 
   std::vector<GeometryObject> bodies_;
@@ -105,8 +116,16 @@ class DistanceCore {
   PosedPolytope posed(std::int32_t body, const PoseColumns* links) const;
   PosedPair posed_pair(std::int32_t pair, const PoseColumns* links) const;
   void add_row(std::size_t state, std::int32_t pair, const PairDistance& found, double spread,
-               const GivenStates& states, const Tangent* tangent, DistanceTable& out, Workspace& workspace) const;
+               const VertexPairs& corners, const GivenStates& states, const Tangent* tangent, DistanceTable& out,
+               Workspace& workspace) const;
   void order_by_gaps(const PoseColumns* links, Workspace& workspace) const;
+  // The distance of two hulls, from the corners of their earlier row on if there is one; `corners` become those where
+  // the descent ended.
+  PairDistance between_hulls(const GivenStates& states, std::size_t row, std::int32_t pair, const PosedPair& posed,
+                             double limit, VertexPairs& corners, PairCounters& counters) const;
+  // Corners of an earlier row that are vertices of both bodies.
+  static void take_earlier(const GivenStates& states, std::size_t row, std::int32_t pair, const PosedPair& posed,
+                           VertexPairs& corners);
   // The distance of a pair; of two bodies that are not both convex, the parts that are nearest are added.
   PairDistance with_parts(const PosedPair& pair, double limit, NearestParts& nearest, PairCounters& counters) const;
   double spread(const PosedPair& pair, const PairDistance& found, const NearestParts& nearest,

@@ -25,6 +25,11 @@ target_include_directories(face PRIVATE "${folder}/include")
 compile_for_all_levels(face)
 set(objects $<TARGET_OBJECTS:face>)
 
+set(PLANNERCHECK_GNU_LD "${CMAKE_LINKER}")
+if(CMAKE_LINKER MATCHES "lld")  # CMake's choice for Clang; it leaves groups, whose symbols can't be made local
+  unset(PLANNERCHECK_GNU_LD)
+  find_program(PLANNERCHECK_GNU_LD ld.bfd REQUIRED)
+endif()
 foreach(level IN LISTS levels)
   target_compile_definitions(face PRIVATE PLANNERCHECK_HAS_${level})
   if(APPLE)
@@ -40,13 +45,13 @@ foreach(level IN LISTS levels)
     set(renamed "--redefine-syms=${called}")
     set(bindings_${level} "${CMAKE_CURRENT_BINARY_DIR}/bindings_${level}.o")
     add_custom_command(OUTPUT "${called}" "${bindings_${level}}"
-      COMMAND "${CMAKE_LINKER}" -r -o "${joined}.bindings.o" $<TARGET_OBJECTS:bindings>
+      COMMAND "${PLANNERCHECK_GNU_LD}" -r -o "${joined}.bindings.o" $<TARGET_OBJECTS:bindings>
       COMMAND sh -c "'${CMAKE_NM}' -u '${joined}.bindings.o' | sed -n 's/.* \\(.*plannercheck.*\\)/\\1 \\1.${level}/p' > '${called}'"
       COMMAND "${CMAKE_OBJCOPY}" "${renamed}" "${joined}.bindings.o" "${bindings_${level}}"
       DEPENDS bindings $<TARGET_OBJECTS:bindings> COMMAND_EXPAND_LISTS VERBATIM)
   endif()
   add_custom_command(OUTPUT "${joined}.o"
-    COMMAND "${CMAKE_LINKER}" -r --force-group-allocation -o "${joined}.all.o" $<TARGET_OBJECTS:level_${level}>
+    COMMAND "${PLANNERCHECK_GNU_LD}" -r --force-group-allocation -o "${joined}.all.o" $<TARGET_OBJECTS:level_${level}>
       $<TARGET_OBJECTS:common>
     COMMAND "${CMAKE_OBJCOPY}" ${renamed} --wildcard --keep-global-symbol=*.${level}
       --keep-global-symbol=plannercheck_engine_${level} "${joined}.all.o" "${joined}.o"

@@ -93,18 +93,21 @@ double ball_gap(const PosedPolytope& body_a, const PosedPolytope& body_b) {
 double convex_bound(const PosedPolytope& body_a, const PosedPolytope& body_b, int rounds, PairCounters& counters) {
   DistanceGoal goal = goal_for(body_a, body_b, std::numeric_limits<double>::infinity());
   goal.rounds = rounds;
-  const HullDistance found = hull_distance(body_a, body_b, posed_centre(body_a) - posed_centre(body_b), goal, counters);
+  const Vec3 hint = posed_centre(body_a) - posed_centre(body_b);
+  const HullDistance found = hull_distance(body_a, body_b, hint, {}, goal, counters);
   const double balls = ball_gap(body_a, body_b);
   return found.lower > 0 ? larger(balls, found.lower - goal.inflation_radius * (1 + 0x1p-50)) : balls;
 }
 
 PairDistance convex_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
-                             PairCounters& counters) {
+                             PairCounters& counters, VertexPairs* corners) {
   const DistanceGoal goal = goal_for(body_a, body_b, limit);
   DistanceGoal of_doubles = goal;  // the last rounds are cheap, and the nearest points are those of the features, then
   of_doubles.relative = kDoublesError;
   const Vec3 hint = posed_centre(body_a) - posed_centre(body_b);
-  HullDistance found = hull_distance(body_a, body_b, hint, of_doubles, counters);
+  HullDistance found =
+      hull_distance(body_a, body_b, hint, corners == nullptr ? VertexPairs{} : *corners, of_doubles, counters);
+  if (corners != nullptr) *corners = found.start;
   std::optional<HullDepth> depth;
   bool overlap = false;
   if (!(found.lower > goal.inflation_radius * (1 + 0x1p-48))) {

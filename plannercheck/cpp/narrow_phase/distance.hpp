@@ -45,9 +45,11 @@ struct PartVisitor {
 PairDistance pair_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
                            PairCounters& counters, const PartVisitor* visit = nullptr);
 
-// The same for the hulls of bodies.
+// The same for the hulls of bodies. `corners`: those of a distance found before, to begin with, or none; it becomes
+// those where the descent ended. They change the way to the answer, and so its last digits, or which one of several
+// nearest pairs of points it is.
 PairDistance convex_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
-                             PairCounters& counters);
+                             PairCounters& counters, VertexPairs* corners = nullptr);
 
 // A lower bound after a few steps; for bodies that overlap, that of the balls around them.
 double distance_bound(const PosedPolytope& body_a, const PosedPolytope& body_b, int rounds, PairCounters& counters);

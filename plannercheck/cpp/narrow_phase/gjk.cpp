@@ -160,9 +160,9 @@ class NearestPoints {
     return with_corners(search(direction, simplex), simplex);
   }
 
-  HullDistance distance(Vec3 direction, const DistanceGoal& goal) {
+  HullDistance distance(Vec3 direction, const VertexPairs& from, const DistanceGoal& goal) {
     Simplex simplex;
-    HullDistance out = descend(direction, goal, simplex);
+    HullDistance out = descend(direction, from, goal, simplex);
     out.start.direction = simplex.count > 0 && simplex.count < 4 ? simplex.nearest : out.direction;
     out.start = with_corners(out.start, simplex);
     return out;
@@ -197,10 +197,15 @@ class NearestPoints {
   }
 
   // Continues past separating planes until both bounds meet or doubles make no more progress.
-  HullDistance descend(Vec3 direction, const DistanceGoal& goal, Simplex& simplex) {
+  HullDistance descend(Vec3 direction, const VertexPairs& from, const DistanceGoal& goal, Simplex& simplex) {
     HullDistance out;
-    out.direction = direction;
     double square = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(from.count); ++i) {
+      take(differences_.corner(from.body_a[i], from.body_b[i]), simplex, square);
+    }
+    if (simplex.count > 0) direction = simplex.nearest;
+    out.direction = direction;
+    if (simplex.count > 0 && is_enough(simplex, goal, out)) return out;
     for (int round = 0; round < goal.rounds; ++round) {
       ++counters_.rounds;
       const double length = norm(direction);
@@ -212,14 +217,20 @@ class NearestPoints {
       out.lower = larger(out.lower, height);
       if (goal.met(out)) return out;
       if (!take(corner, simplex, square)) return out;
-      if (simplex.count == 4) return out;  // the origin is inside, as far as doubles tell
+      if (is_enough(simplex, goal, out)) return out;
       direction = simplex.nearest;
-      out.upper = norm_at_any_scale(direction) + 2 * difference_error_;
-      out.on_body_a = simplex.on_body_a();
-      out.on_body_b = out.on_body_a - direction;
-      if (goal.met(out)) return out;
     }
     return out;
+  }
+
+  // Takes the bound of a simplex's nearest point. True if that meets the goal, or if the origin is inside of the
+  // simplex, as far as doubles tell.
+  bool is_enough(const Simplex& simplex, const DistanceGoal& goal, HullDistance& out) const {
+    if (simplex.count == 4) return true;
+    out.upper = norm_at_any_scale(simplex.nearest) + 2 * difference_error_;
+    out.on_body_a = simplex.on_body_a();
+    out.on_body_b = out.on_body_a - simplex.nearest;
+    return goal.met(out);
   }
 
   Proximity search(Vec3 direction, Simplex& simplex) {
@@ -278,9 +289,9 @@ Proximity nearest_points(const PosedPolytope& body_a, const PosedPolytope& body_
   return NearestPoints(body_a, body_b, counters, dents).run(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0});
 }
 
-HullDistance hull_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 hint,
+HullDistance hull_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 hint, const VertexPairs& from,
                            const DistanceGoal& goal, PairCounters& counters) {
-  return NearestPoints(body_a, body_b, counters).distance(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0}, goal);
+  return NearestPoints(body_a, body_b, counters).distance(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0}, from, goal);
 }
 
 }  // namespace plannercheck

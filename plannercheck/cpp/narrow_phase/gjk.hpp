@@ -11,14 +11,18 @@
 
 namespace plannercheck {
 
-struct Proximity {
+// The corners of a simplex: pairs of vertices whose differences are mixed.
+struct VertexPairs {
+  int count = 0;
+  std::array<std::int32_t, 4> body_a{}, body_b{};
+};
+
+// Its corners are of the nearest point found, or of a shared point.
+struct Proximity : VertexPairs {
   Answer answer = Answer::kUndecided;
   Vec3 direction;      // in the world, from B to A: normal of a separating plane, or the best found
   Vec3 direction_low;  // its low part in double-double; 0 if found in doubles
   Vec3 point;          // in the world: a shared point, if there is one
-  // Pairs of vertices whose differences mix the nearest point found, or a shared point.
-  int count = 0;
-  std::array<std::int32_t, 4> body_a, body_b;
 };
 
 // The distance of two hulls without their inflation radii, in m, between proved bounds.
@@ -41,8 +45,8 @@ struct DistanceGoal {
   }
 };
 
-// The bounds that doubles can prove.
-HullDistance hull_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 hint,
+// The bounds that doubles can prove. `from`: corners to begin with, in place of the hint; vertices of both bodies.
+HullDistance hull_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, Vec3 hint, const VertexPairs& from,
                            const DistanceGoal& goal, PairCounters& counters);
 
 // `hint`: a world direction to begin with. `dents`: points have to be within the inflation radius past the dents of

@@ -28,6 +28,9 @@ LIMIT = 0.1  # m
 # States of a motion, and those that slow libraries measure in a round.
 _ON_A_MOTION, _FEW = 100, 20
 
+# How far off the states are from whose table `start=` begins, rad and m: a small step of an optimiser, and a large one.
+_STEPS = (0.003, 0.03)
+
 # Of coal's GJK, m: its own tolerance, and that of our bounds.
 _COAL_TOLERANCES = {"coal, near pairs": 1e-6, "coal, to 1e-12 m": 1e-12}
 
@@ -62,8 +65,11 @@ def measure(
 def _of_states(
     checker: Checker, q: Floats, drawn: str, rounds: int, skipped: Callable[[str], None]
 ) -> list[DistanceRow]:
+    steps = np.random.default_rng(0).normal(size=q.shape)
+    earlier = {f"start={step:g} off": checker.distances(q + step * steps, LIMIT) for step in _STEPS}
     works: dict[str, Contender] = {
         "distances": Contender([partial(checker.distances, q, LIMIT)], len(q)),
+        **{name: Contender([partial(checker.distances, q, LIMIT, start=of)], len(q)) for name, of in earlier.items()},
         "without gradients": Contender([partial(checker.distances, q, LIMIT, gradients=False)], len(q)),
         "nearest=1": Contender([partial(checker.distances, q, nearest=1)], len(q)),
     }

@@ -54,7 +54,7 @@ class Input {
 
 std::array<double, 16> pose(Input& in) {
   std::array<double, 16> out{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-  for (const std::size_t k : {3, 7, 11}) out[k] = in.number();
+  for (const unsigned k : {3U, 7U, 11U}) out[k] = in.number();
   if (in.byte() % 8 == 0) out[in.byte() % 16] = in.number();
   return out;
 }
