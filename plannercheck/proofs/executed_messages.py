@@ -69,7 +69,8 @@ def trajectory_proved(
         start: (columns,) where the robot stands at 0 s, at rest, rad and m; None: at the first point.
         message: Which trajectory of the file, from 0; None: it holds one.
         start_time: The scene's clock where the trajectory begins, s; without effect where nothing moves.
-        robot_columns: How many columns are the robot's, the first ones; needed where something in the scene moves.
+        robot_columns: How many columns are the robot's, the first ones; needed where something in the scene moves. The
+            other columns are as the proofs have them.
 
     Returns:
         What is missing.

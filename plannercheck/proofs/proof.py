@@ -163,7 +163,8 @@ def verify_trajectory(
         start: (columns,) where the robot stands, at rest, rad and m: the first proof is then of the way from there to
             the first point, unless this point is at 0 s. None: the first point.
         start_time: The scene's clock where the trajectory begins, s; without effect where nothing moves.
-        robot_columns: How many columns are the robot's (`Robot.nq`), the first ones; needed where something moves.
+        robot_columns: How many columns are the robot's (`Robot.nq`), the first ones; needed where something moves. The
+            others are as the proofs have them: `Proof.verify(robot=, scene=)` compares them.
 
     Returns:
         The verification, as of `verify_path`.

@@ -11,7 +11,7 @@ from gantries import gantry_robot
 
 import plannercheck as pc
 from plannercheck.cli.main import main
-from plannercheck.proofs import load_proofs, save_proofs, verify_trajectory
+from plannercheck.proofs import load_proofs, verify_trajectory
 from plannercheck.proofs.executed_messages import cell_proved
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*it is judged from then on")
@@ -156,21 +156,23 @@ def test_a_scene_that_moves(folder, capsys, path):
     refused("on the clock are not proved", ["--path", "left=right.yaml", "right=left.yaml", *delayed[3:]])
     assert main(["verify", "cell.proof.json", *delayed]) == 2
     assert "name --robot and --scene" in capsys.readouterr().err
-    proofs = load_proofs("cell.proof.json")
-    for k in (0, 4, len(proofs) - 1):
-        save_proofs(proofs[:k] + proofs[k + 1 :], "cell.proof.json")
-        refused("and cut elsewhere" if k in (0, len(proofs) - 1) else "on the clock are not proved")
+    proofs, messages = load_proofs("cell.proof.json"), {"left": "left.yaml", "right": "right.yaml"}
+
+    def fault(given):
+        return cell_proved(given, messages, {"right": 0.7}, robot_columns=4).fault
+
+    def timed(proof, *clock):
+        return replace(proof, motion=replace(proof.motion, clock=clock))
+
+    assert fault(proofs) is None
+    for k in range(len(proofs)):
+        words = "and cut elsewhere" if k in (0, len(proofs) - 1) else "on the clock are not proved"
+        assert words in fault(proofs[:k] + proofs[k + 1 :])
     for late in (0.1, 1e-6):
-        moved = [tuple(time + late for time in proof.motion.clock) for proof in proofs]
-        forged = [replace(p, motion=replace(p.motion, clock=c)) for p, c in zip(proofs, moved, strict=True)]
-        save_proofs(forged, "cell.proof.json")
-        refused("and cut elsewhere")
-        save_proofs([proofs[0], forged[1], *proofs[2:]], "cell.proof.json")
-        refused("on the clock are not proved")
-    timeless = replace(proofs[2], motion=replace(proofs[2].motion, clock=()))
-    save_proofs([*proofs[:2], timeless, *proofs[3:]], "cell.proof.json")
-    refused("on the clock are not proved")
-    save_proofs(proofs, "cell.proof.json")
+        forged = [timed(proof, *(time + late for time in proof.motion.clock)) for proof in proofs]
+        assert "and cut elsewhere" in fault(forged)
+        assert "on the clock are not proved" in fault([proofs[0], forged[1], *proofs[2:]])
+    assert "on the clock are not proved" in fault([*proofs[:2], timed(proofs[2]), *proofs[3:]])
     left = pc.Trajectory.load("left.yaml", folder[0].robot.parts["left"].robot)
     pc.Trajectory([0.1, 2.1], left.position([0.1, 2.1])[:, :1], joint_names=["x"]).save("left.yaml")
     refused("lacks y", code=2)
