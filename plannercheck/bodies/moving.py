@@ -21,6 +21,7 @@ from plannercheck.common.arrays import contiguous, read_only, shown_array
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.motion_paths import MotionPath, check_path
 from plannercheck.common.public_names import set_module
+from plannercheck.common.shown_times import shown_seconds, shown_span
 from plannercheck.common.transforms import quaternion_of_rotation
 
 Outside: TypeAlias = Literal["refuse", "stand"]
@@ -109,8 +110,8 @@ class Moving:
 
     def __repr__(self) -> str:
         if self.ride is not None:
-            return f"Moving(along link {self.ride.link!r} from {self.ride.start_time:g} s)"
-        return f"Moving({len(self.times)} poses, {self.times[0]:g} to {self.times[-1]:g} s)"
+            return f"Moving(along link {self.ride.link!r} from {shown_seconds(self.ride.start_time)} s)"
+        return f"Moving({len(self.times)} poses, {shown_span(*self.times[[0, -1]].tolist())})"
 
 
 def is_screw(moving: Moving) -> bool:

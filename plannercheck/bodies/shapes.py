@@ -78,7 +78,7 @@ class Box:
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """The eight corners (8, 3) in m and six quadrilaterals, exact whatever the excess."""
-        if min(self.size) == 0:
+        if min(self.size) / 2 == 0:  # so is half of the smallest double
             corners = itertools.product(*({-edge / 2, edge / 2} for edge in self.size))
             return np.array(list(corners)) + 0.0, None
         return BOX_SIGNS * (np.array(self.size) / 2), prism_faces(4)
@@ -303,6 +303,7 @@ def _check_rotation(rotation: Points, what: str, tolerance: float) -> None:
     """Raises if a 3 x 3 matrix is no rotation up to rounding."""
     error = float(np.linalg.norm(rotation.T @ rotation - np.eye(3)))
     if not error <= tolerance:
+        error = math.inf if math.isnan(error) else error  # infinite products may be of either sign
         raise PlannercheckError(f"pose of {what} is not rigid: |M^T M - 1| is {error:.3g}, accepted is {tolerance:g}")
     if np.linalg.det(rotation) < 0:
         raise PlannercheckError(f"pose of {what} is a reflection: det M is -1, a rotation has +1")

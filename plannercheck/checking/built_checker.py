@@ -37,9 +37,6 @@ from plannercheck.scenes.scene import Scene
 
 Same = TypeVar("Same", bound="BuiltChecker")
 
-# Where nothing meets anything, m.
-_FAR = 1e6
-
 
 class BuiltChecker:
     """The bodies and pairs of one robot in one scene, prepared and compiled.
@@ -252,24 +249,6 @@ class BuiltChecker:
         other = copy.copy(self)
         other._prepare(scene if scene is not None else Scene("empty"), self)
         return other
-
-    def _of_new_obstacle(self) -> tuple[Bools, float]:
-        """How a new obstacle that no allowed collision names would be tested.
-
-        (robot's bodies,) which of them it would be tested against, none where the checker takes no other scene; and its
-        part of the padding, m.
-        """
-        meets = np.zeros(len(self.robot.bodies), dtype=bool)
-        if self._settings.bodies is not None:
-            return meets, 0.0
-        scene, far = self.scene.copy(), np.eye(4)
-        far[0, 3] = _FAR
-        name = max([*self._labels, ""], key=len) + "+"  # no other has it
-        scene.add_box(name, (1.0, 1.0, 1.0), far)
-        probe = self.with_scene(scene)
-        index = probe._labels.index(name)
-        meets[probe.pairs[(probe.pairs == index).any(axis=1)].min(axis=1)] = True
-        return meets, float(probe.paddings[index])
 
     def with_bodies(self: Same, bodies: Sequence[GeometryObject]) -> Same:
         """The same checker with stand-ins, e.g. coarser ones, for the robot's bodies and then the scene's.

@@ -8,6 +8,7 @@ scenes stay for a while, since the next scene from a file may have them again. E
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
@@ -53,6 +54,8 @@ class _PreparedShape:
         if self._hull is None:
             excess, padding = self.setting
             points, faces, inflation_radius = inflated_hull(shape, excess)
+            if not traits_of(kind_of_shape(shape)).is_bounded:
+                inflation_radius = math.inf  # a pose may be beyond its points
             self._hull = points, faces, inflation_radius + padding
         return self._hull
 

@@ -21,6 +21,7 @@ from plannercheck.checking.compiled_tables import never_known
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import contiguous, shown_array
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.shown_times import shown_seconds, shown_span
 from plannercheck.robots.carriers import CarriedRobot, Carrier, free_carrier
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.screw_carriers import screw_carrier
@@ -63,8 +64,8 @@ class Course:
         if not self.stands and (begin < first - _ROUNDED or end > last + _ROUNDED):
             time = begin if begin < first - _ROUNDED else end
             raise PlannercheckError(
-                f"object {self.objects[0]!r} moves from {first:g} to {last:g} s of the scene's clock, not at {time:g}"
-                f" s: give its Moving more poses, or outside='stand'"
+                f"object {self.objects[0]!r} moves from {shown_span(first, last)} of the scene's clock, not at"
+                f" {shown_seconds(time)} s: give its Moving more poses, or outside='stand'"
             )
 
 

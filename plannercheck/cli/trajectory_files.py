@@ -29,6 +29,17 @@ def add_controller_argument(parser: argparse._ActionsContainer, what: str) -> No
     )
 
 
+def add_start_time_argument(parser: argparse._ActionsContainer) -> None:
+    """Adds --start-time."""
+    parser.add_argument(
+        "--start-time",
+        type=float,
+        metavar="S",
+        help="with --controller: the scene's clock where the trajectory begins, if something in the scene moves; "
+        "default: 0",
+    )
+
+
 def listed_numbers(text: str) -> tuple[float, ...]:
     """The numbers of an option's text, with commas between them."""
     try:

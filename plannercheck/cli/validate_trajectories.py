@@ -16,9 +16,15 @@ from typing import Any
 from plannercheck.cli.cell_paths import add_delay_argument
 from plannercheck.cli.proved_paths import PathProof, proof_file, write_proofs
 from plannercheck.cli.told_certificates import certificate_as_json, certificate_in_words
-from plannercheck.cli.trajectory_files import add_controller_argument, listed_numbers, trajectory_of
+from plannercheck.cli.trajectory_files import (
+    add_controller_argument,
+    add_start_time_argument,
+    listed_numbers,
+    trajectory_of,
+)
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import error_context
+from plannercheck.common.shown_times import shown_seconds
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.trajectory_verdict import TrajectoryVerdict
 from plannercheck.robots.robot import Robot
@@ -49,12 +55,7 @@ def add_trajectory_arguments(parser: argparse.ArgumentParser) -> None:
         help="where the robot stands when it gets the trajectory: the way to the first point is proved as well",
     )
     add_delay_argument(group)
-    group.add_argument(
-        "--start-time",
-        type=float,
-        metavar="S",
-        help="the scene's clock where the trajectory begins, where something in the scene moves; default: 0",
-    )
+    add_start_time_argument(group)
     group.add_argument(
         "--message", type=int, metavar="N", help="which trajectory of a DisplayTrajectory or of a bag, from 0"
     )
@@ -101,24 +102,24 @@ class JudgedTrajectory:
         """For the terminal."""
         verdict, tube = self.verdict, _shown_tube(self.verdict.tube)
         run = f"{len(self.trajectory.curve.pieces)} pieces, run by {self.trajectory.controller} in"
-        run = f"{run} {self.trajectory.duration:.6g} s{f', tube {tube}' if tube else ''}"
+        run = f"{run} {shown_seconds(self.trajectory.duration)} s{f', tube {tube}' if tube else ''}"
         room = f"largest tube {verdict.largest_tube:.3g}"
         if verdict.free:
             found = f"free at every instant ({run}); clearance {verdict.clearance:.3g} m, least at"
-            parts = [f"{found} {verdict.clearance_at:.6g} s{verdict.clock}; {room}"]
+            parts = [f"{found} {shown_seconds(verdict.clearance_at)} s{verdict.clock}; {room}"]
         else:
-            parts = [
-                f"not free ({run}): proved free until {verdict.free_until:.6g} s{verdict.clock}, {self._stop()}; {room}"
-            ]
+            until = shown_seconds(verdict.free_until)
+            parts = [f"not free ({run}): proved free until {until} s{verdict.clock}, {self._stop()}; {room}"]
         parts += [f"breaks a limit: {excess}" for excess in self.limits]
         return "; ".join(parts + ([] if self.proved is None else [self.proved.sentence]))
 
     def _stop(self) -> str:
         verdict = self.verdict
         if verdict.collides_at is not None:
-            words = f"collides at {verdict.collides_at:.6g} s"
+            words = f"collides at {shown_seconds(verdict.collides_at)} s"
         elif verdict.near_at is not None:
-            words = f"too near for its tube and the tolerance of {verdict.tolerance:g} m at {verdict.near_at:.6g} s"
+            at = shown_seconds(verdict.near_at)
+            words = f"too near for its tube and the tolerance of {verdict.tolerance:g} m at {at} s"
         else:
             words = "not proved after it"
         if verdict.pair is None:

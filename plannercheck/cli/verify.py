@@ -14,20 +14,23 @@ from typing import Any, get_args
 
 from plannercheck.cli.cell_paths import add_delay_argument, delays_of, is_of_cell, parts_of
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, described, given_options
-from plannercheck.cli.trajectory_files import listed_numbers
+from plannercheck.cli.trajectory_files import add_start_time_argument, listed_numbers
 from plannercheck.cli.unused_options import check_used
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.shown_times import shown_seconds
 from plannercheck.proofs import Proof, Verification
-from plannercheck.proofs.claims import held_joints, least_padding, motion_of, robots_of, sentence_of
-from plannercheck.proofs.executed_cells import cell_proved
-from plannercheck.proofs.executed_curves import RUNNERS, trajectory_proved
+from plannercheck.proofs.claims import clock_of, held_joints, least_padding, motion_of, robots_of, sentence_of, timed
+from plannercheck.proofs.executed_curves import RUNNERS
+from plannercheck.proofs.executed_messages import cell_proved, trajectory_proved
 from plannercheck.proofs.files import read_document
 from plannercheck.proofs.link_pairs import PairProofs, is_of_pairs, pairs_from_document
 from plannercheck.proofs.pair_checks import pair_model_confirmed, verify_pairs
 from plannercheck.proofs.paths import path_proved
 from plannercheck.proofs.proof import proofs_from_document
 from plannercheck.proofs.verify import model_confirmed
+from plannercheck.robots.description import description_of
+from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene_paths import MeshKind
 
 _EPILOG = """\
@@ -39,6 +42,9 @@ Examples:
   plannercheck verify traj.proof.json --robot panda --scene bookshelf --path traj.yaml --controller jtc --tube 0.02
   plannercheck verify plan.proof.json --robot ur10 --geometry solid --scene cell.yaml --scene-meshes solid
 """
+
+# Options of one robot's path that a controller runs.
+_OF_CONTROLLERS = ("--controller", "--tube", "--start", "--start-time", "--message")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -80,6 +86,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--message", type=int, metavar="N", help="with --controller: which trajectory of --path, from 0"
     )
     add_delay_argument(parser)
+    add_start_time_argument(parser)
     parser.add_argument("--format", choices=("table", "json"), default="table", help="format of what is printed")
 
 
@@ -98,16 +105,17 @@ def run(options: argparse.Namespace) -> int:
         options.controller is None
         or len(options.tube or (0.0,)) > 1
         or options.start
+        or options.start_time is not None
         or options.straight
         or options.message is not None
     ):
         raise PlannercheckError("--path ROBOT=FILE takes --controller, one --tube and --delay, nothing else")
     if options.path is None:
-        check_used(options, ("--straight", "--controller", "--tube", "--start", "--message"), "with --path")
+        check_used(options, ("--straight", *_OF_CONTROLLERS), "with --path")
     elif len(options.files) > 1:
         raise PlannercheckError(f"--path is of one proof file, and {len(options.files)} are given")
     elif options.controller is None:
-        check_used(options, ("--tube", "--start", "--message"), "with --controller")
+        check_used(options, _OF_CONTROLLERS[1:], "with --controller")
     elif options.straight:
         raise PlannercheckError("--straight and --controller say different things: give one of them")
     results = [_verified(path, options) for path in options.files]
@@ -150,7 +158,8 @@ def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
             others=[proof for proof, each in zip(proofs[1:], found[1:], strict=True) if each],
         )
     )
-    proved_path = _path(proofs, found, options)
+    columns = _robot_columns(proofs[0], options) if any(found) else None
+    proved_path = _path(proofs, found, options, columns)
     return {
         "proof": str(path),
         "proved": all(found) and proved_path["fault"] is None and (model is None or bool(model)),
@@ -163,7 +172,7 @@ def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
         "joined": _joined(proofs),
         "pairs": len(proofs[0].model.pairs),
         "padding": least_padding(proofs[0]) if any(found) else None,  # else the model may be malformed
-        "robots": robots_of(proofs[0]) if any(found) else {},
+        "robots": robots_of(proofs[0], columns),
         "held": held_joints(proofs[0]) if any(found) else {},
         "entries": sum(each.entries for each in found),
         "seconds": sum(each.seconds for each in found),
@@ -216,7 +225,16 @@ def _pair_lines(result: dict[str, Any]) -> list[str]:
     return lines
 
 
-def _path(proofs: tuple[Proof, ...], found: list[Verification], options: argparse.Namespace) -> dict[str, Any]:
+def _robot_columns(proof: Proof, options: argparse.Namespace) -> int | None:
+    """How many columns are the robot's: all, or where something moves as many as --robot has; None without it."""
+    if not clock_of([proof]):
+        return proof.model.columns
+    return None if options.robot is None else Robot.from_description(description_of(_robot(options))).nq
+
+
+def _path(
+    proofs: tuple[Proof, ...], found: list[Verification], options: argparse.Namespace, columns: int | None
+) -> dict[str, Any]:
     """Whether the confirmed proofs prove the path that is asked for."""
     confirmed = [proof for proof, each in zip(proofs, found, strict=True) if each]
     if options.path is None:
@@ -225,15 +243,20 @@ def _path(proofs: tuple[Proof, ...], found: list[Verification], options: argpars
         return {"file": _named(options), "motions": None, "missing": None, "fault": "no motion is proved"}
     tube = options.tube or (0.0,)
     if isinstance(options.path, list):
-        known = cell_proved(confirmed, parts_of(options), delays_of(options), options.controller, tube[0])
+        known = cell_proved(confirmed, parts_of(options), delays_of(options), options.controller, tube[0], columns)
     elif options.controller is not None:
         width = tube[0] if len(tube) == 1 else tube
-        known = trajectory_proved(confirmed, options.path, options.controller, width, options.start, options.message)
+        begin = 0.0 if options.start_time is None else options.start_time
+        known = trajectory_proved(
+            confirmed, options.path, options.controller, width, options.start, options.message, begin, columns
+        )
     else:
         robot = None if options.robot is None else _robot(options)
         known = path_proved(confirmed, options.path, options.straight, robot)
     missing = list(known.missing)
-    return {"file": _named(options), "motions": known.motions, "missing": missing, "fault": known.fault}
+    told = {"file": _named(options), "motions": known.motions, "missing": missing, "fault": known.fault}
+    clock = clock_of(confirmed)
+    return told | ({"clock": [clock[0], clock[-1]]} if clock else {})
 
 
 def _named(options: argparse.Namespace) -> str:
@@ -241,7 +264,9 @@ def _named(options: argparse.Namespace) -> str:
     if not isinstance(options.path, list):
         return str(options.path)
     delays = delays_of(options)
-    return ", ".join(f"{name}={part} from {delays.get(name, 0.0):g} s" for name, part in parts_of(options).items())
+    return ", ".join(
+        f"{name}={part} from {shown_seconds(delays.get(name, 0.0))} s" for name, part in parts_of(options).items()
+    )
 
 
 def _motion(proof: Proof, found: Verification) -> dict[str, Any]:
@@ -287,7 +312,7 @@ def _lines(result: dict[str, Any]) -> list[str]:
     if result["path"] is not None:
         path = result["path"]
         whole = "its only motion is proved" if path["motions"] == 1 else f"all {path['motions']} motions proved"
-        lines.append(f"  path {path['file']!r}: {path['fault'] or whole}")
+        lines.append(f"  path {path['file']!r}: {path['fault'] or whole + timed(path.get('clock', ()))}")
     return lines + _model_lines(result, "--robot, --scene")
 
 

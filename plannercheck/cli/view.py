@@ -21,7 +21,7 @@ from plannercheck.cli.common import (
     load_checker,
 )
 from plannercheck.cli.robot_options import described
-from plannercheck.cli.trajectory_files import add_controller_argument, trajectory_of
+from plannercheck.cli.trajectory_files import add_controller_argument, add_start_time_argument, trajectory_of
 from plannercheck.cli.unused_options import check_used
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.atomic_files import is_stream
@@ -76,12 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"number of frames of a path; default: {DEFAULT_FRAMES}, more of a trajectory that takes longer than 4 s",
     )
     add_controller_argument(parser, "show, in real time,")
-    parser.add_argument(
-        "--start-time",
-        type=float,
-        metavar="S",
-        help="with --controller: the scene's clock where the trajectory begins; default: 0 if something in it moves",
-    )
+    add_start_time_argument(parser)
     parser.add_argument(
         "--time", type=float, metavar="S", help="the scene's clock, for configurations where something in it moves"
     )

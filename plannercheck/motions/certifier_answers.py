@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.real_numbers import positive_number
+from plannercheck.common.lengths import check_length
 
 # MotionAnswer in cpp/motions/motion_report.hpp.
 FREE, REFUSED, IMPRECISE = 0, 1, 2
@@ -115,4 +115,4 @@ def proofs_of(frames: Sequence[int], pairs: Ints, intervals: Floats, directions:
 
 def check_tolerance(tolerance: float) -> None:
     """Raises an error unless a tolerance is a positive length."""
-    positive_number(tolerance, "tolerance must be a positive length in m")
+    check_length(tolerance, "tolerance")

@@ -25,6 +25,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath, check_path
 from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import MOST_THREADS, checked_threads
+from plannercheck.motions.added_obstacles import added_obstacles
 from plannercheck.motions.box_search import search_boxes
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE, JudgeMotion, MotionCertifier
 from plannercheck.motions.explanation import explained_motion
@@ -390,12 +391,11 @@ class Checker(StateChecker):
                 or the file can't be written.
         """
         kernel, robot = check_can_be_saved(self.robot, self.scene, self._kernel), self.robot
-        meets, padding = self._of_new_obstacle()
         _ = self.polytopes  # prepares those of all pairs
-        self._preparation.prepare(np.flatnonzero(meets).tolist())
-        bodies = self.bodies, self._labels, self.prepared, self.pairs, self.paddings, self.unreachable
-        edits = self._settings.bodies is None, meets, padding
-        parts = *bodies, *edits, self._tables, self.motion_certifier
+        added = added_obstacles(self._settings, robot, self.scene, self.bodies, self.paddings)
+        polytopes = added.prepared(robot, self._preparation)
+        bodies = self.bodies, self._labels, polytopes, self.pairs, self.paddings, self.unreachable
+        parts = *bodies, added, self._tables, self.motion_certifier
         write_cell(CellInputs(robot, kernel, self.scene, *parts), Path(path))
 
     def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:

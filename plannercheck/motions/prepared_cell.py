@@ -17,12 +17,13 @@ from plannercheck.bodies.kinds import Kind
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, checked_pose
 from plannercheck.checking.compiled_tables import CompiledTables
-from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
+from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.section_files import Section, file_of, text, texts
 from plannercheck.common.version import __version__
+from plannercheck.motions.added_obstacles import AddedObstacles
 from plannercheck.motions.certifier import MotionCertifier
 from plannercheck.motions.certifier_pairs import ChainedPairs
 from plannercheck.robots.configurations import LARGEST_VALUE
@@ -31,7 +32,7 @@ from plannercheck.robots.unit_lengths import UNIT_TOLERANCE
 from plannercheck.scenes.scene import Scene
 
 # kCellFormat in cpp/library/cell_file.hpp.
-CELL_FORMAT = 5
+CELL_FORMAT = 6
 
 # BodyKind in cpp/library/cell_bodies.cpp.
 _HULL, _SOLID, _HALF_SPACE = 0, 1, 5
@@ -47,13 +48,11 @@ class CellInputs(NamedTuple):
         scene: The scene, which stands still.
         bodies: The bodies.
         labels: The link or obstacle of each.
-        polytopes: The prepared bodies; None where no pair needs it.
+        polytopes: The prepared bodies, None where no pair needs it; then those of `added.copies`.
         pairs: (k, 2) indices of bodies.
         paddings: (bodies,) each body's part of the padding, m.
         unreachable: (k,) which pairs can't meet within the limits.
-        takes_other_scenes: Whether the bodies are those of the robot and the scene, and no stand-ins.
-        meets_obstacles: (robot's bodies,) which are tested against an obstacle that is added.
-        padding: Such an obstacle's part of the padding, m.
+        added: How obstacles that are added are tested.
         tables: The pairs, compiled.
         certifier: Proves motions along screws free.
     """
@@ -67,9 +66,7 @@ class CellInputs(NamedTuple):
     pairs: Ints
     paddings: Floats
     unreachable: Bools
-    takes_other_scenes: bool
-    meets_obstacles: Bools
-    padding: float
+    added: AddedObstacles
     tables: CompiledTables
     certifier: MotionCertifier
 
@@ -103,10 +100,13 @@ def _sections(cell: CellInputs) -> Iterator[Section]:
     yield texts("joint names", cell.robot.joint_names)
     yield texts("link names", cell.robot.link_names)
     yield text("described columns", cell.robot.configuration_map.described_columns())
-    yield texts("body names", cell.labels)
+    copies = [cell.labels[base] for base, _ in cell.added.copies]
+    yield texts("body names", (*cell.labels, *copies))
+    yield texts("part names", [*map(_part_name, cell.bodies, cell.labels), *("" for _ in copies)])
     yield from _configurations(cell.robot, cell.certifier)
     yield from _kinematics(cell.robot)
     yield from _bodies(cell)
+    yield from _added(cell)
     yield from _pairs(cell)
     yield from _motions(cell)
 
@@ -146,14 +146,32 @@ def _bodies(cell: CellInputs) -> Iterator[Section]:
     for _, sections in described:
         yield from sections
     links, placements = cell.tables.mounts(cell.kernel)
+    copied, shares = ([copy[k] for copy in cell.added.copies] for k in (0, 1))
+    rows = [*range(len(cell.bodies)), *map(int, copied)]
     yield Section("shapes", np.array(of_bodies, dtype=np.int32))
-    yield Section("links", links)
-    yield Section("body placements", placements[:, :3].reshape(-1, 12))
-    yield Section("own poses", _own_poses(cell))
-    yield Section("paddings", cell.paddings)
-    yield Section("meets obstacles", cell.meets_obstacles)
-    yield Section("takes other scenes", np.array([cell.takes_other_scenes], dtype=np.int32))
-    yield Section("obstacle padding", cell.padding)
+    yield Section("links", links[rows])
+    yield Section("body placements", placements[rows, :3].reshape(-1, 12))
+    yield Section("own poses", _own_poses(cell)[rows])
+    yield Section("paddings", np.array([*cell.paddings, *shares], dtype=np.float64))
+    yield Section("robot bodies", np.array([len(cell.robot.bodies)], dtype=np.int32))
+
+
+def _part_name(body: GeometryObject, label: str) -> str:
+    """The name of an object's body, which no other object may have, where that is not the object's; else ""."""
+    return body.name if body.name != label and (body.link is None or body.carried is not None) else ""
+
+
+def _added(cell: CellInputs) -> Iterator[Section]:
+    """Names of obstacles; by their places, the name and the padding of each of their bodies, and what these meet."""
+    numbers, paddings, pairs = list[int](), list[float](), list[tuple[int, int]]()
+    for number, (shares, met) in enumerate(cell.added.treatments.values()):
+        pairs += [(own, len(numbers) + k) for own, k in met]
+        numbers += [number] * len(shares)
+        paddings += shares
+    yield texts("names of added", [*cell.added.treatments])
+    yield Section("added", np.array(numbers, dtype=np.int32))
+    yield Section("added paddings", np.array(paddings, dtype=np.float64))
+    yield Section("added pairs", _rows(pairs, 2))
 
 
 def _own_poses(cell: CellInputs) -> Floats:
@@ -226,7 +244,8 @@ def _pairs(cell: CellInputs) -> Iterator[Section]:
 
 def _motions(cell: CellInputs) -> Iterator[Section]:
     by_table = cell.certifier.pairs_by_table()
-    moving = cell.tables.mounts(cell.kernel)[0][: len(cell.meets_obstacles)] >= 0
+    links, bases = cell.tables.mounts(cell.kernel)[0], cell.added.bases
+    movers = [body for body in sorted(bases) if links[bases[body]] >= 0]
     joints = by_table[0].of_robot
     drives, factors, parts = joints.drives
     yield Section("drives", drives)
@@ -238,16 +257,16 @@ def _motions(cell: CellInputs) -> Iterator[Section]:
     yield Section("most joints", float(joints.spread.joints))
     yield Section("travel", joints.spread.travel)
     for pairs in by_table:
-        yield from _chained(pairs, np.flatnonzero(moving & cell.meets_obstacles))
+        yield from _chained(pairs, movers, [bases[body] for body in movers])
 
 
-def _chained(pairs: ChainedPairs, movers: Ints64) -> Iterator[Section]:
-    """A table's pairs, and the chains from the world to the bodies that meet obstacles, whether there is one or not."""
+def _chained(pairs: ChainedPairs, movers: list[int], bases: list[int]) -> Iterator[Section]:
+    """A table's pairs, and the chains from the world to bodies that meet added obstacles, which copy the bases."""
     obstacle = pairs.of_robot.own_count
-    asked = np.stack([movers, np.full(len(movers), obstacle)], axis=1)
+    asked = np.array([(base, obstacle) for base in bases], dtype=np.int64).reshape(-1, 2)
     chains = pairs.of_robot.of(np.concatenate([pairs.table, asked]))
     yield Section("chained pairs", _rows(chains.pairs[: len(pairs.table)], 5))
-    yield Section("from world", _rows(chains.pairs[len(pairs.table) :, [0, 3]], 2))
+    yield Section("from world", _rows([*zip(movers, chains.pairs[len(pairs.table) :, 3], strict=True)], 2))
     yield Section("first entry", chains.first_entry)
     yield Section("entries", _rows(chains.entries, 3))
     yield Section("arms", chains.arms)

@@ -19,8 +19,8 @@ from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.lengths import check_length
 from plannercheck.common.motion_paths import MotionPath
-from plannercheck.common.real_numbers import positive_number
 from plannercheck.motions.motion_ends import shorter_turn
 from plannercheck.robots.configurations import NO_LIMIT
 from plannercheck.robots.joints import kind_of
@@ -149,7 +149,8 @@ def checked_resolution(resolution: float | None, default: float) -> float:
     """A resolution in m, or the default."""
     if resolution is None:
         return default
-    return positive_number(resolution, "resolution must be a positive length in m")
+    check_length(resolution, "resolution")
+    return float(resolution)
 
 
 def samples_are_free(checker: AnyChecker, states: Callable[[Floats], Floats], steps: int) -> bool:

@@ -21,6 +21,7 @@ from plannercheck.common.array_types import Bools, Floats, Ints64
 from plannercheck.common.arrays import named_numbers
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.motion_paths import MotionPath
+from plannercheck.common.shown_times import shown_span
 from plannercheck.motions.certifier import MotionCertifier
 from plannercheck.motions.certifier_answers import ImpreciseError
 from plannercheck.motions.explanation import explained_motion
@@ -314,7 +315,7 @@ def _named(trajectories: Sequence[Trajectory], piece: int) -> str:
 def named_piece(trajectory: Trajectory, piece: int) -> str:
     """A piece in words, with the time it takes."""
     start, end = trajectory.curve.breaks[piece : piece + 2].tolist()
-    return f"piece {piece} of the trajectory, {start:.6g} to {end:.6g} s"
+    return f"piece {piece} of the trajectory, {shown_span(start, end)}"
 
 
 def _largest(is_free: Callable[[float], bool], smallest: float, largest: float) -> float:

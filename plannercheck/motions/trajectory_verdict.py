@@ -13,6 +13,7 @@ from plannercheck.checking.verdicts import PairVerdict
 from plannercheck.common.array_types import Floats
 from plannercheck.common.html_tables import html_table
 from plannercheck.common.public_names import set_module
+from plannercheck.common.shown_times import shown_seconds
 from plannercheck.proofs.proof import Proof
 from plannercheck.trajectories.limits import Excess
 
@@ -97,12 +98,15 @@ class TrajectoryVerdict:
         return f"TrajectoryVerdict({'; '.join(self._sentences())})"
 
     def _sentences(self) -> list[str]:
+        until = f"free until {shown_seconds(self.free_until)} s"
         if self.free:
-            out = [f"free, with {self.clearance:.3g} m of room, least at {self.clearance_at:.6g} s{self.clock}"]
+            least = shown_seconds(self.clearance_at)
+            out = [f"free, with {self.clearance:.3g} m of room, least at {least} s{self.clock}"]
         elif self.collides_at is not None:
-            out = [f"free until {self.free_until:.6g} s, collides at {self.collides_at:.6g} s{self.clock}"]
+            out = [f"{until}, collides at {shown_seconds(self.collides_at)} s{self.clock}"]
         else:
-            out = [f"free until {self.free_until:.6g} s, too near at {self.near_at:.6g} s{self.clock}"]
+            near = "" if self.near_at is None else f", too near at {shown_seconds(self.near_at)} s"
+            out = [f"{until}{near}{self.clock}"]
         if self.pair is not None:
             out[0] += f": {' – '.join(self.pair.names)}"
         if self.tube.any():
@@ -111,5 +115,5 @@ class TrajectoryVerdict:
         return out + [str(excess) for excess in self.limits]
 
     def _repr_html_(self) -> str:
-        rows = [(e.joint, e.kind, f"{e.time:.6g}", f"{e.value:.6g}", f"{e.limit:.6g}") for e in self.limits]
+        rows = [(e.joint, e.kind, shown_seconds(e.time), f"{e.value:.6g}", f"{e.limit:.6g}") for e in self.limits]
         return html_table(repr(self), ("joint", "limit of", "s", "value", "limit"), rows)

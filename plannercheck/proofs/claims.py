@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from plannercheck.common.shown_times import shown_span
 from plannercheck.proofs.data import JOINTS, Motion, ProofData
 from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
 
@@ -42,7 +43,7 @@ def sentence_of(motion: dict[str, Any]) -> str:
     degree = f" of degree {motion['degree']}" if motion.get("inner") else ""
     return (
         f"{motion['path']}{degree}{turning} from {_listed(motion['start'])} to {_listed(motion['end'])}{other}"
-        f"{_around(motion.get('tube', ()))}{_timed(motion.get('clock', ()))}, margin {motion['margin']:.3g} m"
+        f"{_around(motion.get('tube', ()))}{timed(motion.get('clock', ()))}, margin {motion['margin']:.3g} m"
     )
 
 
@@ -55,13 +56,18 @@ def _around(tube: Sequence[float]) -> str:
     return f", and at every instant every configuration within {told} rad or m of it in each number"
 
 
-def _timed(clock: Sequence[float]) -> str:
+def timed(clock: Sequence[float]) -> str:
     """A clock in words."""
-    return "" if not clock else f", from {clock[0]:.9g} to {clock[1]:.9g} s of the scene's clock"
+    return f", from {shown_span(clock[0], clock[-1])} of the scene's clock" if clock else ""
 
 
 def _listed(values: Sequence[float]) -> str:
     return f"({', '.join(f'{value:.9g}' for value in values)})"
+
+
+def clock_of(proofs: Sequence[ProofData]) -> tuple[float, ...]:
+    """The times of the scene's clock at which motions begin or end, s, growing; none where nothing moves."""
+    return tuple(sorted({time for proof in proofs for time in getattr(proof.motion, "clock", ())}))
 
 
 def least_padding(proof: ProofData) -> float | None:
@@ -91,11 +97,14 @@ def column_names(proof: ProofData) -> tuple[str, ...]:
     return tuple(name for column, name in sorted(names.items()) if column >= 0)
 
 
-def robots_of(proof: ProofData) -> dict[str, list[int]]:
-    """Of a proof about several robots: each one's columns, by the name before the slash of its joints."""
+def robots_of(proof: ProofData, columns: int | None) -> dict[str, list[int]]:
+    """Of a proof about several robots: each one's columns, by the name before the slash of its joints.
+
+    The robots have so many columns, the first ones; none are found if that is not known.
+    """
     found: dict[str, list[int]] = {}
-    names = column_names(proof)
-    if not all("/" in name for name in names) or len(names) != getattr(proof.model, "columns", 0):
+    names = column_names(proof)[:columns]
+    if columns is None or not all("/" in name for name in names) or len(names) != columns:
         return {}
     for column, name in enumerate(names):
         found.setdefault(name.partition("/")[0], []).append(column)

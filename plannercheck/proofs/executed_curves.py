@@ -1,9 +1,9 @@
-"""Whether proofs prove what a controller runs between the points of a message: the exact polynomials of its doubles.
+"""What a controller runs between the points of a message: the exact polynomials of its doubles; what proves a piece.
 
-In: confirmed proofs of one file, a file of a trajectory, who runs it, where the robot stands. Out: what is missing.
-Piece k of what is run is proved by proof k; with a start, the way to the first point is piece 0, unless this point is
-at 0 s. Both polynomials are brought to one degree, in fractions. Their control points may differ, in each column, by
-what the proof's tube has more than the tube that is asked for: polynomials differ no more than their control points do.
+In: a file of a trajectory, who runs it, where the robot stands. Out: pieces. With a start, the way to the first point
+is piece 0, unless this point is at 0 s. A piece and the polynomial of a proof are brought to one degree, in fractions.
+Their control points may differ, in each column, by what the proof's tube has more than the tube that is asked for:
+polynomials differ no more than their control points do.
 
 The rules are written from the controllers' own code: `set_point_before_trajectory_msg`, `wraparound_joint`,
 `fill_cubic_spline_velocities` and `interpolate_between_points` of ros2_controllers, `cubicSplineRun` and
@@ -19,11 +19,9 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any, Literal, TypeAlias, get_args
 
-from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.model_comparisons import message_reader
-from plannercheck.proofs.claims import column_names
-from plannercheck.proofs.data import Model, Motion, ProofData
-from plannercheck.proofs.paths import PathProved, held_elsewhere
+from plannercheck.proofs.data import Motion, ProofData
 
 Runner: TypeAlias = Literal["jtc", "jtc-upsampled", "ur", "motoros2", "linear"]
 RUNNERS: tuple[Runner, ...] = get_args(Runner)
@@ -61,53 +59,6 @@ class Piece:
 
     control: list[Row]
     off: Row
-
-
-def trajectory_proved(
-    proofs: Sequence[ProofData],
-    path: Any,
-    controller: str = "jtc",
-    tube: float | Sequence[float] = 0.0,
-    start: Sequence[float] | None = None,
-    message: int | None = None,
-) -> PathProved:
-    """Whether proofs prove a message as a controller runs it.
-
-    Args:
-        proofs: At least one, of one model; those that are confirmed, in their order.
-        path: A file that `pc.Trajectory.load` reads.
-        controller: One of `RUNNERS`: "jtc" (joint_trajectory_controller of ros2_control), and so on.
-        tube: How far each number may be off the curve at any instant, rad and m: one number, or one a column.
-        start: (columns,) where the robot stands at 0 s, at rest, rad and m; None: at the first point.
-        message: Which trajectory of the file, from 0; None: it holds one.
-
-    Returns:
-        What is missing.
-
-    Raises:
-        PlannercheckError: If the file can't be read, holds other joints or one point without `start`, no controller
-            runs it, or the tube or the start is malformed.
-    """
-    if controller not in RUNNERS:
-        raise unknown_name("controller", controller, RUNNERS)
-    model, names = proofs[0].model, column_names(proofs[0])
-    if not isinstance(model, Model) or any(
-        len(joint.columns) > 1 and max(joint.columns) >= 0 for joint in model.joints
-    ):
-        raise PlannercheckError("a JointTrajectory is of joints of one number each, and the proof has others")
-    if not names or len(names) != model.columns:
-        raise PlannercheckError("the proof has no joints, or numbers that no joint takes")
-    widths = numbers_of("tube", [tube] * model.columns if isinstance(tube, int | float) else tube, model.columns)
-    if min(widths) < 0:
-        raise PlannercheckError(f"tube must be at least 0 in each number, not {float(min(widths))!r}")
-    stands = None if start is None else numbers_of("start", start, model.columns)
-    read = message_reader()(path, names, message)
-    pieces = _pieces(_message(read, path, controller), controller, stands, model.whole_turns, path)
-    other = held_elsewhere(proofs[0], read.held)
-    if other:
-        return PathProved(len(pieces), tuple(range(len(pieces))), other)
-    missing = [k for k, piece in enumerate(pieces) if k >= len(proofs) or not is_proved(proofs[k], piece, widths)]
-    return PathProved(len(pieces), tuple(missing), _sentence(missing, len(pieces), len(proofs), widths))
 
 
 def numbers_of(name: str, given: Any, columns: int) -> Row:
@@ -231,24 +182,41 @@ def _rounded(x: Fraction) -> Fraction:
 
 
 def pieces_run(
-    path: Any, names: Sequence[str], controller: str, turning: Sequence[int]
+    path: Any,
+    names: Sequence[str],
+    controller: str,
+    turning: Sequence[int],
+    stands: Row | None = None,
+    message: int | None = None,
 ) -> tuple[Row, list[Piece], Mapping[str, float]]:
-    """The times of a message's points, s, the pieces between them, of joints by name, and what other joints hold."""
-    read = message_reader()(path, names, None)
+    """The times at which pieces of a message begin and end, s, the pieces, of joints by name, and what others hold.
+
+    Args:
+        path: A file that `pc.Trajectory.load` reads.
+        names: The joints.
+        controller: One of `RUNNERS`.
+        turning: Which of the joints turn without end.
+        stands: Where the robot stands at 0 s, at rest; None: at the first point.
+        message: Which trajectory of the file, from 0; None: it holds one.
+    """
+    read = message_reader()(path, names, message)
     points = _message(read, path, controller)
-    return [point.time for point in points], _pieces(points, controller, None, turning, path), read.held
+    pieces, times = _pieces(points, controller, stands, turning, path), [point.time for point in points]
+    return [Fraction(0)] * (len(pieces) + 1 - len(times)) + times, pieces, read.held
 
 
 def is_proved(proof: ProofData, piece: Piece, tube: Row) -> bool:
-    """Whether a proof proves a piece with a tube."""
-    motion = proof.motion
+    """Whether a proof proves a piece of its first columns with a tube."""
+    motion, count = proof.motion, len(tube)
     if not isinstance(motion, Motion) or motion.end != motion.asked_end:
         return False
     own = [[Fraction(x) for x in column] for column in zip(*motion.control, strict=True)]
     widths = motion.tube or (0.0,) * len(own)
     return all(
         _difference(given, asked) + off <= Fraction(width) - within
-        for given, asked, off, width, within in zip(own, piece.control, piece.off, widths, tube, strict=True)
+        for given, asked, off, width, within in zip(
+            own[:count], piece.control, piece.off, widths[:count], tube, strict=True
+        )
     )
 
 
@@ -310,14 +278,3 @@ def _piece(a: _Point, b: _Point, unsure: Row, off: Row, named: str) -> Piece:
 def _exact(row: Any) -> Row:
     """The numbers of a point; none if it has NaN, as rows have that a message leaves out."""
     return [] if row[0] != row[0] else [Fraction(x) for x in row.tolist()]
-
-
-def _sentence(missing: Sequence[int], count: int, proofs: int, tube: Row) -> str | None:
-    if missing:
-        sizes = sorted({float(width) for width in tube})
-        shown = f"{sizes[0]:g}" if len(sizes) == 1 else f"{sizes[0]:g} to {sizes[-1]:g}"
-        within = f" within {shown} rad and m" if any(tube) else ""
-        return f"{len(missing)} of the trajectory's {count} pieces are not proved{within}, piece {missing[0]} first"
-    if proofs > count:
-        return f"the trajectory has {count} pieces, and there are {proofs} proofs"
-    return None

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs.data import ProofData, Verification
-from plannercheck.proofs.executed_curves import trajectory_proved
+from plannercheck.proofs.executed_messages import trajectory_proved
 from plannercheck.proofs.files import from_document, read_document, save_proofs
 from plannercheck.proofs.paths import path_proved
 from plannercheck.proofs.verify import model_confirmed, verified
@@ -150,6 +150,8 @@ def verify_trajectory(
     controller: str = "jtc",
     tube: float | Sequence[float] = 0.0,
     start: Sequence[float] | None = None,
+    start_time: float = 0.0,
+    robot_columns: int | None = None,
 ) -> Verification:
     """Confirms proofs, and that they prove a trajectory as a controller runs it, piece by piece.
 
@@ -160,6 +162,9 @@ def verify_trajectory(
         tube: How far each number may be off the curve at any instant, rad and m: one number, or one a column.
         start: (columns,) where the robot stands, at rest, rad and m: the first proof is then of the way from there to
             the first point, unless this point is at 0 s. None: the first point.
+        start_time: The scene's clock where the trajectory begins, s; without effect where nothing moves.
+        robot_columns: How many columns are the robot's (`Robot.nq`), the first ones; needed where something moves. The
+            others are as the proofs have them: `Proof.verify(robot=, scene=)` compares them.
 
     Returns:
         The verification, as of `verify_path`.
@@ -167,7 +172,8 @@ def verify_trajectory(
     Raises:
         PlannercheckError: If python-flint is not installed, or the file can't be read or is run by no controller.
     """
-    return _with_all(proofs, lambda: trajectory_proved(proofs, path, controller, tube, start).fault)
+    given = path, controller, tube, start, None, start_time, robot_columns
+    return _with_all(proofs, lambda: trajectory_proved(proofs, *given).fault)
 
 
 def _with_all(proofs: Sequence[Proof], missing: Callable[[], str | None]) -> Verification:

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 from flint import arb
 
+from plannercheck.common.shown_times import shown_seconds, shown_span
 from plannercheck.proofs.data import Motion
 from plannercheck.proofs.faults import UnprovedError
 
@@ -77,7 +78,7 @@ def _off(motion: Motion, course: Course) -> float:
         off += beyond * _speed(course, j)
         if off > allowed:
             raise UnprovedError(
-                f"{course.names} is not where the scene has it from {motion.clock[0]:.9g} to {motion.clock[1]:.9g} s:"
+                f"{course.names} is not where the scene has it from {shown_span(*motion.clock)}:"
                 f" column {course.column + j} is off by {float(off):.3g}, and its tube is {float(allowed):.3g}"
             )
     return max(_turns_off(motion, course, step, shares), default=0.0)
@@ -93,7 +94,7 @@ def _step(
         low, high = (begin, times[0]) if k == 0 else (times[-1], end)
         beyond = max(end - high, low - begin, Fraction(0))
         if not course.stands:
-            raise UnprovedError(f"the scene does not say where {course.names} is at {float(begin):.9g} s")
+            raise UnprovedError(f"the scene does not say where {course.names} is at {shown_seconds(float(begin))} s")
         row = course.rows[0 if k == 0 else -1]
         found, shares = (row, row), [Fraction(0), Fraction(1)]
     else:
@@ -102,7 +103,7 @@ def _step(
         found = course.rows[k - 1], course.rows[k]
         shares = [(time - low) / (high - low) for time in (begin, end)]
     if beyond > _BEYOND:
-        raise UnprovedError(f"{course.names} does not go straight from {float(begin):.9g} to {float(end):.9g} s")
+        raise UnprovedError(f"{course.names} does not go straight from {shown_span(float(begin), float(end))}")
     return found, shares, beyond
 
 

@@ -20,6 +20,7 @@ from plannercheck.common.arrays import named_numbers
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.html_tables import html_table
 from plannercheck.common.public_names import set_module
+from plannercheck.common.shown_times import shown_seconds
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.trajectory_verdict import TrajectoryVerdict
@@ -98,14 +99,15 @@ class Conflict:
     @property
     def sentence(self) -> str:
         """In words."""
-        started = "".join(f", {name} from {start:g} s" for name, start in self.starts.items() if start)
+        started = "".join(f", {name} from {shown_seconds(start)} s" for name, start in self.starts.items() if start)
         if self.pair is None:
             return f"none, proved, with {self.clearance:.3g} m of room{started}"
         names, run = " – ".join(self.pair.names), self.verdict
         if self.instant is None or self.until is None:
-            return f"none found, but not proved after {self.free_until:.6g} s: {names} too near{started}"
-        lasts = "to the end" if math.isinf(self.until) else f"until {self.until:.6g} s"
-        return f"at {self.instant:.6g} s: {names}, {lasts}; proved free until {run.free_until:.6g} s{started}"
+            return f"none found, but not proved after {shown_seconds(self.free_until)} s: {names} too near{started}"
+        lasts = "to the end" if math.isinf(self.until) else f"until {shown_seconds(self.until)} s"
+        until = shown_seconds(run.free_until)
+        return f"at {shown_seconds(self.instant)} s: {names}, {lasts}; proved free until {until} s{started}"
 
     def _repr_html_(self) -> str:
         return html_table(repr(self), (), ())

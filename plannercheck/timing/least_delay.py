@@ -25,6 +25,7 @@ from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.html_tables import html_table
 from plannercheck.common.public_names import set_module
+from plannercheck.common.shown_times import shown_seconds
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.trajectory_checks import TrajectoryChecks
@@ -111,19 +112,19 @@ class LeastDelay:
         names = ", ".join(self.waiting)
         if self.delay is not None:
             least = f"at most {self.loss:.3g} s more than the least" if self.delay else "no delay"
-            return f"{names} after {self.delay:.6g} s, proved free; {least}"
-        end = self.intervals[-1].end
+            return f"{names} after {shown_seconds(self.delay)} s, proved free; {least}"
+        end, lower = shown_seconds(self.intervals[-1].end), shown_seconds(self.lower)
         if self.refuted:
-            return f"none for {names}: every delay from 0 to {end:.6g} s is refuted"
-        return f"none for {names} up to {end:.6g} s is proved free; every delay below {self.lower:.6g} s is refuted"
+            return f"none for {names}: every delay from 0 to {end} s is refuted"
+        return f"none for {names} up to {end} s is proved free; every delay below {lower} s is refuted"
 
     def _repr_html_(self) -> str:
         rows = [
             (
-                f"{e.start:.6g}",
-                f"{e.end:.6g}",
+                shown_seconds(e.start),
+                shown_seconds(e.end),
                 e.settled,
-                "" if e.instant is None else f"{e.instant:.6g}",
+                "" if e.instant is None else shown_seconds(e.instant),
                 "" if e.pair is None else " – ".join(e.pair),
             )
             for e in self.intervals

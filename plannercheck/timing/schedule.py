@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
+from plannercheck.common.shown_times import shown_seconds
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.trajectory_verdict import TrajectoryVerdict
@@ -42,7 +43,9 @@ class Schedule:
     verdict: TrajectoryVerdict | None = field(repr=False)
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{name} {'never' if d is None else f'{d:.6g} s'}" for name, d in self.delays.items())
+        told = ", ".join(
+            f"{name} {'never' if d is None else f'{shown_seconds(d)} s'}" for name, d in self.delays.items()
+        )
         return f"Schedule({told}; {'proved free' if self.verdict else 'not free'})"
 
     def _repr_html_(self) -> str:

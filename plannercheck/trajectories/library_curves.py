@@ -27,6 +27,7 @@ import numpy as np
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.shown_times import shown_span
 from plannercheck.trajectories.curve import MOST_DEGREE, Curve
 from plannercheck.trajectories.forms import joined, of_bezier, of_bspline, of_polynomials
 from plannercheck.trajectories.limits import extremes
@@ -71,7 +72,7 @@ def _check_agreement(curve: Curve, thing: Any, name: str) -> None:
         found = curve.at(times)
         if own.shape != found.shape or not (np.abs(own - found) <= _AGREEMENT * size).all():
             raise PlannercheckError(
-                f"{name}: its own values differ from those that its attributes give between {start:g} and {end:g} s"
+                f"{name}: its own values differ from those that its attributes give from {shown_span(start, end)}"
             )
 
 

@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.shown_times import shown_seconds
 from plannercheck.trajectories.curve import Curve, differentiated
 
 Kind = Literal["position", "velocity", "acceleration"]
@@ -42,7 +43,7 @@ class Excess:
     limit: float
 
     def __str__(self) -> str:
-        return f"{self.joint}: {self.kind} {self.value:.6g} at {self.time:.6g} s, beyond {self.limit:.6g}"
+        return f"{self.joint}: {self.kind} {self.value:.6g} at {shown_seconds(self.time)} s, beyond {self.limit:.6g}"
 
 
 def broken_limits(curve: Curve, names: Sequence[str], kind: Kind, lower: Floats, upper: Floats) -> list[Excess]:

@@ -26,6 +26,7 @@ from plannercheck.bodies.sizes import array_of
 from plannercheck.common.array_types import Bools, Floats, Ints64
 from plannercheck.common.arrays import contiguous, distinct, read_only
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.shown_times import shown_seconds
 from plannercheck.robots.robot import CellPart, Robot
 from plannercheck.trajectories.curve import Curve, slerp
 from plannercheck.trajectories.rounding import UNIT, blossom_error
@@ -219,8 +220,8 @@ def _clocked(part: CellPart, run: Trajectory, start: float) -> Clocked:
     knots = run.curve.breaks + start
     if knots[0] < 0:
         raise PlannercheckError(
-            f"the trajectory of {part.name!r} begins at {knots[0]:g} s, before the clock: give it a start of at least"
-            f" {-run.curve.breaks[0]:g} s"
+            f"the trajectory of {part.name!r} begins at {shown_seconds(knots[0])} s, before the clock: give it a start"
+            f" of at least {shown_seconds(-run.curve.breaks[0])} s"
         )
     return Clocked(run.curve, knots)
 

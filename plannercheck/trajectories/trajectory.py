@@ -21,6 +21,7 @@ from plannercheck.common.arrays import named_numbers, shown_array
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
+from plannercheck.common.shown_times import shown_seconds
 from plannercheck.common.user_warnings import warn
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.controllers import Controller, Points, curve_of
@@ -142,8 +143,8 @@ class Trajectory:
             made = cls(*arrays, controller, start, turning, points.joint_names)
         if made.curve.breaks[0] > 0 and start is None and controller != "motoros2":
             warn(
-                f"trajectory file {str(path)!r}: its first point is at {made.curve.breaks[0]:.6g} s, and it is judged "
-                "from then on: start= (--start) adds the way from where the robot stands"
+                f"trajectory file {str(path)!r}: its first point is at {shown_seconds(made.curve.breaks[0])} s, and it"
+                " is judged from then on: start= (--start) adds the way from where the robot stands"
             )
         return made
 

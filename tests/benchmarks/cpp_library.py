@@ -241,10 +241,15 @@ def check_edits(programs: Path, folder: Path, options: argparse.Namespace) -> No
     checker.save(cell)
     q.tofile(states)
     subprocess.run([*emulator(options), programs / "edit_scene", cell, states, out], check=True)
-    scenes = enumerate(edited_scenes(checker.scene))
+    scenes = [*edited_scenes(checker.scene)]
     python = b"".join(
-        each.tobytes() for k, scene in scenes for each in told_of(checker.with_scene(scene), q, k < MOVED)
+        each.tobytes() for k, scene in enumerate(scenes) for each in told_of(checker.with_scene(scene), q, k < MOVED)
     )
+    for far in (1e60, 1e150):
+        scene = scenes[-1].copy()
+        scene.move("rack", shifted(far, -far, 0.5))
+        moved = checker.with_scene(scene)
+        python += moved.check_states(q).tobytes() + moved.check_motions(q[:200], q[1:201]).tobytes()
     if out.read_bytes() != python:
         sys.exit("edits give OTHER VERDICTS than Python's")
 
@@ -280,6 +285,8 @@ def padded_checker() -> pc.Checker:
     scene.add("dug", pc.HeightField(np.full((3, 3), np.nan), 0.5, -0.8))
     scene.allow("pad", "panda_hand")
     padding = {"crate": 0.125, ("panda_link5", "pad"): 0.25, ("panda_link0", "pad"): 0.05}
+    padding |= {"rack/0": 0.0625, ("panda_hand", "rack"): 0.25, ("panda_link6", "rack/1"): 0.125}
+    padding |= {("panda_hand", f"rack/{part}"): 0.03125 for part in (0, 1)}
     return pc.Checker(pc.Robot.load("panda"), scene, self_collision=False, padding=padding)
 
 

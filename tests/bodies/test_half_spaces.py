@@ -157,6 +157,18 @@ def test_poses_beyond_any_hull_are_judged_by_the_plane():
     assert pc.intersects(half_space, body, None, poses).tolist() == expected
 
 
+@pytest.mark.filterwarnings("ignore:'panda_link0' of panda")
+def test_a_robot_below_a_plane_that_is_beyond_any_hull_collides():
+    scene = pc.Scene("deep")
+    pose = np.eye(4)
+    pose[2, 3] = 1e61
+    scene.add("everything", pc.HalfSpace((0.0, 0.0, 1.0)), pose)
+    for padding in (0.0, {("panda_hand", "everything"): 0.1}):  # the latter proves pairs apart by another path
+        checker = pc.Checker(pc.Robot.load("panda"), scene, self_collision=False, padding=padding)
+        assert not checker.unreachable.any()
+        assert not checker.check_states(checker.robot.random_configurations(20, 0)).any()
+
+
 def test_distances_are_those_of_the_lowest_vertex():
     rng, seen = np.random.default_rng(2), [0, 0]
     for _ in range(200):

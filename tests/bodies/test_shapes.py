@@ -150,6 +150,7 @@ def test_a_capsule_too_long_for_its_faces_leaves_the_hull_to_others():
     ("shape", "dimension", "corners"),
     [
         (Box((0, 1, 2)), 2, 4),
+        (Box((5e-324, 1, 2)), 2, 4),
         (Box((1, 0, 0)), 1, 2),
         (Box((0, 0, 0)), 0, 1),
         (Sphere(0), 0, 1),

@@ -4,13 +4,15 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
-from crossing_boxes import gantries
+from crossing_boxes import HALF, gantries
+from gantries import gantry_robot
 
 import plannercheck as pc
 from plannercheck.cli.main import main
-from plannercheck.proofs import load_proofs
-from plannercheck.proofs.executed_cells import cell_proved
+from plannercheck.proofs import load_proofs, verify_trajectory
+from plannercheck.proofs.executed_messages import cell_proved
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*it is judged from then on")
 
@@ -116,6 +118,120 @@ def test_random_messages_in_fractions(tmp_path, seed):
     both = max(span[0] for span in spans) < min(span[-1] for span in spans)  # else they move one after the other
     assert (cell_proved(found.proof, files, late, controller).fault is not None) == both
     assert cell_proved(found.proof[:-1], files, starts, controller).missing == (len(found.proof) - 1,)
+
+
+def _passing(times, path="slerp", turn=0.3, ride=None):
+    """A scene in which a post goes along and turns far from the gantries, or rides on a link."""
+    poses = np.array([np.eye(4)] * len(times))
+    for k, pose in enumerate(poses):
+        pose[:3, 3], pose[:3, :3] = [20 + 0.1 * k, 0.2 * k, 0.0], pin.exp3(np.array([0.0, 0.0, turn * k]))
+    scene = pc.Scene("passing")
+    scene.add("post", pc.Box((0.2, 0.2, 1.0)), pc.Moving(times, poses, path, "stand") if ride is None else ride)
+    return scene
+
+
+@pytest.mark.parametrize("path", ["slerp", "screw"])
+def test_a_scene_that_moves(folder, capsys, path):
+    """The proofs' clocks cut the messages, and are those of the path; the files say which columns are the robots'."""
+    _passing([0.0, 0.75, 2.0], path).save("scene.yaml")
+    files = ["--robot", "cell.yaml", "--scene", "scene.yaml"]
+    delayed = [*PATHS, "--delay", "right=0.7", "--controller", "jtc"]
+    assert main(["validate", *files, *delayed, "--certify"]) == 0
+    capsys.readouterr()
+    assert main(["verify", "cell.proof.json", *files, *delayed]) == 0
+    out = capsys.readouterr().out
+    assert "robots: 'left' has columns 0 to 1, 'right' has columns 2 to 3" in out
+    assert "motions proved, from 0 to 2.8 s of the scene's clock" in out
+    assert "where 'post' is at the proof's times, with the scene" in out
+
+    def refused(words, arguments=delayed, code=1):
+        assert main(["verify", "cell.proof.json", *files, *arguments]) == code
+        told = capsys.readouterr()
+        assert words in (told.out if code == 1 else told.err)
+
+    for other in (["right=0.71"], ["left=0.001", "right=0.7"]):
+        refused("and cut elsewhere", [*PATHS, "--delay", *other, "--controller", "jtc"])
+    refused("nothing else", [*delayed, "--start-time", "0"], code=2)
+    refused("and cut elsewhere", [*PATHS[:2], "right=0.0,0.9", "--controller", "jtc"])
+    refused("on the clock are not proved", ["--path", "left=right.yaml", "right=left.yaml", *delayed[3:]])
+    assert main(["verify", "cell.proof.json", *delayed]) == 2
+    assert "name --robot and --scene" in capsys.readouterr().err
+    proofs, messages = load_proofs("cell.proof.json"), {"left": "left.yaml", "right": "right.yaml"}
+
+    def fault(given):
+        return cell_proved(given, messages, {"right": 0.7}, robot_columns=4).fault
+
+    def timed(proof, *clock):
+        return replace(proof, motion=replace(proof.motion, clock=clock))
+
+    assert fault(proofs) is None
+    for k in range(len(proofs)):
+        words = "and cut elsewhere" if k in (0, len(proofs) - 1) else "on the clock are not proved"
+        assert words in fault(proofs[:k] + proofs[k + 1 :])
+    for late in (0.1, 1e-6):
+        forged = [timed(proof, *(time + late for time in proof.motion.clock)) for proof in proofs]
+        assert "and cut elsewhere" in fault(forged)
+        assert "on the clock are not proved" in fault([proofs[0], forged[1], *proofs[2:]])
+    assert "on the clock are not proved" in fault([*proofs[:2], timed(proofs[2]), *proofs[3:]])
+    left = pc.Trajectory.load("left.yaml", folder[0].robot.parts["left"].robot)
+    pc.Trajectory([0.1, 2.1], left.position([0.1, 2.1])[:, :1], joint_names=["x"]).save("left.yaml")
+    refused("lacks y", code=2)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_messages_in_a_scene_that_moves(tmp_path, seed):
+    """Knots of what moves are near those of robots: it slides and turns, goes along a screw, or rides on a gantry."""
+    rng = np.random.default_rng(seed)
+    cell = gantries(tmp_path, ("left", "right")).robot
+    runs, files = {}, {}
+    for k, name in enumerate(("left", "right")):
+        times = np.cumsum(rng.integers(1, 2000, int(rng.integers(2, 5)))) / 1e3
+        points = rng.uniform(-1, 1, (len(times), 2)) + np.array([5.0 * k, 0.0])
+        files[name], velocities = tmp_path / f"{name}.json", rng.uniform(-1, 1, points.shape)
+        velocities[-1] = 0.0
+        pc.Trajectory(times, points, velocities, joint_names=["x", "y"]).save(files[name])
+        runs[name] = pc.Trajectory.load(files[name], cell.parts[name].robot)
+    starts = {"right": float(rng.uniform(0, 2))}
+    knots = np.concatenate([run.curve.breaks + starts.get(name, 0.0) for name, run in runs.items()])
+    own = np.sort(rng.permutation(knots)[:3]) + rng.choice([-1, 0, 1], 3) * rng.choice([1e-12, 3e-10, 8e-10, 2e-9], 3)
+    times = np.concatenate([[-1.0], own[np.diff(own, prepend=-1.0) > 0.05], [9.0]])
+    scene = _passing(times, "screw" if seed % 3 == 1 else "slerp", turn=0.3 if seed % 3 == 1 else 1e-3)
+    if seed % 3 == 2:
+        way = pc.Trajectory(times + 1.0, rng.uniform(-1, 1, (len(times), 2)), controller="linear")
+        robot = gantry_robot(tmp_path, HALF, (9.0, 9.0)), np.eye(4) + 20 * np.eye(4, k=3)
+        scene = _passing(times, ride=pc.Moving.along(way, "tip", robot, -1.0, "stand"))
+    checker = pc.Checker(cell, scene)
+    found = pc.first_conflict(checker, runs, starts)
+    assert found.free
+
+    def fault(proofs, files=files, starts=starts):
+        return cell_proved(proofs, files, starts, robot_columns=4).fault
+
+    assert fault(found.proof) is None
+    assert fault(found.proof, starts={"right": starts["right"] + 1e-6})
+    assert all(fault(found.proof[:k] + found.proof[k + 1 :]) for k in range(len(found.proof)))
+    breaks = runs["left"].curve.breaks
+    pc.Trajectory(breaks, runs["left"].position(breaks), joint_names=["x", "y"]).save(tmp_path / "other.json")
+    assert fault(found.proof, {**files, "left": tmp_path / "other.json"})
+    begin = float(rng.choice([-0.7, 0.123456789, 1e3 / 3, 1.7e9 + 1 / 3 if seed % 3 else 0.0]))
+    alone = pc.Checker(cell.parts["left"].robot, checker.scene)
+    proofs = alone.certify_trajectory(runs["left"], start_time=begin)
+    assert verify_trajectory(proofs, files["left"], start_time=begin, robot_columns=2)
+    assert not verify_trajectory(proofs, files["left"], start_time=begin + 1e-6 + 1e-14 * begin, robot_columns=2)
+    for columns in (1, 3):
+        with pytest.raises(pc.PlannercheckError):
+            verify_trajectory(proofs, files["left"], start_time=begin, robot_columns=columns)
+
+
+def test_a_robot_that_stands_still_is_proved_while_it_does(tmp_path):
+    """No speed says that the proofs are of other times: neither of an earlier begin, nor of a later end."""
+    checker = pc.Checker(gantry_robot(tmp_path, HALF, (9.0, 9.0)), _passing([0.0, 9.0]))
+    for end in (1.0, 0.5, 1.5):
+        pc.Trajectory([0.0, end], np.zeros((2, 2)), joint_names=["x", "y"]).save(tmp_path / f"{end}.json")
+    proofs = checker.certify_trajectory(pc.Trajectory([0.0, 1.0], np.zeros((2, 2))), start_time=0.5)
+    for start, end in ((0.5, 1.0), (0.5, 0.5), (0.5, 1.5), (0.500001, 1.0), (0.0, 1.5), (0.0, 0.5)):
+        found = verify_trajectory(proofs, tmp_path / f"{end}.json", start_time=start, robot_columns=2)
+        assert bool(found) == ((start, end) == (0.5, 1.0))
 
 
 def test_moved_knots_cost_tube(tmp_path):

@@ -118,6 +118,34 @@ def test_a_proof_is_compared_with_where_the_scene_has_the_pallet(
         capsys.readouterr()
 
 
+def test_a_path_is_proved_from_its_start_time(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """At another start time, for another message, or without the robot's files, it is not."""
+    pytest.importorskip("flint")
+    path = ("--path", "way.yaml", "--controller", "jtc")
+    assert _run("validate", *path, "--start-time", "0.3", "--certify") == 0
+    capsys.readouterr()
+    assert _run("verify", "way.proof.json", *path, "--start-time", "0.3") == 0
+    assert "its only motion is proved, from 0.3 to 2.3 s of the scene's clock" in capsys.readouterr().out
+    for words in ((), ("--start-time", "0.300001")):
+        assert _run("verify", "way.proof.json", *path, *words) == 1
+        assert "and cut elsewhere" in capsys.readouterr().out
+    assert _run("verify", "way.proof.json", *path, "--start-time", "nan") == 2
+    assert "must be a number of seconds" in capsys.readouterr().err
+    robot = pc.Robot.load("panda")
+    ends = pc.Trajectory.load("way.yaml", robot).position([0.0, 2.0])
+    for count, code, words in ((7, 1, "1 of the 1 pieces of the trajectory are not proved"), (6, 2, "panda_joint7")):
+        names = robot.joint_names[:count]
+        pc.Trajectory([0.0, 2.0], ends[:, :count] + 1e-6, joint_names=names).save("way.yaml")
+        assert _run("verify", "way.proof.json", *path, "--start-time", "0.3") == code
+        assert words in "".join(capsys.readouterr())
+    for arguments, words in (
+        ((*path, "--start-time", "0.3"), "name --robot and --scene"),
+        (("--start-time", "0.3"), "with --path"),
+    ):
+        assert main(["verify", "way.proof.json", *arguments]) == 2
+        assert words in capsys.readouterr().err
+
+
 def test_a_page_shows_all_that_moves_in_real_time(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The pallet is where it is at each frame, as an obstacle."""
     assert _run("view", "--path", "way.yaml", "--controller", "jtc", "--start-time", "3", "--html", "page.html") == 0

@@ -16,6 +16,7 @@ import plannercheck as pc
 from plannercheck.cli.main import main
 from plannercheck.common.core import core
 from plannercheck.common.section_files import Section, file_of, texts
+from plannercheck.motions.added_obstacles import added_obstacles
 from plannercheck.motions.prepared_cell import CELL_FORMAT
 
 ROOT = Path(__file__).parents[2]
@@ -98,15 +99,37 @@ def test_what_a_cell_does_not_hold_is_refused(tmp_path):
 
 
 def test_a_new_obstacle_would_meet_what_another_one_meets(checker):
-    meets, padding = checker._of_new_obstacle()
+    paddings, pairs = added(checker).treatments[""]
     shelf = checker.pairs[(checker.pairs == len(checker.robot.bodies)).any(axis=1)]
-    assert sorted(shelf.min(axis=1).tolist()) == np.flatnonzero(meets).tolist()
-    assert padding == 0.0
-    padded = pc.Checker(checker.robot, padding={"panda_hand": 0.01})
-    assert padded._of_new_obstacle()[1] == 0.0
-    assert pc.Checker(checker.robot, padding=0.02)._of_new_obstacle()[1] == 0.01
-    stand_ins = checker.with_bodies(checker.bodies)
-    assert not stand_ins._of_new_obstacle()[0].any()
+    assert sorted(pairs) == [(body, 0) for body in sorted(shelf.min(axis=1).tolist())]
+    assert paddings == (0.0,)
+    assert added(pc.Checker(checker.robot, padding={"panda_hand": 0.01})).treatments[""][0] == (0.0,)
+    assert added(pc.Checker(checker.robot, padding=0.02)).treatments[""][0] == (0.01,)
+    assert added(checker.with_bodies(checker.bodies)) == ({}, (), {})
+
+
+def test_an_obstacle_that_replaces_one_has_the_padding_of_its_name_and_none_of_parts(checker):
+    scene, far = pc.Scene("parts"), np.zeros((4, 4))
+    far[2, 3] = 2.0
+    scene.add("rack", [pc.Part(pc.Box((0.1, 0.1, 0.1)), name=name) for name in ("top", "foot")], np.eye(4) + far)
+    scene.add("gone", pc.Sphere(0.1), np.eye(4) + far)
+    padding = {"rack/top": 0.2, "rack/foot": 0.3, "gone": 0.05, ("panda_link5", "rack"): 0.5}
+    padding |= {("panda_link5", f"rack/{part}"): 0.4 for part in ("top", "foot")}
+    with_all = pc.Checker(checker.robot, scene, self_collision=False, padding=padding)
+    scene.remove("gone")
+    scene.allow("later", "panda_hand")
+    found = added(with_all.with_scene(scene))
+    assert found.treatments["rack"][0] == (0.0, 0.25)
+    assert found.treatments["gone"] == ((0.05,), found.treatments[""][1])
+    link = {found.bases[body] for body, of_rack in found.treatments["rack"][1] if of_rack == 1}
+    assert link == {body for body, _ in found.copies} == {5}
+    assert [share for _, share in found.copies] == [0.25]
+    hand = set(found.treatments[""][1]) - set(found.treatments["later"][1])
+    assert {checker.robot.bodies[body].link for body, _ in hand} == {"panda_hand"}
+
+
+def added(checker):
+    return added_obstacles(checker._settings, checker.robot, checker.scene, checker.bodies, checker.paddings)
 
 
 def test_planar_robots_are_not_exported(tmp_path, capsys):
@@ -146,10 +169,10 @@ def test_the_library_reads_the_container(cell, list_sections, tmp_path):
     (line,) = list_sections(cell)
     assert line.split(";")[:-1] == [name for name, _ in read_sections(cell.read_bytes())]
     content = cell.read_bytes()
-    for version in (b"\0\0\0\0", b"\4\0\0\0"):
+    for version in (b"\0\0\0\0", b"\5\0\0\0"):
         (tmp_path / "other").write_bytes(content[:16] + version + content[20:])
         (line,) = list_sections(tmp_path / "other")
-        assert "this version reads 5 with bodies of format" in line
+        assert "this version reads 6 with bodies of format" in line
         assert line.endswith("save the cell again")
 
 

@@ -14,7 +14,7 @@ from plannercheck.cli.main import main
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs import load_proofs, save_proofs, verify_path, verify_trajectory
 from plannercheck.proofs.data import Motion
-from plannercheck.proofs.executed_curves import trajectory_proved
+from plannercheck.proofs.executed_messages import trajectory_proved
 from plannercheck.trajectories import CONTROLLERS
 
 NAMES = [f"panda_joint{k}" for k in range(1, 8)]

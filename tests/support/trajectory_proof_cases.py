@@ -18,7 +18,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress_motions.curve_numbers import unit_columns
 from plannercheck.proofs import Proof
-from plannercheck.proofs.executed_curves import trajectory_proved
+from plannercheck.proofs.executed_messages import trajectory_proved
 
 MOST_DEGREE, PIECES = 7, (1, 1, 1, 2, 3)
 # How far control points are apart, rad and m, as powers of ten.

@@ -172,7 +172,7 @@ void read_bodies(CellFile& file, PreparedCell& cell) {
   const auto paddings = file.doubles("paddings");
   const std::size_t count = of_bodies.size();
   require_sound(links.size() == count && placements.size() == 12 * count && own_poses.size() == 12 * count &&
-                    paddings.size() == count && cell.body_names.size() == count,
+                    paddings.size() == count && cell.body_names.size() == count && cell.part_names.size() == count,
                 "bodies");
   require_sound(std::all_of(paddings.begin(), paddings.end(), is_radius), "a padding");
   cell.paddings.assign(paddings.begin(), paddings.end());
@@ -184,14 +184,40 @@ void read_bodies(CellFile& file, PreparedCell& cell) {
     cell.own_poses.push_back(placement_at(own_poses, i));
     require_sound(!is_half_space(cell.bodies[i]) || links[i] < 0, "a half-space on a link");
   }
-  const auto meets = file.bytes("meets obstacles");
-  require_sound(meets.size() <= count, "the bodies that meet obstacles");
-  for (std::size_t i = 0; i < meets.size(); ++i)
-    require_sound(meets[i] == 0 || cell.bodies[i].body != nullptr, "the bodies that meet obstacles");
-  cell.meets_obstacles.assign(meets.begin(), meets.end());
-  cell.takes_other_scenes = file.integer("takes other scenes") != 0;
-  cell.obstacle_padding = file.number("obstacle padding");
-  require_sound(is_radius(cell.obstacle_padding), "the padding of obstacles");
+  const std::int32_t robot_bodies = file.integer("robot bodies");
+  require_sound(robot_bodies >= 0 && at(robot_bodies) <= count, "the robot's bodies");
+  cell.robot_bodies = at(robot_bodies);
+  for (std::size_t i = cell.robot_bodies; i < count; ++i) {
+    const std::string& name = cell.body_names[i];
+    if (links[i] >= 0) continue;
+    require_sound(!name.empty(), "an obstacle's name");
+    const bool is_new = std::find(cell.obstacles.begin(), cell.obstacles.end(), name) == cell.obstacles.end();
+    if (is_new && !is_link(cell, name) && !is_carried(cell, name)) cell.obstacles.push_back(name);
+  }
+}
+
+void read_added(CellFile& file, PreparedCell& cell) {
+  for (const std::string& name : file.texts("names of added")) cell.added.push_back({name, {}, {}});
+  const auto owners = file.integers("added");
+  const auto paddings = file.doubles("added paddings");
+  require_sound(paddings.size() == owners.size() && std::all_of(paddings.begin(), paddings.end(), is_radius),
+                "the paddings of obstacles that are added");
+  std::vector<std::int32_t> places;  // of each body among those of its obstacle
+  for (std::size_t k = 0; k < owners.size(); ++k) {
+    require_sound(is_index(owners[k], cell.added.size()), "obstacles that are added");
+    std::vector<double>& own = cell.added[at(owners[k])].paddings;
+    places.push_back(static_cast<std::int32_t>(own.size()));
+    own.push_back(paddings[k]);
+  }
+  for (const AddedObstacle& each : cell.added) require_sound(!each.paddings.empty(), "obstacles that are added");
+  const auto pairs = file.integers("added pairs", 2);
+  for (std::size_t k = 0; k < pairs.size(); k += 2) {
+    const std::int32_t body = pairs[k], of_obstacle = pairs[k + 1];
+    require_sound(is_index(body, cell.bodies.size()) && is_index(of_obstacle, owners.size()), "an added pair");
+    const GeometryObject& object = cell.bodies[at(body)];
+    require_sound(object.body != nullptr && (at(body) < cell.robot_bodies || object.link >= 0), "an added pair");
+    cell.added[at(owners[at(of_obstacle)])].pairs.push_back({body, places[at(of_obstacle)]});
+  }
 }
 
 void read_pairs(CellFile& file, PreparedCell& cell) {

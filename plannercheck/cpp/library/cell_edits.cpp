@@ -14,115 +14,123 @@ using Rows = std::vector<std::int32_t>;
 // Two bodies at rest that are further apart than this, m, are apart (plannercheck/motions/certifier_pairs.py).
 constexpr double kPermanentGap = 1e-9;
 
-bool is_link(const PreparedCell& cell, const std::string& name) {
-  return std::find(cell.link_names.begin(), cell.link_names.end(), name) != cell.link_names.end();
+constexpr const char* kTooLarge = "coordinates must be at most 1e+50 m in size";
+
+using Matrix = std::array<double, 16>;
+
+Pose pose_of(const Matrix& m) {
+  Pose pose;
+  std::copy_n(m.begin(), pose.m.size(), pose.m.begin());
+  return pose;
 }
 
-// Whether a link carries an object of this name.
-bool is_carried(const PreparedCell& cell, const std::string& name) {
-  const auto past = cell.body_names.begin() + static_cast<std::ptrdiff_t>(cell.meets_obstacles.size());
-  return !is_link(cell, name) && std::find(cell.body_names.begin(), past, name) != past;
+Matrix matrix_of(const Pose& pose) {
+  Matrix m{};
+  std::copy(pose.m.begin(), pose.m.end(), m.begin());
+  m.back() = 1;
+  return m;
 }
 
 // The bodies of an obstacle; the robot's have copies beside obstacles', whose padding is another one.
 Rows bodies_of(const PreparedCell& cell, const std::string& name) {
   Rows found;
-  if (is_link(cell, name) || is_carried(cell, name)) return found;
-  for (std::size_t k = cell.meets_obstacles.size(); k < cell.bodies.size(); ++k) {
+  if (std::find(cell.obstacles.begin(), cell.obstacles.end(), name) == cell.obstacles.end()) return found;
+  for (std::size_t k = cell.robot_bodies; k < cell.bodies.size(); ++k) {
     if (cell.body_names[k] == name && cell.bodies[k].link < 0) found.push_back(static_cast<std::int32_t>(k));
   }
   return found;
 }
 
-[[noreturn]] void refuse_name(const PreparedCell& cell, const std::string& name) {
-  std::vector<std::string> known;
-  for (std::size_t k = cell.meets_obstacles.size(); k < cell.bodies.size(); ++k) {
-    const std::string& other = cell.body_names[k];  // empty once it is removed
-    const Rows bodies = bodies_of(cell, other);
-    if (!other.empty() && !bodies.empty() && at(bodies[0]) == k) known.push_back(other);
-  }
-  throw EditError(unknown_name("object", name, known));
-}
-
-void check_name(const PreparedCell& cell, const std::string& name) {
-  if (name.empty()) throw EditError("object '' needs a name and at least one shape");
-  if (is_link(cell, name))
-    throw EditError("object '" + name + "' has the name of a link of '" + cell.robot +
-                    "', so what the scene allows the link would hold for the object: rename the object");
-  if (is_carried(cell, name))
-    throw EditError("object '" + name + "' exists already: remove it first, or choose another name");
-}
-
-// As `checked_pose` of plannercheck/bodies/shapes.py does; the largest coordinate is the library's own limit.
-void check_pose(const std::string& name, const Pose& pose) {
+// As `checked_pose` of plannercheck/bodies/shapes.py does.
+void check_pose(const std::string& name, const Matrix& m) {
   const std::string what = "pose of object '" + name + "'";
-  if (!are_finite(pose.m)) {
-    const std::span<const double> m(pose.m);
-    throw EditError(what + " has values that are not finite: [" + listed(m.first(4)) + ", " + listed(m.subspan(4, 4)) +
-                    ", " + listed(m.last(4)) + ", [0.0, 0.0, 0.0, 1.0]]");
-  }
-  if (!std::all_of(pose.m.begin(), pose.m.end(), is_coordinate))
-    throw EditError(what + ": coordinates must be at most 1e+50 m in size");
+  const std::span<const double> rows(m);
+  if (!are_finite(rows))
+    throw EditError(what + " has values that are not finite: [" + listed(rows.first(4)) + ", " +
+                    listed(rows.subspan(4, 4)) + ", " + listed(rows.subspan(8, 4)) + ", " + listed(rows.last(4)) + "]");
+  if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
+    throw EditError(what + ": last row must be 0 0 0 1, not " + listed(rows.last(4)));
+  const Pose pose = pose_of(m);
   const double defect = rigidity_defect(pose);
   if (!(defect <= kRigidTolerance))
-    throw EditError(what + " is not rigid: |M^T M - 1| is " + rounded(defect, 3) + ", accepted is " +
+    throw EditError(what + " is not rigid: |M^T M - 1| is " +
+                    (std::isfinite(defect) ? rounded(defect, 3) : std::string("inf")) + ", accepted is " +
                     rounded(kRigidTolerance, 6));
   if (!is_placement(pose)) throw EditError(what + " is a reflection: det M is -1, a rotation has +1");
 }
 
-void check_points(const Edit& edit) {
+void check_radius(const Edit& edit) {
+  if (edit.kind != Edit::Kind::kCloud) {
+    if (edit.radius < 0 || !std::isfinite(edit.radius))
+      throw EditError("sphere radius must be finite and not negative (m), not " + shown(edit.radius));
+    return;
+  }
+  if (!(edit.radius > 0 && std::isfinite(edit.radius)))
+    throw EditError("radius of a cloud must be finite and above 0 (m), not " + shown(edit.radius));
+  if (!is_radius(edit.radius)) throw EditError(std::string("radius of a cloud: ") + kTooLarge);
+}
+
+bool is_in_range(Vec3 point) { return is_coordinate(point.x) && is_coordinate(point.y) && is_coordinate(point.z); }
+
+// What Python's shapes check when they are made.
+void check_shape(const Edit& edit) {
   const bool is_cloud = edit.kind == Edit::Kind::kCloud;
   const std::string what = is_cloud ? "points of a cloud: " : "hull vertices: ";
-  if (edit.points.empty() && !is_cloud) throw EditError(what + "a body needs at least one point");
+  check_radius(edit);
   for (std::size_t row = 0; row < edit.points.size(); ++row) {
     const std::array<double, 3> point{edit.points[row].x, edit.points[row].y, edit.points[row].z};
     if (!are_finite(point))
       throw EditError(what + "row " + std::to_string(row) + " is " + listed(point) + (is_cloud ? ":" : ",") +
                       " coordinates must be finite");
-    if (!std::all_of(point.begin(), point.end(), is_coordinate))
-      throw EditError((is_cloud ? what : "body '" + edit.name + "': ") + "coordinates must be at most 1e+50 m in size");
   }
+  if (is_cloud && !std::all_of(edit.points.begin(), edit.points.end(), is_in_range)) throw EditError(what + kTooLarge);
 }
 
-void check_radius(const Edit& edit) {
-  if (edit.kind == Edit::Kind::kCloud && !(edit.radius > 0 && std::isfinite(edit.radius)))
-    throw EditError("radius of a cloud must be finite and above 0 (m), not " + shown(edit.radius));
-  if (is_radius(edit.radius)) return;
-  if (edit.kind == Edit::Kind::kCloud)
-    throw EditError("radius of a cloud: coordinates must be at most 1e+50 m in size");
-  if (edit.radius < 0 || !std::isfinite(edit.radius))
-    throw EditError("sphere radius must be finite and not negative (m), not " + shown(edit.radius));
-  throw EditError("body '" + edit.name + "': inflation radius must be a length in m of at least 0, not " +
-                  shown(edit.radius));
+// What Python's scene checks of the name, before and after the pose.
+void check_name(const PreparedCell& cell, const Edit& edit) {
+  const std::string what = "object '" + edit.name + "'";
+  if (edit.name.empty()) throw EditError(what + " needs a name and at least one shape");
+  check_pose(edit.name, edit.matrix);
+  if (is_carried(cell, edit.name)) throw EditError(what + " exists already: remove it first, or choose another name");
+  for (std::size_t k = 0; k < cell.bodies.size(); ++k) {
+    if (cell.part_names[k] == edit.name && cell.body_names[k] != edit.name)
+      throw EditError(what + ": another object is named '" + edit.name + "', as its part would be");
+  }
 }
 
 void check_edit(const PreparedCell& cell, const Edit& edit) {
-  if (!cell.takes_other_scenes)
-    throw EditError("a checker with stand-ins for its bodies can't take another scene: build a new one");
-  if (edit.kind == Edit::Kind::kRemove || edit.kind == Edit::Kind::kMove) {
-    if (bodies_of(cell, edit.name).empty()) refuse_name(cell, edit.name);
-    if (edit.kind == Edit::Kind::kMove) check_pose(edit.name, edit.pose);
-    return;
+  const bool is_added = edit.kind == Edit::Kind::kHull || edit.kind == Edit::Kind::kCloud;
+  if (is_added) {
+    check_shape(edit), check_name(cell, edit);
+  } else {
+    if (bodies_of(cell, edit.name).empty()) throw EditError(unknown_name("object", edit.name, cell.obstacles));
+    if (edit.kind == Edit::Kind::kMove) check_pose(edit.name, edit.matrix);
   }
-  check_name(cell, edit.name);
-  check_points(edit), check_radius(edit);
-  check_pose(edit.name, edit.pose);
+  if (cell.added.empty())
+    throw EditError("a checker with stand-ins for its bodies can't take another scene: build a new one");
+  if (is_added && is_link(cell, edit.name))
+    throw EditError("object '" + edit.name + "' has the name of a link of '" + cell.robot +
+                    "', so what the scene allows the link would hold for the object: rename the object");
 }
 
-Polytope hull_of(const Edit& edit) {
+// As `core_polytope` of plannercheck/bodies/core_polytopes.py makes it.
+Polytope hull_of(const Edit& edit, double radius) {
+  const std::string what = "body '" + edit.name + "'";
+  if (!std::all_of(edit.points.begin(), edit.points.end(), is_in_range)) throw EditError(what + ": " + kTooLarge);
+  if (!is_radius(radius))
+    throw EditError(what + ": inflation radius must be a length in m of at least 0, not " + shown(radius));
   try {
-    return prepare_polytope(edit.points);
+    Polytope body = prepare_polytope(edit.points);
+    body.inflation_radius = radius;
+    return body;
   } catch (const HullError& error) {
-    throw EditError("body '" + edit.name + "': " + error.what());
+    throw EditError(what + " (" + std::to_string(edit.points.size()) +
+                    " points) has no hull to work with: " + error.what());
   }
 }
 
 std::shared_ptr<const Polytope> shape_of(const Edit& edit, double padding) {
-  if (edit.kind == Edit::Kind::kHull) {
-    Polytope body = hull_of(edit);
-    body.inflation_radius = edit.radius + padding;
-    return std::make_shared<Polytope>(std::move(body));
-  }
+  if (edit.kind == Edit::Kind::kHull) return std::make_shared<Polytope>(hull_of(edit, edit.radius + padding));
   std::vector<double> numbers;
   for (const Vec3& p : edit.points) numbers.insert(numbers.end(), {p.x, p.y, p.z});
   auto set = std::make_shared<PartSet>(PartSet::balls(numbers.data(), edit.points.size(), &edit.radius, true));
@@ -199,24 +207,49 @@ std::vector<PairsInCells> in_cells(const PreparedCell& old, const PreparedCell& 
   return out;
 }
 
+// How far from the world's origin a link may be within the limits, m.
+double reach_of(const PreparedCell& cell) {
+  double reach = cell.motion.extent;
+  for (std::size_t k = 0; k < cell.width(); ++k) {
+    const double travel = cell.motion.travel[k];
+    if (travel > 0) reach += travel * std::max(std::fabs(cell.lower[k]), std::fabs(cell.upper[k]));
+  }
+  return reach;
+}
+
+// Whether a body of the robot never meets an obstacle within the limits: twice the lengths are above all rounding.
+bool is_out_of_reach(const GeometryObject& own, const GeometryObject& obstacle, double reach) {
+  if (!obstacle.body->traits().is_bounded) return false;
+  for (const GeometryObject* object : {&own, &obstacle})
+    reach += object->body->origin_radius + object->body->inflation_radius;
+  const double distance = norm(obstacle.placement.translation());
+  return std::isfinite(distance) && distance > 2 * (reach + norm(own.placement.translation())) + 1;
+}
+
 // The cell with bodies of which some have changed; pairs of `removed` bodies go, `added` come.
 PreparedCell with_pairs(const PreparedCell& old, PreparedCell cell, const Rows& removed, const Rows& changed,
                         const std::vector<CertifiedPair>& added) {
   NewPairs made;
+  const double reach = reach_of(cell);
+  const auto is_unreachable = [&](std::int32_t own, std::int32_t obstacle) {
+    return is_out_of_reach(cell.bodies[at(own)], cell.bodies[at(obstacle)], reach) ? std::uint8_t{1} : std::uint8_t{0};
+  };
   cell.unreachable.clear();
   for (std::size_t k = 0; k < old.pairs.size(); ++k) {
     const auto& [a, b] = old.pairs[k];
     if (is_one_of(removed, a) || is_one_of(removed, b)) continue;
     made.pairs.push_back(old.pairs[k]), made.old_rows.push_back(static_cast<std::int32_t>(k));
     made.chains.push_back({});
-    const bool is_changed = is_one_of(changed, a) || is_one_of(changed, b);
-    cell.unreachable.push_back(is_changed ? 0 : old.unreachable[k]);
+    cell.unreachable.push_back(is_one_of(changed, a)   ? is_unreachable(b, a)
+                               : is_one_of(changed, b) ? is_unreachable(a, b)
+                                                       : old.unreachable[k]);
   }
   for (const CertifiedPair& pair : added) {
     made.pairs.push_back({pair.a, pair.b}), made.chains.push_back(pair);
-    made.old_rows.push_back(-1), cell.unreachable.push_back(0);
+    made.old_rows.push_back(-1), cell.unreachable.push_back(is_unreachable(pair.a, pair.b));
   }
   cell.pairs = made.pairs;
+  cell.has_limits |= std::find(cell.unreachable.begin(), cell.unreachable.end(), 1) != cell.unreachable.end();
   const ChainedTable& whole = whole_table(old);
   const auto table = [&](Table which) {
     const Rows rows = rows_of(cell, which);
@@ -230,67 +263,50 @@ PreparedCell with_pairs(const PreparedCell& old, PreparedCell cell, const Rows& 
   return cell;
 }
 
-// Gives a body of an obstacle the shape of an edit.
-void put_shape(PreparedCell& cell, std::int32_t body, const Edit& edit) {
-  cell.bodies[at(body)] = {shape_of(edit, cell.paddings[at(body)]), -1, edit.pose};
-  cell.body_names[at(body)] = edit.name;
-  cell.own_poses[at(body)] = {};
+// A body without a name: one that was removed, or one more.
+std::int32_t free_body(PreparedCell& cell) {
+  const auto first = cell.body_names.begin() + static_cast<std::ptrdiff_t>(cell.robot_bodies);
+  const auto found = std::find_if(first, cell.body_names.end(), [&](const std::string& name) {
+    return name.empty() && cell.bodies[static_cast<std::size_t>(&name - cell.body_names.data())].link < 0;
+  });
+  const auto body = static_cast<std::size_t>(found - cell.body_names.begin());
+  if (body == cell.bodies.size()) {
+    cell.bodies.push_back({}), cell.paddings.push_back(0), cell.own_poses.push_back({});
+    cell.body_names.push_back({}), cell.part_names.push_back({});
+  }
+  return static_cast<std::int32_t>(body);
 }
 
 PreparedCell with_new(const PreparedCell& old, PreparedCell cell, const Edit& edit) {
-  const auto body = static_cast<std::int32_t>(cell.bodies.size());
-  cell.bodies.push_back({}), cell.body_names.push_back({}), cell.own_poses.push_back({});
-  cell.paddings.push_back(cell.obstacle_padding);
-  put_shape(cell, body, edit);
+  const auto by_name = std::find_if(old.added.begin(), old.added.end(),
+                                    [&](const AddedObstacle& each) { return each.name == edit.name; });
+  const AddedObstacle& as = by_name == old.added.end() ? old.added.front() : *by_name;
+  Rows bodies;
+  for (const double padding : as.paddings) {
+    const std::int32_t body = free_body(cell);
+    bodies.push_back(body);
+    cell.bodies[at(body)] = {shape_of(edit, padding), -1, pose_of(edit.matrix)};
+    cell.body_names[at(body)] = edit.name;
+    cell.paddings[at(body)] = padding;
+  }
+  cell.obstacles.push_back(edit.name);
   const auto& from_world = whole_table(old).from_world;
   std::vector<CertifiedPair> added;
-  for (std::size_t k = 0; k < old.meets_obstacles.size(); ++k) {
-    if (old.meets_obstacles[k] == 0) continue;
-    const auto meeting = static_cast<std::int32_t>(k);
-    const auto chain =
-        std::find_if(from_world.begin(), from_world.end(), [&](const auto& each) { return each[0] == meeting; });
-    added.push_back({meeting, body, -1, chain == from_world.end() ? -1 : chain->at(1), -1});
+  for (const auto& [meeting, which] : as.pairs) {
+    const auto chain = std::find_if(from_world.begin(), from_world.end(),
+                                    [body = meeting](const auto& each) { return each[0] == body; });
+    added.push_back({meeting, bodies[at(which)], -1, chain == from_world.end() ? -1 : chain->at(1), -1});
   }
-  return with_pairs(old, std::move(cell), {}, {body}, added);
+  return with_pairs(old, std::move(cell), {}, bodies, added);
 }
 
 PreparedCell without(const PreparedCell& old, PreparedCell cell, const std::string& name, const Rows& bodies) {
-  const ChainedTable& whole = whole_table(old);
-  const Rows place = places_in(whole, old.pairs.size());
-  RemovedObstacle removed{name, bodies, {}};
-  for (std::size_t row = 0; row < old.pairs.size(); ++row) {
-    const auto& [a, b] = old.pairs[row];
-    const bool is_first = is_one_of(bodies, a);
-    if (is_first == is_one_of(bodies, b)) continue;
-    const CertifiedPair at_rest{is_first ? b : a, is_first ? a : b, -1, -1, -1};
-    removed.pairs.push_back(place[row] < 0 ? at_rest : whole.pairs[at(place[row])]);
+  std::erase(cell.obstacles, name);
+  for (const std::int32_t body : bodies) {
+    cell.bodies[at(body)].body = nullptr, cell.own_poses[at(body)] = {};
+    cell.body_names[at(body)].clear(), cell.part_names[at(body)].clear();
   }
-  cell.removed.push_back(std::move(removed));
-  for (const std::int32_t body : bodies) cell.bodies[at(body)].body = nullptr, cell.body_names[at(body)].clear();
   return with_pairs(old, std::move(cell), bodies, {}, {});
-}
-
-// With an obstacle that was removed before, of one shape: a body for each padding, and what these met.
-PreparedCell with_again(const PreparedCell& old, PreparedCell cell, const Edit& edit, const RemovedObstacle& removed) {
-  const auto first_alike = [&](std::int32_t body) {
-    return *std::find_if(removed.bodies.begin(), removed.bodies.end(),
-                         [&](std::int32_t each) { return cell.paddings[at(each)] == cell.paddings[at(body)]; });
-  };
-  Rows bodies;
-  for (const std::int32_t body : removed.bodies) {
-    if (first_alike(body) != body) continue;
-    bodies.push_back(body), put_shape(cell, body, edit);
-  }
-  std::vector<CertifiedPair> added;
-  for (CertifiedPair pair : removed.pairs) {
-    if (cell.bodies[at(pair.a)].body == nullptr) continue;  // only a hostile file pairs obstacles
-    pair.b = first_alike(pair.b);
-    const bool is_known = std::any_of(added.begin(), added.end(),
-                                      [&](const CertifiedPair& each) { return each.a == pair.a && each.b == pair.b; });
-    if (!is_known) added.push_back(pair);
-  }
-  std::erase_if(cell.removed, [&](const RemovedObstacle& each) { return each.name == edit.name; });
-  return with_pairs(old, std::move(cell), {}, bodies, added);
 }
 
 }  // namespace
@@ -299,17 +315,16 @@ PreparedCell edited(const PreparedCell& old, const Edit& edit) {
   check_edit(old, edit);
   const Rows bodies = bodies_of(old, edit.name);
   PreparedCell cell = old;
-  if (edit.kind == Edit::Kind::kHull || edit.kind == Edit::Kind::kCloud) {
-    if (!bodies.empty()) return edited(without(old, std::move(cell), edit.name, bodies), edit);
-    for (const RemovedObstacle& removed : old.removed) {
-      if (removed.name == edit.name) return with_again(old, std::move(cell), edit, removed);
-    }
-    return with_new(old, std::move(cell), edit);
-  }
   if (edit.kind == Edit::Kind::kRemove) return without(old, std::move(cell), edit.name, bodies);
+  if (edit.kind != Edit::Kind::kMove) {
+    if (bodies.empty()) return with_new(old, std::move(cell), edit);
+    const PreparedCell removed = without(old, std::move(cell), edit.name, bodies);
+    return with_new(removed, removed, edit);
+  }
   for (const std::int32_t body : bodies) {
-    cell.bodies[at(body)].placement = placed_on(edit.pose.m, cell.own_poses[at(body)]);
-    check_pose(edit.name, cell.bodies[at(body)].placement);
+    const Pose posed = placed_on(pose_of(edit.matrix).m, cell.own_poses[at(body)]);
+    check_pose(edit.name, matrix_of(posed));
+    cell.bodies[at(body)].placement = posed;
   }
   return with_pairs(old, std::move(cell), {}, bodies, {});
 }

@@ -1,9 +1,11 @@
 // Other scenes for a cell's robot: obstacles that are added, replaced, moved or removed.
 //
 // In: a cell, an edit. Out: a cell of its own, which shares all bodies that stay. Pairs of an obstacle that is new or
-// elsewhere count as reachable: no proof that they never meet is made again, so such checks take a little longer.
+// elsewhere count as reachable unless it is far from the robot's reach: no closer proof that they never meet is made
+// again, so such checks take a little longer.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -24,7 +26,7 @@ struct Edit {
   enum class Kind { kRemove, kMove, kHull, kCloud };
   Kind kind;
   std::string name;
-  Pose pose;
+  std::array<double, 16> matrix;  // its pose, row by row
   std::vector<Vec3> points;
   double radius = 0;  // m
 };

@@ -21,7 +21,7 @@ class CellError : public std::runtime_error {
 };
 
 // Raise it with any change to the sections, their order or meaning: other files are then refused.
-inline constexpr std::uint32_t kCellFormat = 5;
+inline constexpr std::uint32_t kCellFormat = 6;
 
 class CellFile {
  public:

@@ -111,9 +111,13 @@ ChainedTable read_table(CellFile& file, const PreparedCell& cell, const std::vec
     out.pairs.push_back(pair);
   }
   std::vector<std::int32_t> meeting;
-  for (std::size_t k = 0; k < cell.meets_obstacles.size(); ++k) {
-    if (cell.meets_obstacles[k] != 0 && cell.bodies[k].link >= 0) meeting.push_back(static_cast<std::int32_t>(k));
+  for (const AddedObstacle& added : cell.added) {
+    for (const auto& [body, _] : added.pairs) {
+      if (cell.bodies[at(body)].link >= 0) meeting.push_back(body);
+    }
   }
+  std::sort(meeting.begin(), meeting.end());
+  meeting.erase(std::unique(meeting.begin(), meeting.end()), meeting.end());
   require_sound(from_world.size() == 2 * meeting.size(), "chains from the world");
   for (std::size_t k = 0; k < from_world.size(); k += 2) {
     require_sound(from_world[k] == meeting[k / 2] && is_index(from_world[k + 1], chains), "a chain from the world");

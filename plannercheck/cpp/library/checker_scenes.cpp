@@ -8,12 +8,12 @@
 namespace plannercheck {
 namespace {
 
+// Of a hull (plannercheck/bodies/shapes.py).
+constexpr std::size_t kFewestPoints = 4;
+
 Edit edit_of(Edit::Kind kind, const std::string& name, Checker::Pose pose) {
-  constexpr std::array<double, 4> kLastRow{0, 0, 0, 1};
-  if (!std::equal(kLastRow.begin(), kLastRow.end(), pose.begin() + 12))
-    throw CallError("pose of object '" + name + "': last row must be 0 0 0 1, not " + listed(pose.last(4)));
   Edit edit{kind, name, {}, {}};
-  std::copy_n(pose.begin(), edit.pose.m.size(), edit.pose.m.begin());
+  std::copy(pose.begin(), pose.end(), edit.matrix.begin());
   return edit;
 }
 
@@ -47,8 +47,8 @@ Result<Checker> Checker::with_box(const std::string& name, std::span<const doubl
 Result<Checker> Checker::with_sphere(const std::string& name, double radius,
                                      std::span<const double, 3> centre) const noexcept {
   return guarded<Checker>([&] {
-    Edit edit{Edit::Kind::kHull, name, {}, {{0, 0, 0}}, radius};
-    edit.pose.m[3] = centre[0], edit.pose.m[7] = centre[1], edit.pose.m[11] = centre[2];
+    const std::array<double, 16> pose{1, 0, 0, centre[0], 0, 1, 0, centre[1], 0, 0, 1, centre[2], 0, 0, 0, 1};
+    const Edit edit{Edit::Kind::kHull, name, pose, {{0, 0, 0}}, radius};
     return Checker(std::make_shared<const Impl>(*impl_, edit));
   });
 }
@@ -57,6 +57,8 @@ Result<Checker> Checker::with_hull(const std::string& name, std::span<const doub
   return guarded<Checker>([&] {
     Edit edit = edit_of(Edit::Kind::kHull, name, pose);
     edit.points = points_of("hull vertices", points);
+    if (edit.points.size() < kFewestPoints)
+      throw CallError("hull vertices: a body needs at least 4 points, here are " + std::to_string(edit.points.size()));
     return Checker(std::make_shared<const Impl>(*impl_, edit));
   });
 }

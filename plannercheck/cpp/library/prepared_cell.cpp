@@ -33,7 +33,7 @@ void read_names(CellFile& file, PreparedCell& cell) {
   cell.about = file.text("about"), cell.robot = file.text("robot"), cell.scene = file.text("scene");
   cell.joint_names = file.texts("joint names"), cell.link_names = file.texts("link names");
   cell.columns = file.text("described columns");
-  cell.body_names = file.texts("body names");
+  cell.body_names = file.texts("body names"), cell.part_names = file.texts("part names");
 }
 
 // As ConfigurationMap.tangent_places in plannercheck/robots/configurations.py has it.
@@ -125,14 +125,21 @@ void read_sampled_poses(CellFile& file, PreparedCell& cell) {
   constexpr std::size_t kPoseNumbers = 16;
   const auto poses = file.doubles("sampled poses", kPoseNumbers);
   const std::size_t of_state = kPoseNumbers * cell.links.size();
-  require_sound(std::all_of(poses.begin(), poses.end(), is_coordinate) &&
-                    (of_state == 0 ? poses.empty() : poses.size() % of_state == 0),
-                "sampled poses");
+  require_sound(are_finite(poses) && (of_state == 0 ? poses.empty() : poses.size() % of_state == 0), "sampled poses");
   cell.sampled =
       std::make_shared<SampledPoses>(SampledPoses{numbers(poses), of_state == 0 ? 0 : poses.size() / of_state});
 }
 
 }  // namespace
+
+bool is_link(const PreparedCell& cell, const std::string& name) {
+  return std::find(cell.link_names.begin(), cell.link_names.end(), name) != cell.link_names.end();
+}
+
+bool is_carried(const PreparedCell& cell, const std::string& name) {
+  const auto past = cell.body_names.begin() + static_cast<std::ptrdiff_t>(cell.robot_bodies);
+  return !is_link(cell, name) && std::find(cell.body_names.begin(), past, name) != past;
+}
 
 bool are_finite(std::span<const double> numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
@@ -149,8 +156,7 @@ bool is_radius(double x) { return x >= 0 && x <= kLargestCoordinate; }
 bool is_placement(const Pose& pose) {
   const Vec3 x{pose.m[0], pose.m[1], pose.m[2]}, y{pose.m[4], pose.m[5], pose.m[6]},
       z{pose.m[8], pose.m[9], pose.m[10]};
-  return std::all_of(pose.m.begin(), pose.m.end(), is_coordinate) && rigidity_defect(pose) <= kRigidTolerance &&
-         dot(cross(x, y), z) > 0;
+  return are_finite(pose.m) && rigidity_defect(pose) <= kRigidTolerance && dot(cross(x, y), z) > 0;
 }
 
 std::vector<std::int32_t> rows_of(const PreparedCell& cell, Table table) {
@@ -169,6 +175,7 @@ PreparedCell read_cell(CellFile& file) {
   read_links(file, cell);
   read_sampled_poses(file, cell);
   read_bodies(file, cell);
+  read_added(file, cell);
   read_pairs(file, cell);
   read_motions(file, cell);
   file.end();

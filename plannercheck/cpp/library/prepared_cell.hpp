@@ -31,15 +31,15 @@ struct ChainedTable {
   std::vector<CertifiedPair> pairs;  // that move relative to each other; indices into all bodies
   std::vector<std::int32_t> rows;    // theirs in the cell's pairs
   MotionChains chains;
-  std::vector<std::array<std::int32_t, 2>> from_world;  // bodies that meet new obstacles, and chains from the world
+  std::vector<std::array<std::int32_t, 2>> from_world;  // bodies that meet added obstacles, and chains from the world
   std::vector<std::int32_t> touching;  // pairs that never move relative to each other and touch, by their rows
 };
 
-// An obstacle that an edit took out: if it comes again, its pairs and paddings do.
-struct RemovedObstacle {
-  std::string name;
-  std::vector<std::int32_t> bodies;
-  std::vector<CertifiedPair> pairs;  // its body second
+// How an obstacle that an edit adds is tested (plannercheck/motions/added_obstacles.py).
+struct AddedObstacle {
+  std::string name;                                // "" of all others
+  std::vector<double> paddings;                    // of its body and each copy, m
+  std::vector<std::array<std::int32_t, 2>> pairs;  // of the robot's bodies with these
 };
 
 struct PreparedCell {
@@ -61,17 +61,17 @@ struct PreparedCell {
   std::vector<LinkSpec> links;
   std::shared_ptr<const SampledPoses> sampled;
 
-  std::vector<double> paddings;               // of each body, m: the part of its inflation radius
-  std::vector<GeometryObject> bodies;         // without a body where no pair needs it
-  std::vector<Pose> own_poses;                // of each body: its shape's in its obstacle
-  bool takes_other_scenes = false;            // false where bodies stand in for others
-  std::vector<std::uint8_t> meets_obstacles;  // of the robot's bodies, which come first: those that are added
-  double obstacle_padding = 0;                // of obstacles that are added, m
+  std::vector<double> paddings;         // of each body, m: the part of its inflation radius
+  std::vector<GeometryObject> bodies;   // without a body where no pair needs it
+  std::vector<Pose> own_poses;          // of each body: its shape's in its obstacle
+  std::vector<std::string> part_names;  // of each body: its own, if it is a part of an object
+  std::size_t robot_bodies = 0;         // so many come first
+  std::vector<std::string> obstacles;   // in the order in which they were added
+  std::vector<AddedObstacle> added;     // of any name first; none where bodies stand in for others
   std::vector<std::array<std::int32_t, 2>> pairs;
   std::vector<std::uint8_t> unreachable;  // by pair
   bool has_limits = false;                // whether the unreachable pairs are left out within the limits
   std::vector<PairsInCells> in_cells;     // of the pairs that are reachable, by their places among these
-  std::vector<RemovedObstacle> removed;   // by edits; none in a file
 
   MotionModel motion;  // without bodies, pairs and chains, but for the joints of these
   ChainedTable within_limits;
@@ -88,11 +88,16 @@ PreparedCell read_cell(CellFile& file);
 
 // The parts of it, in their order.
 void read_bodies(CellFile& file, PreparedCell& cell);
+void read_added(CellFile& file, PreparedCell& cell);
 void read_pairs(CellFile& file, PreparedCell& cell);
 void read_motions(CellFile& file, PreparedCell& cell);
 
 // The largest defect of a body's placement (plannercheck/bodies/shapes.py).
 inline constexpr double kRigidTolerance = 1e-6;
+
+// Whether a link, or an object that a link carries, has this name.
+bool is_link(const PreparedCell& cell, const std::string& name);
+bool is_carried(const PreparedCell& cell, const std::string& name);
 
 // What is checked of numbers.
 bool are_finite(std::span<const double> numbers);

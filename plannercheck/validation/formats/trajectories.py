@@ -21,6 +21,7 @@ import numpy as np
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.shown_times import shown_seconds
 from plannercheck.scenes.moveit_states import check_robot_state, joint_values
 from plannercheck.trajectories.messages import POINT_KEYS, TRAJECTORY_KEYS, joint_trajectories, seconds
 
@@ -76,7 +77,9 @@ def read_trajectory(document: Node) -> Trajectory | None:
                 given = point.get("time_from_start")
                 time = last if given is None else seconds(given)
                 if time < last:
-                    raise PlannercheckError(f"is at {time:g} s, before the point before it: give points in time order")
+                    raise PlannercheckError(
+                        f"is at {shown_seconds(time)} s, before the point before it: give points in time order"
+                    )
                 last = time
     held = _held(mapping(document.get("trajectory_start"), "'trajectory_start'"), names)
     positions = np.array(rows, dtype=np.float64).reshape(-1, len(names))

@@ -15,6 +15,7 @@ import numpy as np
 
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.public_names import set_module
+from plannercheck.common.shown_times import shown_seconds
 from plannercheck.motions.certifier_answers import ImpreciseError
 from plannercheck.motions.trajectory_verdict import Stop
 from plannercheck.trajectories.curve import Curve
@@ -59,7 +60,7 @@ class Reason:
     on_stop: bool = False
 
     def __str__(self) -> str:
-        where = f"at {self.time:.6g} s" + (", on the stop behind the chunk" if self.on_stop else "")
+        where = f"at {shown_seconds(self.time)} s" + (", on the stop behind the chunk" if self.on_stop else "")
         if self.joint is not None:
             return f"{self.kind} of {self.joint} {where}: {self.value:.6g}, beyond {self.limit:.6g}"
         return f"{self.kind} {where}" + ("" if self.pair is None else f": {' – '.join(self.pair)}")
@@ -130,8 +131,8 @@ class GateVerdict:
 
     def __repr__(self) -> str:
         if self.ok:
-            return f"GateVerdict(ok, {self._run.breaks[-1]:.6g} s and a stop)"
-        until = "no stop is proved" if self.safe_until is None else f"safe until {self.safe_until:.6g} s"
+            return f"GateVerdict(ok, {shown_seconds(self._run.breaks[-1])} s and a stop)"
+        until = "no stop is proved" if self.safe_until is None else f"safe until {shown_seconds(self.safe_until)} s"
         return f"GateVerdict({'; '.join([*map(str, self.reasons), until])})"
 
     @cached_property

@@ -38,6 +38,16 @@ class Told {
     write(free);
   }
 
+  // The states, and motions from each to the next, all within the limits.
+  void steps(const Checker& checker, std::span<const double> states) {
+    std::vector<std::uint8_t> valid(states.size() / checker.nq()), free(kMotions);
+    CHECK(checker.check_states(states, valid, workspace_).ok());
+    write(valid);
+    const std::size_t size = kMotions * checker.nq();
+    CHECK(checker.check_motions(states.first(size), states.subspan(checker.nq(), size), free, workspace_).ok());
+    write(free);
+  }
+
   void distances(const Checker& checker, std::span<const double> states) {
     for (const auto& row : checker.distances(states.first(kMeasured * checker.nq()), workspace_, 0.125).value()) {
       std::vector<double> numbers{static_cast<double>(row.state), row.distance};
@@ -100,6 +110,8 @@ int main(int count, char** argv) {
   checker = checker.with_pose("rack", there).value();
   told.verdicts(checker, states);
 
+  for (const double far : {1e60, 1e150}) told.steps(checker.with_pose("rack", shifted(far, -far, 0.5)).value(), states);
+
   Checker none = checker;
   for (const char* const name : {"crate", "pad", "rack", "sign", "seen", "mapped", "dug"})
     none = none.without(name).value();
@@ -108,7 +120,7 @@ int main(int count, char** argv) {
   CHECK(none.check_states(states, valid, workspace).value() == valid.size());
   CHECK(says(none.without("sign"), "valid are none"));
   CHECK(says(checker.without("panda_link0"),
-             "unknown object 'panda_link0': valid are crate, sign, rack, pad, seen, mapped, dug"));
+             "unknown object 'panda_link0': valid are sign, seen, mapped, dug, crate, pad, rack"));
   CHECK(says(Checker::load("/"), "it is a folder"));
 
   const Checker moved = std::move(checker);

@@ -66,6 +66,8 @@ void obstacles(const Checker& checker) {
   say("no name", checker.with_box("", kCube, kHere));
   say("a link's name", checker.with_box("panda_hand", kCube, kHere));
   say("a name that is not there, to move", checker.with_pose("cratr", kHere));
+  say("a name that is not there, after edits",
+      checker.without("rack").value().with_box("rack", kCube, kHere).value().with_pose("rick", kHere));
   say("a name that is not there, to remove", checker.without("rick"));
   say("no name to remove", checker.without(""));
   for (const double edge : {-1.0, kNan, kInf})
@@ -78,12 +80,26 @@ void obstacles(const Checker& checker) {
   Row points{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
   say("points of a hull in no rows", checker.with_hull("new", Row(13), kHere));
   say("points of a cloud in no rows", checker.with_cloud("new", Row(4), 0.1, kHere));
+  for (const std::size_t count : {0u, 1u, 3u})
+    say("few points of a hull", checker.with_hull("new", std::span(points).first(3 * count), kHere));
+  say("few points of a hull, and wrong ones", checker.with_hull("new", Row{0, 0, 0, 1, kNan, 0, 0, 1, 0}, kHere));
   say("a point of a hull", checker.with_hull("new", with(points, 4, kNan), kHere));
   say("a point of a cloud", checker.with_cloud("new", with(points, 4, kNan), 0.1, kHere));
   say("a large point of a hull", checker.with_hull("new", with(points, 4, 2e50), kHere));
+  say("a huge point of a hull", checker.with_hull("new", with(points, 4, 1e200), kHere));
+  say("a point of a cloud without a radius", checker.with_cloud("new", with(points, 4, kNan), 0, kHere));
   say("a large point of a cloud", checker.with_cloud("new", with(points, 4, -2e50), 0.1, kHere));
   say("a stretched pose", checker.with_box("new", kCube, with(kHere, 0, 1.1)));
   say("a mirrored pose", checker.with_box("new", kCube, with(kHere, 0, -1)));
+  say("a pose that is hardly stretched", checker.with_box("new", kCube, with(kHere, 10, 1.00001)));
+  say("a mirrored pose far away",
+      checker.with_box("new", kCube, with(with(with(kHere, 3, 1e60), 7, -1e300), 10, -1)));
+  say("a pose beyond all doubles",
+      checker.with_box("new", kCube, with(with(with(with(kHere, 0, 1e200), 1, 1e200), 4, 1e200), 5, -1e200)));
+  say("a pose's last row that is none", checker.with_box("new", kCube, with(with(kHere, 12, kNan), 0, 2)));
+  say("a stretched pose's last row", checker.with_box("new", kCube, with(with(kHere, 15, 2), 0, 2)));
+  say("a link's name at no pose", checker.with_box("panda_hand", kCube, with(kHere, 0, 2)));
+  say("a part's name", checker.with_box("rack/0", kCube, kHere));
   say("a pose's last row", checker.with_box("new", kCube, with(kHere, 12, 1)));
   say("a pose that is none", checker.with_pose("crate", with(kHere, 7, kNan)));
   say("a stretched pose to move to", checker.with_pose("crate", with(kHere, 5, 0.9)));
@@ -135,5 +151,7 @@ int main(int count, char** arguments) {
   say("a quaternion of another length", lift.is_valid(turned, workspace));
   say("a cosine and sine of another length", lift.is_valid(with(with(turned, 14, 1), 7, 0.5), workspace));
   say("too few numbers of several joints", lift.is_valid(Row(3), workspace));
-  say("stand-ins in another scene", Checker::load(arguments[3]).value().with_box("new", kCube, kHere));
+  const Checker stand_ins = Checker::load(arguments[3]).value();
+  say("a mirrored pose for stand-ins", stand_ins.with_box("new", kCube, with(kHere, 0, -1)));
+  say("stand-ins in another scene", stand_ins.with_box("new", kCube, kHere));
 }

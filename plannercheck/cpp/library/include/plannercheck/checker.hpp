@@ -209,9 +209,8 @@ class PLANNERCHECK_API Checker {
   Result<std::vector<Distance>> distances(std::span<const double> q, Workspace& workspace, double limit = 0.1,
                                           std::size_t nearest = 0) const noexcept;
 
-  // The same checker in another scene: with an obstacle that is added or, if it has that name, replaces one. It is
-  // tested against all that such an obstacle of Python's scene would be, and keeps paddings and allowed collisions of
-  // an obstacle of its name that the cell had. A pose is a matrix (4, 4), row by row, m.
+  // The same checker in another scene: with an obstacle that is added or, if it has that name, replaces one. Paddings
+  // and allowed collisions of its name act as in Python's with_scene. A pose is a matrix (4, 4), row by row, m.
   using Pose = std::span<const double, 16>;
   // A box by its edge lengths (3), m.
   Result<Checker> with_box(const std::string& name, std::span<const double, 3> size, Pose pose) const noexcept;
