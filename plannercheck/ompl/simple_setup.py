@@ -24,8 +24,8 @@ from plannercheck.common.errors import PlannercheckError
 INFORMED_PLANNERS = ("AORRTC", "BITstar", "InformedRRTstar", "SORRTstar")
 _NO_SAMPLER = "PathLengthDirectInfSampler only supports"
 
-# How an error of theirs begins where a goal is the start itself, around which there is no ellipsoid.
-_NO_ELLIPSOID = "The transformation is not up to date in the PHS class"
+# Compound spaces that it supports.
+_SERVED = (base.SE2StateSpace, base.SE3StateSpace)
 
 
 class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindings are untyped
@@ -40,35 +40,14 @@ class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindin
         self._failure = failure
         self.checks_found_paths = checks_found_paths
         self.refused_path = False  # that was found last
-        self._start: Any = None
         _MADE.add(self)
-
-    def setStartAndGoalStates(self, start: Any, *others: Any, **named: Any) -> None:  # noqa: N802  # OMPL's name
-        """Sets both; a copy of the start is kept, since OMPL's bindings lose the memory of the starts they return."""
-        super().setStartAndGoalStates(start, *others, **named)
-        self._keep_start(start)
-
-    def setStartState(self, state: Any) -> None:  # noqa: N802  # OMPL's name
-        """Sets the only start; likewise."""
-        super().setStartState(state)
-        self._keep_start(state)
-
-    def addStartState(self, state: Any) -> None:  # noqa: N802  # OMPL's name
-        """Adds a start; likewise."""
-        super().addStartState(state)
-        self._keep_start(state)
-
-    def _keep_start(self, state: Any) -> None:
-        information = self.getSpaceInformation()
-        self._start = information.allocState()
-        information.copyState(self._start, state)
 
     def solve(self, *arguments: Any, **named: Any) -> Any:
         """Solves the problem; a path that begins elsewhere, or of curves with a motion that collides, is none.
 
         Planners that grow from both ends, or keep roadmaps, check a curve one way and go it the other way, where a
-        Reeds-Shepp curve may be another one. AORRTC (OMPL 2.0.1) loses the start of paths whose start sees the goal: it
-        gets it back if the motion from the last start that was set is free.
+        Reeds-Shepp curve may be another one. Where the start sees a goal, some of `INFORMED_PLANNERS` (OMPL 2.0.1)
+        never return, raise an error or lose the start; they get the motion to that goal, than which none is shorter.
 
         Raises:
             PlannercheckError: If the planner can't plan in this space.
@@ -80,22 +59,22 @@ class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindin
                 "AORRTC can't plan where the way back has another length, as on Dubins curves: OMPL's own code crashes "
                 "there; RRTstar and BITstar look for short paths as well"
             )
-        self.refused_path = False
+        self.refused_path, problem = False, self.getProblemDefinition()
         try:
+            seen = self._seen_goal()
+            if seen is not None:
+                problem.addSolutionPath(seen)
+                return base.PlannerStatus(base.PlannerStatus.EXACT_SOLUTION)
             status = self._solved(*arguments, **named)
             if self.haveExactSolutionPath() and not (
-                self._begins_at_start(self.getSolutionPath())
+                problem.hasStartState(self.getSolutionPath().getState(0), 0)
                 and (not self.checks_found_paths or self.getSolutionPath().check())
             ):
-                self.getProblemDefinition().clearSolutionPaths()
+                problem.clearSolutionPaths()
                 self.refused_path = True
                 return base.PlannerStatus(base.PlannerStatus.TIMEOUT)
             return status
         except RuntimeError as error:  # once the planner is set up: AORRTC's destructor needs that
-            if str(error).startswith(_NO_ELLIPSOID) and self._start_is_goal():
-                information, start = self.getSpaceInformation(), self._start
-                self.getProblemDefinition().addSolutionPath(geometric.PathGeometric(information, start, start))
-                return base.PlannerStatus(base.PlannerStatus.EXACT_SOLUTION)
             if not str(error).startswith(_NO_SAMPLER):
                 raise
         raise PlannercheckError(
@@ -104,21 +83,16 @@ class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindin
             "all others serve every space (RRTstar and PRMstar look for short paths, too)"
         )
 
-    def _start_is_goal(self) -> bool:
-        return self._start is not None and bool(self.getGoal().isSatisfied(self._start))
-
-    def _begins_at_start(self, path: Any) -> bool:
-        """Whether a path begins at a start, or now does, since the motion from the start to it is free."""
-        problem, first = self.getProblemDefinition(), path.getState(0)
-        if problem.hasStartState(first, 0):
-            return True
-        start = self._start
-        if start is None or not (
-            problem.hasStartState(start, 0) and self.getSpaceInformation().checkMotion(start, first)
-        ):
-            return False
-        path.prepend(start)
-        return True
+    def _seen_goal(self) -> Any:
+        """The motion to a goal that the start sees, if an informed planner looks for the shortest path; else None."""
+        space = self.getStateSpace()
+        is_served = isinstance(space, _SERVED) or not isinstance(space, base.CompoundStateSpace)
+        if type(self.getPlanner()).__name__ not in INFORMED_PLANNERS or not is_served:
+            return None
+        self.setup()
+        problem = self.getProblemDefinition()
+        is_length = isinstance(problem.getOptimizationObjective(), base.PathLengthOptimizationObjective)
+        return problem.isStraightLinePathValid() if is_length else None
 
     def _solved(self, *arguments: Any, **named: Any) -> Any:
         """OMPL's `solve`, ended by the first exception of a validator, which is raised when the planner has ended."""
