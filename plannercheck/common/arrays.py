@@ -183,6 +183,14 @@ def _has_masked(values: object) -> bool:
     return isinstance(values, list | tuple) and any(map(_has_masked, values))
 
 
+def axes(values: ArrayLike) -> int:
+    """How many axes an array has; -1 for rows of different lengths."""
+    try:
+        return int(np.ndim(values))
+    except ValueError:
+        return -1
+
+
 def row_length(rows: ArrayLike) -> int:
     """The length of an array's last axis; 0 for numbers and for rows of different lengths."""
     try:

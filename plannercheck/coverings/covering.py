@@ -18,6 +18,7 @@ import numpy as np
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.lengths import check_length
 from plannercheck.common.progress import reported
 from plannercheck.common.public_names import set_module
 from plannercheck.coverings.audits import Audit, audited
@@ -131,8 +132,7 @@ class Covering:
         Returns:
             The findings, link by link.
         """
-        if not tolerance > 0:
-            raise PlannercheckError(f"tolerance must be a positive number of metres, not {tolerance}")
+        check_length(tolerance, "tolerance")
         of = self._robot(robot)
         rows = []
         for link, bodies in _bodies_by_link(of, geometry).items():

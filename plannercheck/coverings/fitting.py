@@ -20,6 +20,7 @@ from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import distinct_rows, grouped
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.lengths import check_length
 from plannercheck.common.whole_numbers import whole_number
 from plannercheck.coverings.audits import surface_of, surface_triangles
 from plannercheck.coverings.excess import apart, greatest_excess, surface_points
@@ -153,8 +154,8 @@ def _check_wanted(links: int, spheres: int, excess: float | None) -> None:
     if not links:
         raise PlannercheckError("the robot has no collision bodies to cover")
     whole_number(spheres, f"spheres must be a whole number of at least {links}, one a link", links)
-    if excess is not None and not (np.isfinite(excess) and excess > 0):
-        raise PlannercheckError(f"excess must be a positive number of metres, not {excess!r}")
+    if excess is not None:
+        check_length(excess, "excess")
 
 
 def _too_wide(
@@ -179,12 +180,13 @@ def _first(link: _Link) -> _Fit:
 
 def _split(link: _Link, fit: _Fit) -> _Fit:
     """The fit with one ball more: of the balls that cost most, one is split whose split gains most."""
-    return min((_split_at(link, fit, int(k)) for k in np.argsort(-fit.costs)[:_TRIED]), key=lambda each: each.cost)
+    owner = _nearest(link.points, fit.centres, fit.radii)
+    costly = [int(k) for k in np.argsort(-fit.costs) if (owner == k).any()]
+    return min((_split_at(link, fit, link.points[owner == k], k) for k in costly[:_TRIED]), key=lambda each: each.cost)
 
 
-def _split_at(link: _Link, fit: _Fit, worst: int) -> _Fit:
-    """The fit with one cluster cut across its longest direction."""
-    own = link.points[_nearest(link.points, fit.centres, fit.radii) == worst]
+def _split_at(link: _Link, fit: _Fit, own: Floats, worst: int) -> _Fit:
+    """The fit with one cluster, of points of its own, cut across its longest direction."""
     middle = own.mean(axis=0)
     along = np.linalg.svd(own - middle, full_matrices=False)[2][0]
     sides = (own - middle) @ along > 0

@@ -33,7 +33,8 @@ from plannercheck.coverings.primitives import Primitives
 
 SUFFIXES = (".json",)
 _FOAM = ("mean", "best", "worst")
-_KEYS = ("spheres", "capsules", "boxes", *_FOAM)
+_FIELDS = {"spheres": ("center", "origin", "radius"), "capsules": ("ends", "radius"), "boxes": ("size", "pose")}
+_KEYS = (*_FIELDS, *_FOAM)
 
 
 def read(path: Path, link_names: Sequence[str]) -> dict[str, Primitives]:
@@ -45,6 +46,8 @@ def read(path: Path, link_names: Sequence[str]) -> dict[str, Primitives]:
     if isinstance(document, list):
         raise PlannercheckError('spheres of one mesh name no link: put them as {"links": {LINK: [...]}}')
     node = mapping(document, "the document")
+    if "links" in node:
+        check_keys(node, ("links",))
     found: dict[str, Primitives] = {}
     for name, given in mapping(node.get("links", node), "links").items():
         link = name.split("::")[0]  # foam: LINK::MESH
@@ -67,12 +70,17 @@ def _primitives(given: Any) -> Primitives:
 
 
 def _rows(node: Node, key: str) -> list[Node]:
-    return [mapping(each, f"{key} {index}") for index, each in enumerate(sequence(node.get(key), key))]
+    rows = [mapping(each, f"{key} {index}") for index, each in enumerate(sequence(node.get(key), key))]
+    for row in rows:
+        check_keys(row, _FIELDS[key])
+    return rows
 
 
 def _three(node: Node, *keys: str) -> list[float]:
-    key = next((key for key in keys if key in node), keys[0])
-    return numbers(required(node, key), key, 3)
+    given = [key for key in keys if key in node] or [keys[0]]
+    if len(given) > 1:
+        raise PlannercheckError(f"one of {' and '.join(given)} is enough")
+    return numbers(required(node, given[0]), given[0], 3)
 
 
 def _radius(node: Node) -> float:

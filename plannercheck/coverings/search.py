@@ -6,9 +6,9 @@ bound that no point exceeds.
 The idea: branch and bound. The values of a primitive are convex, so over a triangle each is largest at a corner, and
 the least of these bounds how far the triangle is outside. Triangles whose bound is no more than what is known are done,
 others are cut into four. Curved regions are parted into cells with corners (see `curved_cells`), likewise. The inside
-of other regions is covered by cubes: cubes off the region are left out, others are cut into eight. Where the surface is
-covered exactly, what is open inside encloses no hole if it meets no more than three primitives: by the nerve theorem
-three convex bodies enclose nothing.
+of other regions is covered by cubes: cubes off the region are left out, others are cut into eight. Primitives grown by
+the bound so far hold the surface and the cubes that are done. What is left encloses no hole of theirs if it meets no
+more than three of them: by the nerve theorem three convex bodies enclose nothing.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ class _Search:
 
     def __init__(self, cover: Primitives, tolerance: float) -> None:
         self._cover, self._tolerance = cover, tolerance
-        self.lower, self.upper, self.is_open = 0.0, 0.0, False
+        self.lower, self.upper = 0.0, 0.0
         self.witness: Point | None = None
 
     @property
@@ -176,7 +176,6 @@ class _Search:
 
     def inside(self, region: SolidRegion) -> None:
         """Looks at the cubes of a region."""
-        is_covered = self.upper <= 0 and self.witness is None and not self.is_open and len(region.triangles) > 0
         middles, half = _first_cubes(region)
         while len(middles):
             upper = self._cover.values_of_cubes(middles, half).min(axis=1) + self._cover.error(middles)
@@ -189,7 +188,7 @@ class _Search:
             self.upper = max(self.upper, float(np.delete(upper, rest).max(initial=0.0)))
             middles, upper = middles[rest], upper[rest]
             is_last = half <= _FINEST or 8 * len(middles) > _MOST_CELLS
-            if is_covered and self.witness is None and self._encloses_nothing(middles, half, is_last):
+            if self._encloses_nothing(middles, half, is_last):
                 return
             if is_last:
                 self._give_up(float(upper.max(initial=0.0)))
@@ -210,11 +209,12 @@ class _Search:
                 return
 
     def _give_up(self, upper: float) -> None:
-        self.upper, self.is_open = max(self.upper, upper), True
+        self.upper = max(self.upper, upper)
 
     def _encloses_nothing(self, middles: Floats, half: float, by_cluster: bool) -> bool:
-        """Whether cubes, or each cluster of cubes that touch, meet no more primitives than can't enclose a hole."""
-        meets = self._cover.values(middles) <= half * np.sqrt(3.0) * STEEPEST + self._cover.error(middles)
+        """Whether cubes, or each cluster of cubes that touch, meet too few primitives, grown by `upper`, for a hole."""
+        reach = self.upper + half * np.sqrt(3.0) * STEEPEST
+        meets = self._cover.values(middles) <= reach + self._cover.error(middles)
         if meets.any(axis=0).sum() <= _NO_HOLE:
             return True
         return by_cluster and all(meets[rows].any(axis=0).sum() <= _NO_HOLE for rows in _clusters(middles, half))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.lengths import check_length
 
 # MotionAnswer in cpp/motions/motion_report.hpp.
 FREE, REFUSED, IMPRECISE = 0, 1, 2
@@ -114,9 +115,4 @@ def proofs_of(frames: Sequence[int], pairs: Ints, intervals: Floats, directions:
 
 def check_tolerance(tolerance: float) -> None:
     """Raises an error unless a tolerance is a positive length."""
-    try:
-        is_length = np.ndim(tolerance) == 0 and bool(0 < tolerance < float("inf"))
-    except TypeError:
-        is_length = False
-    if not is_length:
-        raise PlannercheckError(f"tolerance must be a positive length in m, not {tolerance!r}")
+    check_length(tolerance, "tolerance")

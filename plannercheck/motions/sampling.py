@@ -19,6 +19,7 @@ from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.lengths import check_length
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.motion_ends import shorter_turn
 from plannercheck.robots.configurations import NO_LIMIT
@@ -148,8 +149,7 @@ def checked_resolution(resolution: float | None, default: float) -> float:
     """A resolution in m, or the default."""
     if resolution is None:
         return default
-    if not (np.isfinite(resolution) and resolution > 0):
-        raise PlannercheckError(f"resolution must be a positive length in m, not {resolution!r}")
+    check_length(resolution, "resolution")
     return float(resolution)
 
 

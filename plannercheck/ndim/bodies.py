@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Floats, Ints
-from plannercheck.common.arrays import grouped, read_only, unmasked
+from plannercheck.common.arrays import grouped, named_numbers, read_only, real_numbers
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.ndim import halfspaces
@@ -82,9 +82,10 @@ class Polytope:
             names a ray that stays inside.
         """
         normals = _checked(A, name, "normals A (m, d)")
-        offsets = _checked(np.atleast_2d(np.asarray(unmasked(b), dtype=np.float64)), name, "offsets b (m,)")[0]
-        if offsets.shape != (len(normals),):
-            raise PlannercheckError(f"{name}: {len(normals)} normals need as many offsets, not {len(offsets)}")
+        given = named_numbers(b, f"{name}: offsets b (m,)")
+        if given.shape != (len(normals),):
+            raise PlannercheckError(f"{name}: {len(normals)} normals need as many offsets, not {given.shape}")
+        offsets = _checked(given[None], name, "offsets b (m,)")[0]
         self = cls.__new__(cls)
         self._set(normals.shape[1], memory, name)
         found = halfspaces.examine(normals, offsets, name)
@@ -204,8 +205,16 @@ class Polytope:
         return _expected_facets(points) * _FACET_BYTES * self.dimension > self.memory
 
     def __repr__(self) -> str:
-        given = f"{len(self.vertices)} points" if self.vertices is not None else f"{len(self.normals or ())} halfspaces"
-        return f"Polytope({self.name!r}, dimension {self.dimension}, {given})"
+        given, kind = (self.normals, "halfspaces") if self.vertices is None else (self.vertices, "points")
+        assert given is not None, "a body has vertices or halfspaces"
+        return f"Polytope({self.name!r}, dimension {self.dimension}, {len(given)} {kind})"
+
+
+def check_bodies(*bodies: Polytope) -> None:
+    """Raises an error for what is no polytope."""
+    for body in bodies:
+        if not isinstance(body, Polytope):
+            raise PlannercheckError(f"a body must be an ndim.Polytope, not {body!r:.80}")
 
 
 def _expected_facets(points: Floats) -> float:
@@ -228,7 +237,7 @@ def _renumbered(hull: Hull) -> Ints:
 
 def _checked(values: ArrayLike, name: str, what: str) -> Floats:
     try:
-        array = np.array(unmasked(values), dtype=np.float64, order="C")
+        array = np.array(real_numbers(values), dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError) as error:
         raise PlannercheckError(f"{name}: {what} must be an array of numbers: {error}") from error
     if array.ndim != 2 or array.shape[1] == 0 or len(array) == 0:

@@ -14,7 +14,8 @@ import numpy as np
 from plannercheck.common.array_types import Ints64
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
-from plannercheck.ndim.bodies import Polytope
+from plannercheck.common.whole_numbers import whole_number
+from plannercheck.ndim.bodies import Polytope, check_bodies
 from plannercheck.ndim.pair import Method, intersects
 
 
@@ -45,6 +46,10 @@ class OverlapGraph:
         Returns:
             Numbers of regions, each sharing a point with the next.
         """
+        wanted = f"a region must be one of {len(self.neighbours)}, from 0 on"
+        for region in (start, goal):
+            if whole_number(region, wanted, 0) >= len(self.neighbours):
+                raise PlannercheckError(f"{wanted}, not {region}")
         came_from = {start: start}
         front = [start]
         while front and goal not in came_from:
@@ -71,6 +76,7 @@ def overlap_graph(regions: Sequence[Polytope], method: Method = "auto") -> Overl
     Returns:
         The graph.
     """
+    check_bodies(*regions)
     dimensions = {region.dimension for region in regions}
     if len(dimensions) > 1:
         raise PlannercheckError(f"regions have dimensions {sorted(dimensions)}: one is expected")

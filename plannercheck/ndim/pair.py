@@ -18,7 +18,7 @@ import numpy as np
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.public_names import set_module
-from plannercheck.ndim.bodies import Polytope
+from plannercheck.ndim.bodies import Polytope, check_bodies
 from plannercheck.ndim.certificates import Certificate, Effort, PosedShape, Shapes, certificate_of
 from plannercheck.ndim.exact import ExactSharedPoint, Guess, decide
 from plannercheck.ndim.filters import Posed
@@ -100,6 +100,7 @@ class _Pair:
     def __init__(self, P: Polytope, R: Polytope, pose_p: Pose, pose_r: Pose, method: Method) -> None:
         if method not in METHODS:
             raise unknown_name("method", method, METHODS)
+        check_bodies(P, R)
         if P.dimension != R.dimension:
             raise PlannercheckError(
                 f"{P.name} has dimension {P.dimension} and {R.name} {R.dimension}: the same is expected"

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import read_only, read_only_copy, unmasked
+from plannercheck.common.arrays import read_only, read_only_copy, real_numbers
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ndim.integers import inverse, matrix_of
 
@@ -104,11 +104,11 @@ def _split(pose: Any, d: int, name: str) -> tuple[Floats, Floats]:
     wanted = f"{name} must be None, a ({d + 1}, {d + 1}) matrix, or a ({d}, {d}) matrix and a ({d},) translation"
     try:
         if isinstance(pose, tuple) and len(pose) == 2:
-            matrix, shift = (np.array(unmasked(part), dtype=np.float64) for part in pose)
+            matrix, shift = (np.array(real_numbers(part), dtype=np.float64) for part in pose)
             if matrix.shape == (d, d) and shift.shape == (d,):
                 return matrix, shift
             raise PlannercheckError(f"{wanted}, not {matrix.shape} and {shift.shape}")
-        whole = np.array(unmasked(pose), dtype=np.float64)
+        whole = np.array(real_numbers(pose), dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
         if isinstance(error, PlannercheckError):
             raise

@@ -16,6 +16,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
+from plannercheck.common.arrays import named_numbers
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.ndim.bodies import Polytope
@@ -34,7 +35,8 @@ def sweeps(vertices: ArrayLike, waypoints: ArrayLike, times: ArrayLike, name: st
     Returns:
         k - 1 polytopes in dimension d + 1.
     """
-    body, ways, moments = (np.asarray(given, dtype=np.float64) for given in (vertices, waypoints, times))
+    body, ways = named_numbers(vertices, f"{name}: vertices"), named_numbers(waypoints, f"{name}: waypoints")
+    moments = named_numbers(times, f"{name}: times")
     if body.ndim != 2 or ways.ndim != 2 or ways.shape[1] != body.shape[1] or len(ways) < 2:
         raise PlannercheckError(
             f"{name}: vertices (n, d) and at least two waypoints (k, d) are expected, not {body.shape} and {ways.shape}"

@@ -24,6 +24,7 @@ from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.lengths import check_length
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.joint_space import JointSpace
@@ -145,8 +146,8 @@ def space_information(
 ) -> Any:
     """OMPL's SpaceInformation with a checker's validators, not set up; arguments as for `setup`."""
     for name, length in (("resolution", resolution), ("tolerance", tolerance)):
-        if length is not None and not (np.isfinite(length) and length > 0):
-            raise PlannercheckError(f"{name} must be a positive length in m, not {length!r}")
+        if length is not None:
+            check_length(length, name)
     information = base.SpaceInformation(space.ompl_space())
     information.setStateValidityChecker(_state_validity(information, checker, space))
     information.setMotionValidator(motion_validator(information, checker, space, resolution, tolerance))

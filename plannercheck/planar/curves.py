@@ -25,6 +25,7 @@ import numpy as np
 from plannercheck.common.angles import nearest_turn
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.lengths import check_length
 from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.robot import Robot
 from plannercheck.planar.spare_states import SpareStates
@@ -58,8 +59,8 @@ def check_curve(robot: Robot, curve: Curve, turning_radius: float | None) -> Non
         raise PlannercheckError(f"the root of {robot.name!r} is fixed: it can't follow {curve} curves")
     if (curve == "straight") != (turning_radius is None):
         raise PlannercheckError(f"turning_radius goes with dubins and reeds_shepp curves, not with {curve!r} alone")
-    if turning_radius is not None and not (np.isfinite(turning_radius) and turning_radius > 0):
-        raise PlannercheckError(f"turning_radius must be a positive length in m, not {turning_radius!r}")
+    if turning_radius is not None:
+        check_length(turning_radius, "turning_radius")
 
 
 class _Place(NamedTuple):

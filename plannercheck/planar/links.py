@@ -27,7 +27,7 @@ class Link:
         parent: The name of its parent link, which is listed before it; None for the root.
         anchor: x, y in m and angle in rad of its frame in the parent's frame, or in the world.
         joint: "free" (the root alone), "revolute" or "fixed".
-        limits: Least and largest angle of a revolute joint, rad; infinite for one that turns freely.
+        limits: Least and largest angle of a revolute joint, rad; infinite for one that turns freely, and for others.
     """
 
     name: str

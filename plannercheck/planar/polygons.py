@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Bools, Floats, Ints
-from plannercheck.common.arrays import contiguous, read_only, read_only_copy, unmasked
+from plannercheck.common.arrays import axes, named_numbers, read_only, read_only_copy
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -53,6 +53,8 @@ class Polygons:
             polygons: Vertices (n, 2) each, m.
             validate: Whether to check, exactly and in linear time, that all are convex.
         """
+        if not isinstance(polygons, Sequence | np.ndarray):
+            raise PlannercheckError(f"polygons must be several (n, 2), not {polygons!r:.80}")
         given = (checked_polygon(polygon, f"polygon {k}", validate) for k, polygon in enumerate(polygons))
         self.vertices = tuple(read_only_copy(polygon) for polygon in given)
         self.core = core.PolygonList(list(self.vertices))
@@ -173,7 +175,7 @@ def checked_polygon(vertices: ArrayLike, name: str = "polygon", validate: bool =
     Returns:
         The same array if it has float64 in C order; without the last vertex if that repeats the first.
     """
-    array = contiguous(vertices)
+    array = named_numbers(vertices, name)
     if array.ndim != 2 or array.shape[1] != 2 or not len(array):
         raise PlannercheckError(f"{name} must be vertices (n, 2) with n > 0, not of shape {array.shape}")
     fault = core.vertex_fault(array) if scan and not validate else _SOUND
@@ -197,7 +199,7 @@ def checked_poses(poses: ArrayLike | None, name: str) -> Floats:
     """
     if poses is None:
         return _IDENTITY
-    array = contiguous(poses)
+    array = named_numbers(poses, name)
     if array.ndim == 2:
         array = array[None]
     if array.ndim != 3 or array.shape[1:] != (3, 3):
@@ -227,10 +229,10 @@ def _polygons(given: Several, name: str, scan: bool) -> tuple[Any, int]:
     """The core's list of polygons for one call, without copying arrays; and their number."""
     if isinstance(given, Polygons):
         return given.core, len(given)
-    if isinstance(given, list | tuple) and (not given or np.ndim(given[0]) == 2):
+    if isinstance(given, list | tuple) and (not given or axes(given[0]) not in (0, 1)):
         several: Sequence[ArrayLike] = given
     else:
-        array = np.asarray(unmasked(given), dtype=np.float64)
+        array = named_numbers(given, name)  # type: ignore[arg-type]  # no list of several
         several = list(array) if array.ndim == 3 else [array]
     with error_context(name):
         arrays = [checked_polygon(polygon, f"polygon {k}", scan=scan) for k, polygon in enumerate(several)]

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.array_types import Floats, Ints
-from plannercheck.common.arrays import Configuration, contiguous, read_only, shown_array
+from plannercheck.common.arrays import Configuration, axes, contiguous, named_numbers, read_only, shown_array
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -73,7 +73,7 @@ class Robot:
         """
         self.name = name
         self.links = _checked_links(footprint)
-        self.disabled_pairs = tuple((a, b) for a, b in disabled_pairs)
+        self.disabled_pairs = tuple(map(_pair, disabled_pairs))
         self._indices = {link.name: k for k, link in enumerate(self.links)}
         for pair in self.disabled_pairs:
             for link in pair:
@@ -133,6 +133,9 @@ class Robot:
 
     def with_bounds(self, lower: ArrayLike, upper: ArrayLike) -> Robot:
         """The same robot with limits of x and y, m; a fixed root stays as it is."""
+        low, high = named_numbers(lower, "bounds"), named_numbers(upper, "bounds")
+        if low.shape != (2,) or high.shape != (2,) or not (low < high).all():
+            raise PlannercheckError(f"bounds must be the least and the largest x and y, not {lower!r} and {upper!r}")
         if not self.is_free:
             return self
         return Robot(self.links, name=self.name, disabled_pairs=self.disabled_pairs, _bounds=(lower, upper))
@@ -140,8 +143,8 @@ class Robot:
     def random_configurations(self, n: int, seed: int | np.random.Generator | None = None) -> Floats:
         """Uniform configurations (n, nq) within the limits; free angles in [-pi, pi), other free numbers within 1 m."""
         unlimited = np.where(self.angles, math.pi, _UNLIMITED_RANGE)
-        low = np.where(np.isinf(self.lower), -unlimited, self.lower)
-        high = np.where(np.isinf(self.upper), unlimited, self.upper)
+        low = np.where(np.isinf(self.lower), np.minimum(-unlimited, self.upper - unlimited), self.lower)
+        high = np.where(np.isinf(self.upper), np.maximum(unlimited, self.lower + unlimited), self.upper)
         return np.random.default_rng(seed).uniform(low, high, size=(n, self.nq))
 
     def check_configurations(self, q: ArrayLike) -> Floats:
@@ -252,6 +255,12 @@ def _checked_links(given: ArrayLike | Sequence[ArrayLike] | Sequence[Link]) -> t
     return tuple(_own(link) for link in links)
 
 
+def _pair(names: tuple[str, str]) -> tuple[str, str]:
+    if isinstance(names, str) or np.shape(names) != (2,):
+        raise PlannercheckError(f"a disabled pair must be two links, not {names!r:.80}")
+    return names[0], names[1]
+
+
 def _own(link: Link) -> Link:
     """A copy of the link that the caller can't change."""
     x, y, angle = (float(value) for value in link.anchor)
@@ -260,6 +269,10 @@ def _own(link: Link) -> Link:
 
 
 def _check_link(link: Link, index: int, known: set[str]) -> None:
+    if not (isinstance(link.name, str) and isinstance(link.joint, str) and isinstance(link.parent, str | None)):
+        raise PlannercheckError(
+            f"link {link.name!r}: name, joint and parent must be texts, not {link.joint!r} and {link.parent!r}"
+        )
     if not link.name or link.name in known:
         raise PlannercheckError(f"link {link.name!r} needs a name of its own")
     if link.joint not in _WIDTHS:
@@ -271,16 +284,20 @@ def _check_link(link: Link, index: int, known: set[str]) -> None:
         )
     if link.joint == "free" and index > 0:
         raise PlannercheckError(f"link {link.name!r}: only the first link can be free")
-    if np.shape(link.anchor) != (3,) or not np.isfinite(link.anchor).all():
+    anchor = named_numbers(link.anchor, f"link {link.name!r}: anchor")
+    limits = named_numbers(link.limits, f"link {link.name!r}: limits")
+    if anchor.shape != (3,) or not np.isfinite(anchor).all():
         raise PlannercheckError(f"link {link.name!r}: anchor must be x, y and angle, not {link.anchor}")
-    if not link.limits[0] < link.limits[1]:
+    if link.joint != "revolute" and np.isfinite(limits).any():
+        raise PlannercheckError(f"link {link.name!r}: limits go with a revolute joint, not with a {link.joint} one")
+    if limits.shape != (2,) or not limits[0] < limits[1]:
         raise PlannercheckError(f"link {link.name!r}: limits must be least and largest angle, not {link.limits}")
 
 
 def _outlines(link: Link) -> tuple[Floats, ...]:
     """The link's outlines, split into convex pieces."""
     given = link.footprint
-    several = isinstance(given, list | tuple) and len(given) > 0 and np.ndim(given[0]) == 2
+    several = isinstance(given, list | tuple) and len(given) > 0 and axes(given[0]) not in (0, 1)
     outlines: Sequence[ArrayLike] = given if several else [given]  # type: ignore[assignment,list-item]
     return tuple(
         piece

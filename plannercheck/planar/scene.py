@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import OwnsArrays, read_only, read_only_copy
+from plannercheck.common.arrays import OwnsArrays, named_numbers, read_only, read_only_copy
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.checked_yaml import (
     Node,
@@ -116,7 +116,7 @@ class Scene(DeclaredStates):
         """
         if not name or name in self._obstacles:
             raise PlannercheckError(f"object {name!r} needs a name that no other object has")
-        if not len(outlines):
+        if not isinstance(outlines, Sequence | np.ndarray) or not len(outlines):
             raise PlannercheckError(f"object {name!r} needs at least one polygon")
         matrix = read_only_copy(checked_poses(pose, f"pose of object {name!r}")[0])
         pieces = [piece for outline in outlines for piece in convex_pieces(outline, f"object {name!r}")]
@@ -131,9 +131,10 @@ class Scene(DeclaredStates):
 
     def add_box(self, name: str, size: Sequence[float], pose: ArrayLike | None = None) -> None:
         """Adds a rectangle of full edge lengths (2,) about its centre, m."""
-        x, y = (0.5 * float(length) for length in size)
-        if not (x > 0 and y > 0 and math.isfinite(x + y)):
-            raise PlannercheckError(f"object {name!r}: size must be two positive lengths, not {list(size)}")
+        halves = 0.5 * named_numbers(size, f"object {name!r}: size")
+        if halves.shape != (2,) or not (halves > 0).all() or not math.isfinite(halves.sum()):
+            raise PlannercheckError(f"object {name!r}: size must be two positive lengths, not {size!r:.80}")
+        x, y = halves.tolist()
         self.add(name, [[[-x, -y], [x, -y], [x, y], [-x, y]]], pose)
 
     def remove(self, name: str) -> None:
@@ -176,12 +177,15 @@ class Scene(DeclaredStates):
 @set_module("plannercheck.planar")
 def pose_of(position: Sequence[float] = (0.0, 0.0), angle: float = 0.0) -> Floats:
     """A pose (3, 3) from a position in m and an angle in rad."""
-    cos, sin = math.cos(angle), math.sin(angle)
-    return np.array([[cos, -sin, position[0]], [sin, cos, position[1]], [0.0, 0.0, 1.0]])
+    place, turn = named_numbers(position, "position"), named_numbers(angle, "angle")
+    if (place.shape, turn.shape) != ((2,), (1,)) or not np.isfinite([*place, *turn]).all():
+        raise PlannercheckError(f"a pose needs x and y and an angle, all finite, not {position!r} and {angle!r}")
+    cos, sin = math.cos(turn[0]), math.sin(turn[0])
+    return np.array([[cos, -sin, place[0]], [sin, cos, place[1]], [0.0, 0.0, 1.0]])
 
 
 def _checked_bounds(bounds: ArrayLike) -> Floats:
-    array = np.array(bounds, dtype=np.float64)
+    array = named_numbers(bounds, "bounds").copy()
     if array.shape != (2, 2) or not np.isfinite(array).all() or not (array[0] < array[1]).all():
         raise PlannercheckError(f"bounds must be the least and the largest x and y, not {array.tolist()}")
     return read_only(array)

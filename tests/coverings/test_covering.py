@@ -103,6 +103,14 @@ def test_a_fit_covers_and_reads_the_same_in_32_bits(robot, tmp_path):
     assert more.audit().mean_excess < fit.audit().mean_excess
 
 
+@pytest.mark.parametrize("spheres", [2, 4, 9])
+def test_a_fit_splits_no_ball_that_holds_nothing(tmp_path, spheres):
+    robot = write_robot(tmp_path, {"base": element('<sphere radius="1e-7"/>')})
+    fit = pc.Covering.fit(robot, spheres=spheres)
+    assert len(fit) == spheres
+    assert fit.verify()
+
+
 def test_a_fit_reaches_an_excess_with_few_spheres(robot):
     fit = pc.Covering.fit(robot, spheres=40, excess=0.12)
     found = fit.audit()
@@ -181,9 +189,9 @@ def test_faulty_numbers_are_errors(robot, cover, words):
         pc.Covering(robot, {"arm": cover})
 
 
-@pytest.mark.parametrize("wanted", [{"spheres": 2}, {"spheres": 4.5}, {"excess": 0.0}, {"excess": float("nan")}])
+@pytest.mark.parametrize("wanted", [{"spheres": 2}, {"spheres": 4.5}, {"excess": 0.0}, {"excess": "1"}])
 def test_faulty_wishes_are_errors(robot, wanted):
-    with pytest.raises(pc.PlannercheckError, match=r"at least 3, one a link|positive number"):
+    with pytest.raises(pc.PlannercheckError, match=r"at least 3, one a link|positive length"):
         pc.Covering.fit(robot, **wanted)
 
 

@@ -53,6 +53,23 @@ def test_bounds_hold_dense_samples_of_hulls(seed):
         assert gap is None or float(gap[0] if isinstance(gap, tuple) else gap) < 1e-12
 
 
+def test_bounds_meet_where_a_whole_edge_is_furthest_outside():
+    cover = Primitives.of(capsules=[((0, 0, -0.15), (0, 0, 0.15), 0.1)])
+    found = outside(regions(pc.Box((0.05, 0.3, 0.1))), cover, 1e-6)
+    assert found.lower <= math.hypot(0.025, 0.15) - 0.1 + 1e-12
+    assert math.hypot(0.025, 0.15) - 0.1 <= found.upper <= found.lower + 1e-6
+
+
+@pytest.mark.parametrize("radius", [0.11, 0.13, 0.15])
+def test_a_hole_may_be_deeper_than_the_surface(radius):
+    middle = np.array([0.0123, -0.0077, 0.0041])
+    cover = Primitives.of([(middle + corner, radius) for corner in itertools.product((-0.1, 0.1), repeat=3)])
+    pose = np.eye(4)
+    pose[:3, 3] = middle
+    found = outside(regions(pc.Box((0.2, 0.2, 0.2)), pose), cover, 1e-3)
+    assert found.lower - 1e-12 <= math.sqrt(0.03) - radius <= found.upper <= found.lower + 1.1e-3
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_bounds_hold_dense_samples_of_triangles(seed):
     rng = np.random.default_rng(seed)

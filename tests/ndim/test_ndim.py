@@ -214,6 +214,8 @@ def test_beyond_its_memory_a_body_takes_the_oracle_and_says_so():
         ([[1.0, 1e-9], [-1, 0], [0, 1]], [1.0, 1, 1], "unbounded.*ray"),
         ([[1.0, 0], [-1, 0], [0, 1], [0, -1]], [1.0, -2, 1, 1], "empty: no point is in all halfspaces"),
         ([[1.0, 0], [0, 1]], [1.0], "2 normals need as many offsets"),
+        ([[1.0, 0], [-1, 0], [0, 1], [0, -1]], [[1.0, 1, 1, 1], [2.0, 2, 2, 2]], r"as many offsets, not \(2, 4\)"),
+        ([[1.0, 0]], "a", "offsets b .* must be numbers"),
         ([[np.nan, 0]], [1.0], "must be finite"),
     ],
 )
@@ -231,6 +233,8 @@ def test_halfspaces_that_bound_no_polytope(A, b, words):
         ((np.full((3, 3), 0.1), np.zeros(3)), "singular"),
         ((np.eye(3), np.full(3, np.inf)), "NaN or infinity"),
         (np.ones((4, 4)), "last row"),
+        (np.eye(4) * (1 + 1j), "no real numbers"),
+        ((np.eye(3), ["0", "0", "0"]), "no real numbers"),
     ],
 )
 def test_poses_that_are_none(pose, words):
@@ -249,3 +253,15 @@ def test_other_errors():
         ndim.overlap_graph([cube, square])
     with pytest.raises(pc.PlannercheckError, match="at least one row"):
         ndim.Polytope(np.zeros((0, 3)))
+    with pytest.raises(pc.PlannercheckError, match="no real numbers"):
+        ndim.Polytope(np.ones((4, 3)) * 1j)
+    with pytest.raises(pc.PlannercheckError, match=r"must be an ndim\.Polytope, not \[\[0"):
+        ndim.intersects(cube, [[0, 0, 0]])
+    with pytest.raises(pc.PlannercheckError, match=r"must be an ndim\.Polytope, not None"):
+        ndim.overlap_graph([cube, None])
+
+
+def test_a_body_says_of_what_it_is_made():
+    assert repr(ndim.Polytope(box([0, 0], [1, 1]))) == "Polytope('polytope', dimension 2, 4 points)"
+    walls = ndim.Polytope.from_halfspaces(np.vstack([np.eye(2), -np.eye(2)]), np.ones(4), name="walls")
+    assert repr(walls) == "Polytope('walls', dimension 2, 4 halfspaces)"

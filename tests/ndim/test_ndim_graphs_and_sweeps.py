@@ -82,8 +82,18 @@ def test_sweeps_against_moments():
         ([[0.0, 0, 0]], [0.0], "at least two waypoints"),
         ([[0.0, 0], [1, 1]], [0.0, 1], "at least two waypoints"),
         ([[0.0, 0, 0], [1, 1, 1]], [0.0, 0], "ascending"),
+        ([[0.0, 0, 0], [1, 1, 1j]], [0.0, 1], "waypoints must be numbers"),
+        (np.ma.masked_equal([[0.0, 0, 0], [1, 1, 1]], 1), [0.0, 1], "masked"),
+        ([[0.0, 0, 0], [1, 1, 1]], [0.0, [1]], "times must be numbers"),
     ],
 )
 def test_paths_that_are_none(waypoints, times, words):
     with pytest.raises(pc.PlannercheckError, match=words):
         ndim.sweeps(box([0, 0, 0], [1, 1, 1]), waypoints, times)
+
+
+@pytest.mark.parametrize(("start", "goal"), [(0, 2), (2, 0), (-1, 0), (0, 0.5), ("a", 0)])
+def test_paths_lead_from_region_to_region(start, goal):
+    square = ndim.Polytope(box([0, 0], [1, 1]))
+    with pytest.raises(pc.PlannercheckError, match="a region must be one of 2, from 0 on"):
+        ndim.overlap_graph([square, square]).path(start, goal)

@@ -215,7 +215,12 @@ def test_shipped_names():
         ([P.Link("a", [[0, 0]], joint="free"), P.Link("b", [[0, 0]], "a", joint="free")], "only the first"),
         ([P.Link("a", [[0, 0]], joint="prismatic")], "revolute"),
         ([P.Link("a", [[0, 0]], joint="revolute", limits=(1, 0))], "limits"),
+        ([P.Link("a", [[0, 0]], joint="revolute", limits=(1,))], "limits"),
+        ([P.Link("a", [[0, 0]], limits=(-1, 1))], "limits go with a revolute joint, not with a fixed one"),
         ([P.Link("a", [[0, 0]], anchor=(0, math.nan, 0))], "anchor"),
+        ([P.Link("a", [[0, 0]], anchor="xyz")], "'a': anchor must be numbers"),
+        ([P.Link("a", [[0, 0]], joint=["free"])], "must be texts"),
+        ([P.Link("a", [[[0, 0], [1]]])], "footprint 0 of 'a' must be numbers"),
     ],
 )
 def test_bad_links_are_named(links, message):
@@ -250,3 +255,46 @@ def test_bad_calls_are_named(checker):
         P.Checker("forklift")
     with pytest.raises(pc.PlannercheckError, match="truck_trailer"):
         P.Robot.load("fork")
+
+
+SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: P.intersects(None, SQUARE), "A must be numbers"),
+        (lambda: P.intersects(SQUARE, SQUARE, "abc"), "pose_a must be numbers"),
+        (lambda: P.intersects_batch(np.array(SQUARE) + 1j, SQUARE), "A must be numbers, not an array of dtype complex"),
+        (lambda: P.intersects_batch([SQUARE, "abc"], SQUARE), "A: polygon 1 must be numbers"),
+        (lambda: P.intersects_batch([[[0, 0], [1]], SQUARE], SQUARE), "A: polygon 0 must be numbers"),
+        (lambda: P.Polygons(None), "polygons must be several"),
+        (lambda: P.Robot(SQUARE, disabled_pairs=["ab"]), "a disabled pair must be two links"),
+        (lambda: P.Robot(SQUARE).with_bounds([], [1, 1]), "the least and the largest"),
+        (lambda: P.Robot(SQUARE).with_bounds([1, 1], [0, 0]), "the least and the largest"),
+        (lambda: P.Scene("s", "abc"), "bounds must be numbers"),
+        (lambda: P.Scene().add("a", None), "at least one polygon"),
+        (lambda: P.Scene().add_box("a", [1, 1, 1]), "two positive lengths"),
+        (lambda: P.Scene().add_box("a", "abc"), "'a': size must be numbers"),
+        (lambda: P.pose_of("ab"), "position must be numbers"),
+        (lambda: P.pose_of((0, 0, 1)), "x and y and an angle"),
+        (lambda: P.pose_of((0, 0), math.inf), "all finite"),
+        (lambda: P.Checker(P.Robot(SQUARE)).check_motion([0, 0, 0], [1, 0, 0], "1"), "resolution must be a positive"),
+        (
+            lambda: P.Checker(P.Robot(SQUARE)).check_motion([0] * 3, [1] * 3, curve="dubins", turning_radius="1"),
+            "turning_radius must be a positive",
+        ),
+    ],
+)
+def test_what_is_no_number_is_named(call, message):
+    with pytest.raises(pc.PlannercheckError, match=message):
+        call()
+
+
+@pytest.mark.parametrize("limits", [(2, math.inf), (-math.inf, -2), (-math.inf, 0.5)])
+def test_random_angles_keep_a_single_limit(limits):
+    robot = P.Robot([P.Link("a", SQUARE, joint="revolute", limits=limits)])
+    q = robot.random_configurations(100, seed=0)
+    assert (q >= robot.lower).all()
+    assert (q <= robot.upper).all()
+    assert np.ptp(q) > 0.5
