@@ -19,7 +19,8 @@ from plannercheck.common.array_types import Floats
 from plannercheck.coverings.primitives import STEEPEST, Primitives
 from plannercheck.coverings.regions import Region, posed
 
-# The bound is at most this many times the furthest point that was found, or so many metres further.
+# The bound is at most this many times the furthest point that was found, or so many metres further, unless that takes
+# more cubes than _MOST_CUBES: then it is proved, but looser.
 _RELATIVE, _FINE = 1.03, 5e-4
 _FIRST_CUBES, _MOST_CUBES = 8, 100_000
 # Distances are off by at most this part of the coordinates.
