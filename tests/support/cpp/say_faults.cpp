@@ -92,8 +92,7 @@ void obstacles(const Checker& checker) {
   say("a stretched pose", checker.with_box("new", kCube, with(kHere, 0, 1.1)));
   say("a mirrored pose", checker.with_box("new", kCube, with(kHere, 0, -1)));
   say("a pose that is hardly stretched", checker.with_box("new", kCube, with(kHere, 10, 1.00001)));
-  say("a mirrored pose far away",
-      checker.with_box("new", kCube, with(with(with(kHere, 3, 1e60), 7, -1e300), 10, -1)));
+  say("a mirrored pose far away", checker.with_box("new", kCube, with(with(with(kHere, 3, 1e60), 7, -1e300), 10, -1)));
   say("a pose beyond all doubles",
       checker.with_box("new", kCube, with(with(with(with(kHere, 0, 1e200), 1, 1e200), 4, 1e200), 5, -1e200)));
   say("a pose's last row that is none", checker.with_box("new", kCube, with(with(kHere, 12, kNan), 0, 2)));
