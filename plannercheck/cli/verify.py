@@ -172,7 +172,7 @@ def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
         "joined": _joined(proofs),
         "pairs": len(proofs[0].model.pairs),
         "padding": least_padding(proofs[0]) if any(found) else None,  # else the model may be malformed
-        "robots": robots_of(proofs[0], columns),
+        "robots": robots_of(proofs[0], columns) if any(found) else {},
         "held": held_joints(proofs[0]) if any(found) else {},
         "entries": sum(each.entries for each in found),
         "seconds": sum(each.seconds for each in found),
