@@ -211,9 +211,14 @@ class MeasuringChecker(ABC):
         if start is None:
             return _NOTHING_EARLIER
         if self._kernel is None:
-            raise PlannercheckError("start needs the compiled kinematics, and Pinocchio poses this robot's links")
-        if not isinstance(start, Distances) or max(start.state.max(initial=0), 0) >= max(rows, 1):
-            raise PlannercheckError(f"start must be a table of {rows} configurations near these, not {start!r:.80}")
+            raise PlannercheckError(
+                "start needs the compiled kinematics, and Pinocchio poses this robot's links: leave it out"
+            )
+        known = isinstance(start, Distances) and start.pair.max(initial=-1) < len(self.pairs)
+        if not known or start.state.max(initial=-1) >= rows:
+            raise PlannercheckError(
+                f"start must be this checker's table of {rows} configurations near these, not {start!r:.80}"
+            )
         return np.searchsorted(start.state, np.arange(rows + 1)).astype(np.int32), start.pair, start._corners
 
     def _measured(

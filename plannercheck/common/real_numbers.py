@@ -23,3 +23,8 @@ def positive_number(value: Any, wanted: str, *, or_zero: bool = False) -> float:
     if not (0 < number < np.inf or (or_zero and number == 0)):
         raise PlannercheckError(f"{wanted}, not {value!r:.80}")
     return number
+
+
+def check_length(value: float, what: str) -> None:
+    """Raises an error that names what is no positive length; a number beyond all doubles is none."""
+    positive_number(value, f"{what} must be a positive length in m")

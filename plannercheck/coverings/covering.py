@@ -18,9 +18,9 @@ import numpy as np
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, unknown_name
-from plannercheck.common.lengths import check_length
 from plannercheck.common.progress import reported
 from plannercheck.common.public_names import set_module
+from plannercheck.common.real_numbers import check_length
 from plannercheck.coverings.audits import Audit, audited
 from plannercheck.coverings.curobo_files import SUFFIXES as CUROBO_SUFFIXES
 from plannercheck.coverings.files import read_model, write_model

@@ -20,7 +20,7 @@ from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import distinct_rows, grouped
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.lengths import check_length
+from plannercheck.common.real_numbers import check_length
 from plannercheck.common.whole_numbers import whole_number
 from plannercheck.coverings.audits import surface_of, surface_triangles
 from plannercheck.coverings.excess import apart, greatest_excess, surface_points

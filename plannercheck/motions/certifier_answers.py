@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.lengths import check_length
+from plannercheck.common.real_numbers import check_length
 
 # MotionAnswer in cpp/motions/motion_report.hpp.
 FREE, REFUSED, IMPRECISE = 0, 1, 2

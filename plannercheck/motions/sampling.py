@@ -19,8 +19,8 @@ from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.lengths import check_length
 from plannercheck.common.motion_paths import MotionPath
+from plannercheck.common.real_numbers import check_length
 from plannercheck.motions.motion_ends import shorter_turn
 from plannercheck.robots.configurations import NO_LIMIT
 from plannercheck.robots.joints import kind_of

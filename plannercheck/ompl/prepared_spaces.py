@@ -24,7 +24,7 @@ from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.lengths import check_length
+from plannercheck.common.real_numbers import check_length
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.angle_checkers import check_checker

@@ -25,7 +25,7 @@ import numpy as np
 from plannercheck.common.angles import nearest_turn
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, unknown_name
-from plannercheck.common.lengths import check_length
+from plannercheck.common.real_numbers import check_length
 from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.robot import Robot
 from plannercheck.planar.spare_states import SpareStates

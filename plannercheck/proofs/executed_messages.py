@@ -220,7 +220,8 @@ def _cut_elsewhere(clock: Row, knots: Row) -> str | None:
         return None
     path, own = (shown_span(float(each[0]), float(each[-1])) for each in (knots, clock))
     knot = f", with a knot at {shown_seconds(float(off[0]))} s" if off else ""
-    return f"the path is from {path} of the scene's clock{knot}; the proofs are from {own}, and cut elsewhere"
+    told = f"the path is from {path} of the scene's clock{knot}; the proofs are from {own}, and cut elsewhere"
+    return f"{told}: give the starts that were proved (--start-time, --delay)"
 
 
 def _pieces(runs: Sequence[_Run], clock: Row, width: int) -> Iterator[Piece]:

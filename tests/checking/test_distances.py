@@ -361,7 +361,7 @@ def test_a_function_for_optimisers_has_a_row_for_each_pair(checker, states):
         ({"nearest": 0}, "nearest must be"),
         ({"nearest": True}, "nearest must be"),
         ({"threads": 0}, "threads must be"),
-        ({"start": 0.5}, "start must be a table of 1 configurations"),
+        ({"start": 0.5}, "start must be this checker's table of 1 configurations"),
     ],
 )
 def test_bad_arguments_are_named(checker, states, arguments, message):
@@ -383,8 +383,10 @@ def test_instants_that_are_none_are_named(checker, at, start_time, message):
 
 
 def test_earlier_rows_are_of_as_many_configurations(panda, checker, states):
-    with pytest.raises(pc.PlannercheckError, match="start must be a table of 1 configurations"):
+    with pytest.raises(pc.PlannercheckError, match="start must be this checker's table of 1 configurations"):
         checker.distances(states[:1], start=checker.distances(states))
+    with pytest.raises(pc.PlannercheckError, match="start must be this checker's table"):
+        pc.Checker(panda).distances(states[:1], start=checker.distances(states[:1], np.inf))
     slow = pc.Checker(panda, checker.scene, kinematics="pinocchio")
     with pytest.raises(pc.PlannercheckError, match="start needs the compiled kinematics"):
         slow.distances(states[:1], gradients=False, start=checker.distances(states[:1]))
