@@ -214,8 +214,13 @@ def test_values_of_joints_that_follow_the_group_have_to_be_what_follows(urdf, va
     urdf.write_text(follows.join(urdf.read_text().rsplit("</joint>", 1)))
     elements = GROUPS + state("arm", ab=0.5, de=value)
     assert stated(urdf, elements, ["bc"]).link_poses([0.0])[-1, 0, 0] == pytest.approx(np.cos(0.5 + value))
-    with contextlib.nullcontext() if is_right else pytest.raises(
-        pc.PlannercheckError, match=r"joint 'de' follows 'ab' of the group, which makes its reference 0\.75, not 0\.76"
+    with (
+        contextlib.nullcontext()
+        if is_right
+        else pytest.raises(
+            pc.PlannercheckError,
+            match=r"joint 'de' follows 'ab' of the group, which makes its reference 0\.75, not 0\.76",
+        )
     ):
         stated(urdf, elements, "arm")
 
