@@ -297,8 +297,13 @@ def _fields(content: Node, folder: Path) -> dict[str, Any]:
     if "group" in content:
         fields["group"], fields["joints"] = _group(content["group"])
     if "reference" in content or "held" in content:
-        values = (mapping(content.get(key), key) for key in ("reference", "held"))
-        fields["values"] = {joint: value for each in values for joint, value in each.items()}
+        reference, held = (mapping(content.get(key), key) for key in ("reference", "held"))
+        for joint, value in held.items():
+            if reference.get(joint, value) != value:
+                raise PlannercheckError(
+                    f"joint {joint!r} is at {reference[joint]!r} by 'reference' and at {value!r} by 'held': keep one"
+                )
+        fields["values"] = reference | held
     if "disabled_pairs" in content:
         fields["disabled_pairs"] = _disabled_pairs(content["disabled_pairs"])
     if "convex_decomposition" in content:
@@ -314,8 +319,15 @@ def _decomposition(value: Any) -> Decomposition | None:
         check_keys(options, ("links", "threshold", "most_pieces", "slack", "seed", "time_limit"))
         links = [text(link, "links") for link in sequence(options.get("links"), "links")] or None
         sizes = {key: number(options[key], key) for key in ("threshold", "slack", "time_limit") if key in options}
-        counts = {key: int(number(options[key], key)) for key in ("most_pieces", "seed") if key in options}
+        counts = {key: _whole(options[key], key) for key in ("most_pieces", "seed") if key in options}
         return Decomposition(None if links is None else tuple(links), **sizes, **counts)  # type: ignore[arg-type]
+
+
+def _whole(value: Any, key: str) -> int:
+    given = number(value, key)
+    if given % 1:
+        raise PlannercheckError(f"{key!r} must be a whole number, not {value!r:.60}")
+    return int(given)
 
 
 def _resolve(name: str, folder: Path) -> Path:

@@ -58,6 +58,11 @@ def test_a_urdf_can_be_loaded_directly(arm):
         ("reference: {lift: [1, 1]}", "'lift' needs 1 finite value"),
         ("reference: {lift: high}", "'lift' needs 1 finite value"),
         ("held: {gripper: 0}", "unknown joint 'gripper'"),
+        (
+            "reference: {lift: 1}\nheld: {lift: 1.2}",
+            "joint 'lift' is at 1 by 'reference' and at 1.2 by 'held': keep one",
+        ),
+        ("convex_decomposition: {most_pieces: 3.5}", "'most_pieces' must be a whole number, not 3.5"),
         ("held: [grip]", "held must be a mapping"),
         ("floating: maybe", "true or false"),
         ("disabled_pairs: [{pairs: [[base, tip]]}]", "'reason' is missing"),
