@@ -277,7 +277,10 @@ def several(trajectories: Iterable[Trajectory]) -> Sequence[Trajectory]:
 def check_trajectory_of(robot: Robot, trajectory: Trajectory) -> None:
     """Raises unless something is a trajectory of a robot."""
     if not isinstance(trajectory, Trajectory):
-        raise PlannercheckError(f"this is no pc.Trajectory but {type(trajectory).__name__}: pc.Trajectory.load reads")
+        raise PlannercheckError(
+            f"a trajectory must be a pc.Trajectory, not {type(trajectory).__name__}: pc.Trajectory(times, positions)"
+            " makes one, pc.Trajectory.load reads one"
+        )
     if trajectory.curve.nq != robot.nq:
         columns = robot.configuration_map.described_columns()
         raise PlannercheckError(f"the trajectory has {trajectory.curve.nq} columns, but {columns}")
