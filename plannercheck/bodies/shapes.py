@@ -285,8 +285,8 @@ def _checked_matrix(pose: ArrayLike, what: str, tolerance: float) -> Points:
     matrix = array_of(pose, f"pose of {what}")
     if matrix.shape != (4, 4):
         raise PlannercheckError(
-            f"pose of {what} must be a homogeneous matrix of shape (4, 4), not {matrix.shape}: the rotation is [:3, :3],"
-            " the position [:3, 3]"
+            f"pose of {what} must be a homogeneous matrix of shape (4, 4), not {matrix.shape}: the rotation is "
+            "[:3, :3], the position [:3, 3]"
         )
     if not np.isfinite(matrix).all():
         raise PlannercheckError(f"pose of {what} has values that are not finite: {matrix.tolist()}")

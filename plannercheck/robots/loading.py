@@ -211,8 +211,8 @@ def check_held(description: RobotDescription, joints: tuple[str, ...] | None) ->
     for joint in description.held:
         if joints is None or joint in joints:
             raise PlannercheckError(
-                f"held joint {joint!r} is in the planning group, which moves it: name a group without it (group: {{name:"
-                " arm, joints: [...]}), or give its value in reference"
+                f"held joint {joint!r} is in the planning group, which moves it: list a group without it, or give its "
+                "value in reference"
             )
 
 
