@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Ints
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.real_numbers import positive_number
 
 Padding: TypeAlias = float | Mapping[str, float] | Mapping[str | tuple[str, str], float]
 
@@ -168,6 +169,4 @@ def _rows_of(
 
 
 def _checked(length: float, what: str) -> float:
-    if isinstance(length, bool) or not isinstance(length, int | float | np.floating) or not 0 <= length < np.inf:
-        raise PlannercheckError(f"{what} must be a length in m of at least 0, not {length!r}")
-    return float(length)
+    return positive_number(length, f"{what} must be a length in m of at least 0", or_zero=True)

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import OwnsArrays, contiguous, shown_array
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.whole_numbers import whole_number
 from plannercheck.robots.joints import CIRCLE, TURN, kind_of
 from plannercheck.robots.unit_lengths import UnitLengths, unit_lengths
 from plannercheck.robots.urdf import Mimic
@@ -140,7 +141,13 @@ class ConfigurationMap(OwnsArrays):
         Joints without limits: angles in [-pi, pi), positions within 1 m of zero, unit vectors uniform on
         their sphere.
         """
-        generator = np.random.default_rng(seed)
+        n = whole_number(n, "n must be a number of configurations", 0)
+        try:
+            generator = np.random.default_rng(seed)
+        except (TypeError, ValueError):
+            raise PlannercheckError(
+                f"seed must be a whole number of at least 0, or a generator, not {seed!r}"
+            ) from None
         low, high = self.sampled_range()
         q = generator.uniform(low, high, size=(n, self.width))
         for start, stop in self.units:

@@ -28,7 +28,7 @@ from plannercheck.robots.forward_kinematics import ForwardKinematics
 from plannercheck.robots.link_bodies import read_bodies, warn_of_large_hulls
 from plannercheck.robots.link_geometry import Geometry, with_geometry
 from plannercheck.robots.link_tree import LinkTree
-from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
+from plannercheck.robots.planning_groups import explicit_group, joint_list, srdf_group, usable_mimics
 from plannercheck.robots.reference_configuration import given_values, reference_of
 from plannercheck.robots.robot_memory import RobotMemory
 from plannercheck.robots.self_pairs import self_pairs
@@ -111,7 +111,7 @@ def urdf_description(
     mesh_units: MeshUnits | None = None,
 ) -> RobotDescription:
     """The description of a robot that has no YAML; arguments as of `Robot.from_urdf`."""
-    name, joints = (group, None) if group is None or isinstance(group, str) else ("group", tuple(group))
+    name, joints = (group, None) if group is None or isinstance(group, str) else ("group", joint_list(group))
     folders = [package_dirs] if isinstance(package_dirs, str | Path) else package_dirs
     return RobotDescription(
         name="",
