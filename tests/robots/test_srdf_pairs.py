@@ -123,9 +123,11 @@ def test_what_a_scene_says_of_a_pair_comes_before_the_defaults_of_links(urdf, se
         for link, item in itertools.product(LINKS[1:], ("ball", "tool"))
         if not entries.get((link, item), {defaults.get(link), defaults.get(item)} - {None} == {True})
     }
-    checker = pc.Checker(robot, scene)
-    names = map(checker.pair_names, range(len(checker.pairs)))
-    assert {pair for pair in names if pair[1] in ("ball", "tool") and pair[0] in LINKS} == truth
+    scene.save(urdf.with_name("scene.yaml"))
+    for said in (scene, pc.Scene.load(urdf.with_name("scene.yaml"))):
+        checker = pc.Checker(robot, said)
+        names = map(checker.pair_names, range(len(checker.pairs)))
+        assert {pair for pair in names if pair[1] in ("ball", "tool") and pair[0] in LINKS} == truth
 
 
 def test_elements_that_name_nothing_are_passed_over_with_one_warning_each(urdf):
