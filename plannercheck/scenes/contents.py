@@ -294,7 +294,7 @@ class SceneContents(DeclaredStates):
         self.put(item)
 
     def _table_of(self, name: str) -> dict[str, SceneObject]:
-        if not isinstance(name, str) or name not in self._objects and name not in self._attached:
+        if not isinstance(name, str) or (name not in self._objects and name not in self._attached):
             raise unknown_name("object", name, (*self._objects, *self._attached))
         return self._objects if name in self._objects else self._attached
 
