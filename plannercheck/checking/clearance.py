@@ -29,6 +29,8 @@ from plannercheck.common.real_numbers import positive_number
 from plannercheck.common.threads import checked_threads
 from plannercheck.common.whole_numbers import whole_number
 from plannercheck.robots.robot import Robot
+from plannercheck.trajectories.joint_columns import check_order
+from plannercheck.trajectories.trajectory import Trajectory
 
 Same = TypeVar("Same", bound="MeasuringChecker")
 
@@ -291,6 +293,8 @@ def distances_along(
     Raises:
         PlannercheckError: As `distances`, or if instants are no numbers.
     """
+    if isinstance(trajectory, Trajectory):
+        check_order(checker.robot, trajectory.points)
     instants = named_numbers(at, "at")
     if instants.ndim != 1:
         raise PlannercheckError(f"at must be instants (n,), s, not {shown_array(at)}")

@@ -29,7 +29,7 @@ from plannercheck.robots.link_bodies import read_bodies, warn_of_large_hulls
 from plannercheck.robots.link_geometry import Geometry, with_geometry
 from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.planning_groups import explicit_group, joint_list, srdf_group, usable_mimics
-from plannercheck.robots.reference_configuration import given_values, reference_of
+from plannercheck.robots.reference_configuration import given_values, reference_of, with_given
 from plannercheck.robots.robot_memory import RobotMemory
 from plannercheck.robots.self_pairs import self_pairs
 from plannercheck.robots.srdf import DisabledPair, default_links, group_state, warn_about_ignored_elements
@@ -162,6 +162,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         bodies, pairs, pieces, open_links = with_geometry(bodies, pairs, links.meshes, *asked)
     else:
         warn_of_large_hulls(urdf.path, links)
+    own_values = {**(mjcf.initial if mjcf else {}), **given_values(model, description.own_values)}
     return RobotParts(
         name=description.name or model.name or urdf.path.stem,
         model=model,
@@ -173,7 +174,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         default_links=() if srdf is None else default_links(srdf.root),
         disabled_pairs=disabled,
         mimics=mimics,
-        values={**(mjcf.initial if mjcf else {}), **given_values(model, description.values or reference)},
+        values=with_given(own_values, given_values(model, description.values or reference), mimics),
         group=description.group,
         joints=joints,
         description=description,

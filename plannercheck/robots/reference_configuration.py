@@ -74,6 +74,14 @@ def checked_values(model: pin.Model, given: Mapping[str, Any]) -> dict[str, Floa
     return values
 
 
+def with_given(
+    values: Mapping[str, Floats], given: Mapping[str, Floats], mimics: Mapping[str, Mimic]
+) -> dict[str, Floats]:
+    """Values by joint name with others given: followers that are not given move with their leaders."""
+    kept = {name: value for name, value in values.items() if followed(name, mimics, given)[0] not in given}
+    return {**kept, **given}
+
+
 def all_values(model: pin.Model, given: Mapping[str, Floats], mimics: Mapping[str, Mimic]) -> dict[str, Floats]:
     """A value for every joint of the model: given, computed from its leader, or neutral."""
     neutral = pin.neutral(model)

@@ -40,7 +40,7 @@ from plannercheck.robots.cells import (
     member_parts,
     members_of,
 )
-from plannercheck.robots.configurations import ConfigurationMap, followed
+from plannercheck.robots.configurations import ConfigurationMap
 from plannercheck.robots.description import ALL, RobotDescription, description_of
 from plannercheck.robots.description_files import write_cell
 from plannercheck.robots.link_geometry import Geometry
@@ -50,7 +50,7 @@ from plannercheck.robots.loading import Reference, RobotParts, posed, robot_part
 from plannercheck.robots.objects_in_frames import placed
 from plannercheck.robots.planning_groups import explicit_group, joint_list
 from plannercheck.robots.posed_robot import PosedRobot
-from plannercheck.robots.reference_configuration import all_values, checked_values
+from plannercheck.robots.reference_configuration import all_values, checked_values, with_given
 from plannercheck.robots.robot_table import robot_html
 from plannercheck.robots.urdf import Mimic
 
@@ -343,12 +343,7 @@ class Robot(PosedRobot):
             A new robot with the same bodies and group.
         """
         given = checked_values(self.model, values)
-        kept = {
-            name: value
-            for name, value in self._parts.values.items()
-            if followed(name, self._parts.mimics, given)[0] not in given
-        }
-        return self._changed(values={**kept, **given})
+        return self._changed(values=with_given(self._parts.values, given, self._parts.mimics))
 
     def with_group(self, joints: Sequence[str], name: str = "group") -> Robot:
         """The same robot with another planning group; the joints outside it stay at the reference.

@@ -59,6 +59,7 @@ def test_a_urdf_can_be_loaded_directly(arm):
         ("reference: {lift: high}", "'lift' needs 1 finite value"),
         ("held: {gripper: 0}", "unknown joint 'gripper'"),
         ("held: [grip]", "held must be a mapping"),
+        ("reference: {grip: 0.1}\nheld: {grip: 0.2}", "joint 'grip' is both in 'reference' and in 'held'"),
         ("floating: maybe", "true or false"),
         ("disabled_pairs: [{pairs: [[base, tip]]}]", "'reason' is missing"),
         ("disabled_pairs: [{reason: r, pairs: [[base]]}]", "two links"),
