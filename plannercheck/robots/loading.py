@@ -29,7 +29,7 @@ from plannercheck.robots.link_bodies import read_bodies, warn_of_large_hulls
 from plannercheck.robots.link_geometry import Geometry, with_geometry
 from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.planning_groups import explicit_group, joint_list, srdf_group, usable_mimics
-from plannercheck.robots.reference_configuration import given_values, reference_of, with_given
+from plannercheck.robots.reference_configuration import check_followers, given_values, reference_of, with_given
 from plannercheck.robots.robot_memory import RobotMemory
 from plannercheck.robots.self_pairs import self_pairs
 from plannercheck.robots.srdf import DisabledPair, default_links, group_state, warn_about_ignored_elements
@@ -221,6 +221,8 @@ def posed(
 ) -> tuple[ConfigurationMap, NDArray[np.float64], ForwardKinematics]:
     """Configuration map, reference (nq,) and kinematics of a robot's group; all other joints held at `values`."""
     model, group = parts.model, parts.joints
+    if group is not None:
+        check_followers(group, parts.values, values, parts.mimics)
     sources = whole_robot(model) if group is None else planning_group(model, group, values, parts.mimics)
     reference = read_only(reference_of(model, group, values))
     return sources, reference, ForwardKinematics(model, sources, parts.tree.frames, parts.name)

@@ -34,7 +34,9 @@ USES = [
 
 @pytest.mark.parametrize("use", USES)
 def test_another_order_is_an_error(use):
-    with pytest.raises(pc.PlannercheckError, match="column 0 is joint 'panda_joint2' .* but 'panda_joint1' of 'panda'"):
+    with pytest.raises(
+        pc.PlannercheckError, match=r"column 0 is joint 'panda_joint2' .* but 'panda_joint1' of 'panda'"
+    ):
         use(trajectory(SWAPPED))
 
 
