@@ -155,6 +155,8 @@ class SceneContents(DeclaredStates):
             )
         (self._objects if item.link is None else self._attached)[item.name] = item
         self._body_names.update(names)
+        if item.link in self.link_padding:  # as in MoveIt, where a link's padding is also that of what it carries
+            self.link_padding.setdefault(item.name, self.link_padding[item.link])
 
     def add_box(self, name: str, size: Sequence[float], pose: Placement = None) -> None:
         """Adds a box of full edge lengths `size` (3,) in m."""
@@ -250,6 +252,8 @@ class SceneContents(DeclaredStates):
     def _taken(self, name: str) -> SceneObject:
         """Takes an object out of the scene."""
         item = self._table_of(name).pop(name)
+        if item.link is not None:
+            self.link_padding.pop(name, None)
         self._body_names.difference_update(body.name for body in item.bodies)
         return item
 
