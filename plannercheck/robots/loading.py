@@ -22,6 +22,7 @@ from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.pieces import Pieces
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.arrays import read_only
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.configurations import ConfigurationMap, planning_group, whole_robot
 from plannercheck.robots.description import RobotDescription
 from plannercheck.robots.forward_kinematics import ForwardKinematics
@@ -150,6 +151,9 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     if isinstance(reference, str):
         reference = group_state(srdf, reference, description.group, model.names, tree)
     joints = group_of(description, model, tree, mimics)
+    own_values = {**(mjcf.initial if mjcf else {}), **given_values(model, description.own_values)}
+    values = with_given(own_values, given_values(model, description.values or reference), mimics)
+    check_held(description, joints)
     disabled = description.disabled_pairs
     if mjcf is not None:
         pairs = mjcf.allowed_pairs(srdf, disabled)
@@ -162,7 +166,6 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         bodies, pairs, pieces, open_links = with_geometry(bodies, pairs, links.meshes, *asked)
     else:
         warn_of_large_hulls(urdf.path, links)
-    own_values = {**(mjcf.initial if mjcf else {}), **given_values(model, description.own_values)}
     return RobotParts(
         name=description.name or model.name or urdf.path.stem,
         model=model,
@@ -174,7 +177,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         default_links=() if srdf is None else default_links(srdf.root),
         disabled_pairs=disabled,
         mimics=mimics,
-        values=with_given(own_values, given_values(model, description.values or reference), mimics),
+        values=values,
         group=description.group,
         joints=joints,
         description=description,
@@ -202,6 +205,16 @@ def collision_meshes(description: RobotDescription) -> dict[str, MeshFile]:
             links = read_bodies(model, file, description.package_dirs, description.mesh_units)
     pairs = zip(links.bodies, links.meshes, strict=True)
     return {body.name: mesh for body, mesh in pairs if mesh is not None}
+
+
+def check_held(description: RobotDescription, joints: tuple[str, ...] | None) -> None:
+    """Raises if a joint that the description holds is one of the group's; None for the whole robot."""
+    for joint in description.held:
+        if joints is None or joint in joints:
+            raise PlannercheckError(
+                f"held joint {joint!r} is in the planning group, which moves it: list a group without it, or give its "
+                "value in reference"
+            )
 
 
 def group_of(

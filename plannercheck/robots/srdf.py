@@ -19,7 +19,7 @@ from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.input_limits import INPUT_LIMITS, check_xml
-from plannercheck.common.package_data import is_file
+from plannercheck.common.package_data import is_file, why_no_file
 from plannercheck.common.user_warnings import warn
 from plannercheck.robots.urdf_checks import numbers
 
@@ -75,7 +75,7 @@ class Srdf:
 def read_srdf(path: Path) -> Element:
     """Parses an SRDF to its root element; attributes lose the blanks around them, as in MoveIt's reader (srdfdom)."""
     if not is_file(path):
-        raise PlannercheckError(f"SRDF {path} does not exist")
+        raise PlannercheckError(f"SRDF {path} {why_no_file(path)}")
     check_xml(path, "SRDF")
     try:
         root = ElementTree.parse(path).getroot()
