@@ -37,9 +37,9 @@ def numbers(values: Sequence[float], what: str) -> tuple[float, ...]:
 
 
 def number(value: object, wanted: str) -> float:
-    """The value as a float, or the error "`wanted`, not …", also for truth values and texts."""
+    """The value as a float, or the error "`wanted`, not …", also for truth values, texts and complex numbers."""
     try:
-        if isinstance(value, str | bytes | bool | np.bool_):
+        if isinstance(value, str | bytes | bool | np.bool_) or np.iscomplexobj(value):
             raise TypeError
         return float(value)  # type: ignore[arg-type]  # or it raises
     except (TypeError, ValueError, OverflowError):

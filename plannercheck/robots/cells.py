@@ -224,6 +224,8 @@ def check_is_cell(members: Mapping[str, Member]) -> None:
 
 def check_joined(names: Mapping[str, object], moving: list[str]) -> None:
     """Raises unless exactly the robots that a cell's group moves are given."""
+    if not isinstance(names, Mapping):
+        raise PlannercheckError(f"join takes configurations by robot, {{'left': q, …}}, not {names!r:.80}")
     for name in names:
         if name not in moving:
             raise unknown_name("robot of the cell's group", name, moving)

@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import OwnsArrays, contiguous, shown_array
 from plannercheck.common.errors import PlannercheckError, unknown_name
-from plannercheck.common.whole_numbers import whole_number
 from plannercheck.robots.joints import CIRCLE, TURN, kind_of
 from plannercheck.robots.unit_lengths import UnitLengths, unit_lengths
 from plannercheck.robots.urdf import Mimic
@@ -141,7 +140,6 @@ class ConfigurationMap(OwnsArrays):
         Joints without limits: angles in [-pi, pi), positions within 1 m of zero, unit vectors uniform on
         their sphere.
         """
-        n = whole_number(n, "n must be a number of configurations", 0)
         try:
             generator = np.random.default_rng(seed)
         except (TypeError, ValueError):

@@ -147,6 +147,9 @@ COMPLEX = np.eye(4) + 1j * np.diag([0, 0, 0, 1])
     ("make", "message"),
     [
         (lambda r: pc.Sphere("0.5"), "sphere radius must be a number in m, not '0.5'"),
+        (lambda r: pc.Sphere(np.complex128(1 + 2j)), "sphere radius must be a number in m, not"),
+        (lambda r: pc.Checker(r, padding=np.complex128(1 + 2j)), "padding must be a length in m of at least 0"),
+        (lambda r: pc.Robot.together({"one": r}).join(None), "join takes configurations by robot"),
         (lambda r: pc.Sphere(True), "sphere radius must be a number in m, not True"),
         (lambda r: pc.Box(["1", "1", "1"]), "must be an array of numbers: an array of dtype <U1 holds no real"),
         (lambda r: pc.Hull(np.eye(4, 3) * 1j), "vertices must be an array of numbers: an array of dtype complex128"),
@@ -160,7 +163,6 @@ COMPLEX = np.eye(4) + 1j * np.diag([0, 0, 0, 1])
         (lambda r: r.holding([0.04, 0.04]), "held values are by joint name"),
         (lambda r: r.with_group("panda_joint1"), "a group is a list of names of joints, not 'panda_joint1'"),
         (lambda r: r.with_group([["panda_joint1"]]), "a group is a list of names of joints"),
-        (lambda r: r.random_configurations(-1), "n must be a number of configurations, not -1"),
         (lambda r: r.random_configurations(1, "seed"), "seed must be a whole number of at least 0"),
         (lambda r: r.link_index(["panda_hand"]), "unknown link"),
         (lambda r: pc.Robot.together({"one": r}, ["one"]), "unknown group of the cell"),
