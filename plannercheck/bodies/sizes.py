@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,12 +37,12 @@ def numbers(values: Sequence[float], what: str) -> tuple[float, ...]:
     return tuple(float(v) for v in array)
 
 
-def number(value: object, wanted: str) -> float:
+def number(value: Any, wanted: str) -> float:
     """The value as a float, or the error "`wanted`, not …", also for truth values, texts and complex numbers."""
     try:
         if isinstance(value, str | bytes | bool | np.bool_) or np.iscomplexobj(value):
             raise TypeError
-        return float(value)  # type: ignore[arg-type]  # or it raises
+        return float(value)
     except (TypeError, ValueError, OverflowError):
         raise PlannercheckError(f"{wanted}, not {value!r:.80}") from None
 
