@@ -40,7 +40,7 @@ class IntegerHull:
         self._mantissas, exponents = _mantissas_and_exponents(points)
         vertex_unit = _smallest_exponent(self._mantissas, exponents)
         self._shifts = np.where(self._mantissas == 0, 0, exponents - vertex_unit)
-        self._scaled = np.ldexp(points, -_largest_exponent(points))
+        self._scaled = np.ldexp(points, -int(np.frexp(np.abs(points).max())[1]))
         self._reach = np.abs(self._scaled).max(axis=0)
         rows, matrix_unit = _integer_rows(matrix[:3])
         self._linear = [row[:3] for row in rows]
@@ -124,10 +124,6 @@ def _mantissas_and_exponents(values: NDArray[np.float64]) -> tuple[NDArray[np.in
 
 def _smallest_exponent(mantissas: NDArray[np.int64], exponents: NDArray[np.int64]) -> int:
     return int(exponents.min(where=mantissas != 0, initial=0))
-
-
-def _largest_exponent(values: NDArray[np.float64]) -> int:
-    return int(np.frexp(np.abs(values).max())[1])
 
 
 def _integer_rows(values: NDArray[np.float64]) -> tuple[list[list[int]], int]:

@@ -90,10 +90,6 @@ def shifted(by: Sequence[Any]) -> Any:
     return arb_mat(4, 4, [1, 0, 0, by[0], 0, 1, 0, by[1], 0, 0, 1, by[2], 0, 0, 0, 1])
 
 
-def _outer(a: Sequence[Any]) -> list[Any]:
-    return [x * y for x in a for y in a]
-
-
 def _cross(a: Sequence[Any]) -> list[Any]:
     """The matrix [a] of a cross product with a."""
     zero = arb(0)
@@ -103,7 +99,7 @@ def _cross(a: Sequence[Any]) -> list[Any]:
 def _parts(axis: Sequence[float]) -> tuple[Any, Any, Any]:
     """The map c (I - a a^T) + s [a] + a a^T: the factors of c and s, and the constant part."""
     a = [arb(part) for part in axis]
-    outer, one = linear(_outer(a)), linear([arb(int(k % 4 == 0)) for k in range(9)])
+    outer, one = linear([x * y for x in a for y in a]), linear([arb(int(k % 4 == 0)) for k in range(9)])
     last = arb_mat(4, 4, [0] * 15 + [1])
     return one - outer, linear(_cross(a)), outer + last
 

@@ -129,7 +129,8 @@ class _Certification:
     def __init__(self, checker: Checker) -> None:
         self._checker = checker
         bodies = list(zip(checker.bodies, checker.polytopes, checker.paddings.tolist(), strict=True))
-        self._empty = {k for k, (body, _, _) in enumerate(bodies) if _is_empty(body)}
+        shapes = enumerate(body.shape for body in checker.bodies)
+        self._empty = {k for k, shape in shapes if isinstance(shape, PartSet) and shape.count == 0}
         self._parts = {
             k: given_parts(body.shape, padding)
             for k, (body, polytope, padding) in enumerate(bodies)
@@ -249,10 +250,6 @@ class _Certification:
     def _unproved(self, row: int, pair: int, colliding: bool) -> Unproved:
         first, second = (self._checker.bodies[k].name for k in self._checker.pairs[pair].tolist())
         return Unproved(row, first, second, colliding)
-
-
-def _is_empty(body: GeometryObject) -> bool:
-    return isinstance(body.shape, PartSet) and body.shape.count == 0
 
 
 def _given_body(body: GeometryObject, polytope: Polytope, excess: float, padding: float) -> CertifiedBody:
