@@ -176,7 +176,8 @@ def _run_one(options: argparse.Namespace) -> int:
         print(f"written to {options.output}")
     if not found.solved or not options.verify:
         return 0 if found.solved else 1
-    check = check_path(_in_space(checker), found.path)
+    assert isinstance(checker, Checker)  # `run`
+    check = check_path(checker, found.path)
     show_checks([check])
     return 0 if check.passed else 1
 
@@ -203,11 +204,6 @@ def _shown_rows(found: Plan) -> list[tuple[int, list[float]]]:
     stride = -(-len(found.path) // _MOST_ROWS)
     shown = sorted({*range(0, len(found.path), stride), len(found.path) - 1})
     return [(k, found.path[k].tolist()) for k in shown]
-
-
-def _in_space(checker: AnyChecker) -> Checker:
-    assert isinstance(checker, Checker)
-    return checker
 
 
 def _columns(checker: AnyChecker) -> list[str]:

@@ -19,11 +19,11 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench.build_cost import Built, built
+from plannercheck.evaluation.bench.build_cost import built
 from plannercheck.evaluation.bench.compiled_coal_loop import library
 from plannercheck.evaluation.bench.pair_peers import COAL_AT_BEST, Bodies, Judge, Posed, coal_at_best
 from plannercheck.evaluation.bench.pairs import OURS, in_batch
-from plannercheck.evaluation.bench.timing import Contender, TimedRow, measured
+from plannercheck.evaluation.bench.timing import Contender, TimedRow, available, measured
 from plannercheck.evaluation.stress.contact_poses import identities, random_directions, turns_onto
 from plannercheck.evaluation.stress_solids.solid_families import Family, screw, torus
 
@@ -87,11 +87,8 @@ def measure(
         solid = Solid(surface.points, surface.triangles, "triangles")
         ours, hull = built(partial(_prepared, solid)), built(partial(Polytope, solid.used[0]))
         bodies = ours.value, ours.value
-        coal: Built[Callable[[Posed], Judge]] | None = None
-        try:
-            coal = built(partial(coal_at_best, bodies))
-        except (PlannercheckError, ImportError) as error:
-            skipped(f"{COAL_AT_BEST} is left out at {size} triangles: {error}")
+        building = partial(built, partial(coal_at_best, bodies))
+        coal = available(COAL_AT_BEST, building, skipped, f" at {size} triangles")
         costs: dict[str, _Cost] = {OURS_NAME: (ours.busy, hull.busy, ours.value.nbytes)}
         if coal is not None:
             costs[COAL_AT_BEST] = (coal.busy, None, coal.resident)
