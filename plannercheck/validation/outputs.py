@@ -201,12 +201,8 @@ def _codes(arrays: Arrays) -> list[int]:
 
 
 def _flags(code: int, results: Results) -> list[str]:
-    flags = [_flag(code >= 2)]
-    return flags if results.judge.limits == "ignore" else [*flags, _flag(code % 2 == 1)]
-
-
-def _flag(value: bool) -> str:
-    return "true" if value else "false"
+    flags = [code >= 2] if results.judge.limits == "ignore" else [code >= 2, code % 2 == 1]
+    return [str(flag).lower() for flag in flags]
 
 
 def _names(pair: int, results: Results) -> tuple[str, str]:

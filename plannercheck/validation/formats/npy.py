@@ -113,7 +113,10 @@ class _Layout(NamedTuple):
 def npy_stream_blocks(stream: BinaryIO, columns: Columns, size: int, kind: str = "npy file") -> Iterator[RowBlock]:
     """Rows of an npy file that can only be read from its beginning to its end."""
     with _whole(kind):
-        layout = _layout_of_header(stream, columns)
+        shape, by_column, dtype = _header(stream)
+        if dtype.hasobject:
+            raise PlannercheckError("must hold real numbers, not objects")
+        layout = _Layout.of(shape, dtype, by_column, columns)
     if layout.total < 0:
         raise PlannercheckError(f"is no whole {kind} of numbers: its header tells of {layout.total} rows")
     if layout.by_column:
@@ -135,13 +138,6 @@ def _check_end(goes_on: bool) -> None:
     """Raises if a file goes on behind its array: its rows would be lost."""
     if goes_on:
         raise PlannercheckError("holds more behind its array, of which nothing is read: give each array its own file")
-
-
-def _layout_of_header(stream: BinaryIO, columns: Columns) -> _Layout:
-    shape, by_column, dtype = _header(stream)
-    if dtype.hasobject:
-        raise PlannercheckError("must hold real numbers, not objects")
-    return _Layout.of(shape, dtype, by_column, columns)
 
 
 def _header(stream: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
