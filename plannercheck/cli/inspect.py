@@ -12,6 +12,7 @@ import numpy as np
 
 from plannercheck import planar
 from plannercheck.bodies.height_fields import HeightField
+from plannercheck.bodies.hull_excess import largest_filling
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.pieces import polytope_volume
 from plannercheck.bodies.point_clouds import PointCloud
@@ -19,7 +20,6 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
 from plannercheck.bodies.solids import Solid
 from plannercheck.bodies.triangle_meshes import TriangleMesh
-from plannercheck.checking.hull_fidelity import largest_filling
 from plannercheck.checking.input_hints import always_hint
 from plannercheck.cli.common import (
     add_checker_arguments,

@@ -97,7 +97,6 @@ def _first(paths: Iterable[Path]) -> Path | None:
 
 
 def _packages(name: str, folders: Sequence[Path], above: Sequence[Path]) -> Iterator[Path]:
-    """Packages of that name."""
     yield from (folder for folder in above if _is_named(folder, name))
     for folder in folders:
         yield from _within(folder, name)
