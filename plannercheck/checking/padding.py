@@ -13,7 +13,7 @@ the object that it now carries.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -93,10 +93,7 @@ def padding_shares(
     padding: Mapping[str, float], bodies: Sequence[GeometryObject], labels: Sequence[str]
 ) -> list[float]:
     """Each body's part, m: its own, else its link's or obstacle's, else 0."""
-    names = _names(bodies, labels)
-    for name in padding:
-        if name not in names:
-            raise unknown_name("padded body, link or obstacle", name, sorted(names))
+    _check_names(padding, bodies, labels)
     shares = {name: _checked(length, f"padding of {name!r}") for name, length in padding.items()}
     return [shares.get(body.name, shares.get(label, 0.0)) for body, label in zip(bodies, labels, strict=True)]
 
@@ -138,13 +135,17 @@ def _names(bodies: Sequence[GeometryObject], labels: Sequence[str]) -> set[str]:
     return {*labels, *(body.name for body in bodies)}
 
 
+def _check_names(given: Iterable[str], bodies: Sequence[GeometryObject], labels: Sequence[str]) -> None:
+    names = _names(bodies, labels)
+    for name in given:
+        if name not in names:
+            raise unknown_name("padded body, link or obstacle", name, sorted(names))
+
+
 def _check_pair(pair: object, bodies: Sequence[GeometryObject], labels: Sequence[str], tables: Sequence[Ints]) -> None:
     if not isinstance(pair, tuple) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
         raise PlannercheckError(f"padding is for a name or a pair of names, not {pair!r}")
-    names = _names(bodies, labels)
-    for name in pair:
-        if name not in names:
-            raise unknown_name("padded body, link or obstacle", name, sorted(names))
+    _check_names(pair, bodies, labels)
     if not _is_tested(pair, bodies, labels, tables):
         raise PlannercheckError(
             f"padding of {pair!r}: no such pair is tested, as both are on one link or allowed to touch"

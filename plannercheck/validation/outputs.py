@@ -157,7 +157,7 @@ def _csv(path: Path, results: Results) -> None:
             rows = arrays["row"].tolist()
             verdicts = list(zip(_reported_pairs(arrays).tolist(), _codes(arrays), strict=True))
             for pair, code in set(verdicts) - set(tails):
-                tails[pair, code] = _line([*_flags(code, results), *_names(pair, results)])
+                tails[pair, code] = _line([*_flags(code, results), *(("", "") if pair < 0 else results.pairs[pair])])
             numbers = _certificate_texts(arrays)
             file.write(
                 "".join(
@@ -203,10 +203,6 @@ def _codes(arrays: Arrays) -> list[int]:
 def _flags(code: int, results: Results) -> list[str]:
     flags = [code >= 2] if results.judge.limits == "ignore" else [code >= 2, code % 2 == 1]
     return [str(flag).lower() for flag in flags]
-
-
-def _names(pair: int, results: Results) -> tuple[str, str]:
-    return ("", "") if pair < 0 else results.pairs[pair]
 
 
 def _certificate_texts(arrays: Arrays) -> list[str]:
