@@ -14,7 +14,7 @@ import numpy as np
 from plannercheck.bodies.gltf_buffers import Buffers
 from plannercheck.bodies.gltf_json import Table, root_of
 from plannercheck.bodies.mesh_objects import RawObject, check_indices, fan_triangles, strip_triangles
-from plannercheck.bodies.mesh_poses import composed, transformed
+from plannercheck.bodies.mesh_poses import composed, facing_as_before, transformed
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError, shortened
 
@@ -161,7 +161,7 @@ def _object(node: Table, pose: Floats, buffers: Buffers, meshes: dict[int, tuple
         meshes[index] = _mesh(mesh, buffers)
     points, triangles = meshes[index]
     name = node.text("name", "") or mesh.text("name", "")
-    return [RawObject.of(name, transformed(pose, points), triangles)] if len(triangles) else []
+    return [RawObject.of(name, transformed(pose, points), facing_as_before(pose, triangles))] if len(triangles) else []
 
 
 def _mesh(mesh: Table, buffers: Buffers) -> tuple[Floats, Ints64]:
