@@ -11,7 +11,6 @@ from pathlib import Path
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli import plan_problem_sets as problem_sets
 from plannercheck.cli import timed_plans
-from plannercheck.cli.checked_paths import show_checks
 from plannercheck.cli.common import (
     add_checker_arguments,
     check_folder,
@@ -178,7 +177,7 @@ def _run_one(options: argparse.Namespace) -> int:
         return 0 if found.solved else 1
     assert isinstance(checker, Checker)  # `run`
     check = check_path(checker, found.path)
-    show_checks([check])
+    problem_sets.show_checks([check])
     return 0 if check.passed else 1
 
 
