@@ -50,7 +50,6 @@ class Positions(Protocol):
 
 
 def _checked_limit(limit: Any) -> float:
-    """A limit as a float, or an error that names it."""
     if isinstance(limit, bool) or not (isinstance(limit, int | float | np.number) and limit > 0):
         raise PlannercheckError(f"limit must be positive, in m, not {shown_array(limit)}")
     return float(limit)

@@ -140,7 +140,6 @@ def _children(folder: Path) -> list[Path]:
 
 
 def _is_named(folder: Path, name: str) -> bool:
-    """Whether a folder is the package of that name."""
     try:
         found = _NAME.search((folder / _MANIFEST).read_bytes())
     except OSError:

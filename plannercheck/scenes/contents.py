@@ -244,7 +244,6 @@ class SceneContents(DeclaredStates):
         self._taken(name)
 
     def _taken(self, name: str) -> SceneObject:
-        """Takes an object out of the scene."""
         item = self._table_of(name).pop(name)
         self._body_names.difference_update(body.name for body in item.bodies)
         return item

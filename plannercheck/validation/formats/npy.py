@@ -150,7 +150,6 @@ def _header(stream: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
 
 
 def _values(stream: BinaryIO, dtype: np.dtype[Any], count: int) -> NDArray[Any]:
-    """The next values of a stream."""
     wanted = count * dtype.itemsize
     parts = []
     while wanted:
