@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from plannercheck.bodies.circumscribed import sphere_points
 from plannercheck.bodies.core_polytopes import core_polytope
 from plannercheck.bodies.distance import distance
 from plannercheck.bodies.mesh_files import MeshFile
@@ -63,11 +64,7 @@ def _enclosed(points: Floats, triangles: Ints64) -> float:
 
 def _least_hull_volume(points: Floats) -> float:
     """A lower bound of the hull's volume, m³."""
-    number = np.arange(_DIRECTIONS)
-    height = 1 - (2 * number + 1) / _DIRECTIONS
-    angle, radius = np.pi * (3 - np.sqrt(5)) * number, np.sqrt(1 - height**2)
-    directions = np.stack([radius * np.cos(angle), radius * np.sin(angle), height])
-    farthest = points[distinct((points @ directions).argmax(axis=0))]
+    farthest = points[distinct((points @ sphere_points(_DIRECTIONS).T).argmax(axis=0))]
     hull = core_polytope(farthest)
     return _enclosed(farthest, hull.source()[hull.triangles()].astype(np.int64)) if hull.dimension == _SPACE else 0.0
 

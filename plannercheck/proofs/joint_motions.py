@@ -20,7 +20,7 @@ from flint import arb, arb_mat
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.proofs.data import JOINTS, Joint
 from plannercheck.proofs.faults import UnprovedError
-from plannercheck.proofs.jets import Jet, affine, linear, product, times, total
+from plannercheck.proofs.jets import Jet, affine, by_length, linear, product, times, total
 from plannercheck.proofs.polynomials import Values, line, polynomial
 
 Motion = Callable[[Any], Jet]
@@ -171,10 +171,7 @@ def _shorter_turn(a: Sequence[float], b: Sequence[float]) -> Any:
 
 def _unit(kind: str, q: Sequence[float]) -> list[Any]:
     """The numbers of a joint that are a quaternion, or cosine and sine, normalised."""
-    form = JOINTS[kind]
-    values = [arb(x) for x in q[form.lengths : form.numbers]]
-    length = sum((x * x for x in values), arb(0)).sqrt()
-    return [x / length for x in values]
+    return by_length(q[JOINTS[kind].lengths : JOINTS[kind].numbers])
 
 
 def _rotation(q: Sequence[Any]) -> Any:

@@ -16,6 +16,7 @@ from itertools import product
 import numpy as np
 
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.protrusion import prepared_solid
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
@@ -85,7 +86,7 @@ def measure(
     for shape, size in product(shapes, sizes):
         surface = SHAPES[shape](size, np.random.default_rng(_SEED))
         solid = Solid(surface.points, surface.triangles, "triangles")
-        ours, hull = built(partial(_prepared, solid)), built(partial(Polytope, solid.used[0]))
+        ours, hull = built(partial(prepared_solid, solid)), built(partial(Polytope, solid.used[0]))
         bodies = ours.value, ours.value
         building = partial(built, partial(coal_at_best, bodies))
         coal = available(COAL_AT_BEST, building, skipped, f" at {size} triangles")
@@ -99,10 +100,6 @@ def measure(
                 judges[COAL_AT_BEST] = coal.value(posed)
             rows += _timed(shape, len(solid.triangles), gap, judges, costs, rounds)
     return rows
-
-
-def _prepared(solid: Solid) -> Polytope:
-    return Polytope(solid.used[0]).of_solid(solid)
 
 
 def growth(rows: Sequence[SolidSizeRow], shape: str, gap: float, method: str) -> float | None:
