@@ -92,9 +92,10 @@ def _chunks(content: bytes) -> tuple[bytes, bytes | None]:
 
 
 def _check_version(root: Table) -> None:
-    version = root.table("asset").text("version")
-    if version.partition(".")[0] != "2":
-        raise PlannercheckError(f"must be of glTF 2, not {shortened(version)!r}")
+    asset = root.table("asset")
+    version, least = asset.text("version"), asset.text("minVersion", "2.0")
+    if version.partition(".")[0] != "2" or least != "2.0":
+        raise PlannercheckError(f"must be of glTF 2.0, not {shortened(version if least == '2.0' else least)!r}")
     for name in root.texts("extensionsRequired"):
         if name not in _UNDERSTOOD and not name.startswith(_LOOKS):
             raise PlannercheckError(f"needs the extension {shortened(name)!r}, which is not read: export without it")

@@ -318,8 +318,15 @@ def _decomposition(value: Any) -> Decomposition | None:
         check_keys(options, ("links", "threshold", "most_pieces", "slack", "seed", "time_limit"))
         links = [text(link, "links") for link in sequence(options.get("links"), "links")] or None
         sizes = {key: number(options[key], key) for key in ("threshold", "slack", "time_limit") if key in options}
-        counts = {key: int(number(options[key], key)) for key in ("most_pieces", "seed") if key in options}
+        counts = {key: _whole(options[key], key) for key in ("most_pieces", "seed") if key in options}
         return Decomposition(None if links is None else tuple(links), **sizes, **counts)  # type: ignore[arg-type]
+
+
+def _whole(value: Any, key: str) -> int:
+    given = number(value, key)
+    if given % 1:
+        raise PlannercheckError(f"{key!r} must be a whole number, not {value!r:.60}")
+    return int(given)
 
 
 def _resolve(name: str, folder: Path) -> Path:

@@ -33,8 +33,8 @@ TOOL = """<mujoco><asset><mesh name="part" file="part.obj"/></asset>
 <worldbody><body name="grip"><geom type="mesh" mesh="part"/></body></worldbody></mujoco>"""
 
 HAND = """<robot name="hand"><link name="rest"/><joint name="j" type="fixed"><parent link="rest"/>
-<child link="palm"/></joint><link name="palm"><collision><geometry><mesh filename="palm.obj"/></geometry></collision></link>
-</robot>"""
+<child link="palm"/></joint><link name="palm"><collision><geometry>
+<mesh filename="palm.obj"/></geometry></collision></link></robot>"""
 
 
 def obj_text(points) -> str:

@@ -486,6 +486,7 @@ def test_modes_of_gltf(tmp_path: Path, mode: int, triangles: list[list[int]] | N
         ({"nodes": [{"mesh": 0, "rotation": [90, 0, 0, 1]}]}, "quaternion of length 1, not 90.0"),
         ({"nodes": [{"mesh": 1}]}, r"meshes\[1\]"),
         ({"asset": {"version": "1.0"}}, "glTF 2"),
+        ({"asset": {"version": "2.1", "minVersion": "2.1"}}, "must be of glTF 2.0, not '2.1'"),
         ({"buffers": [{"byteLength": 9999}]}, "9999"),
         ({"buffers": [{"byteLength": 96, "uri": "gone.bin"}]}, "does not exist"),
         ({"buffers": [{"byteLength": 96, "uri": "data:x;base64,!"}]}, "can't be read"),

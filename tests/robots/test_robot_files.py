@@ -58,6 +58,7 @@ def test_a_urdf_can_be_loaded_directly(arm):
         ("reference: {lift: [1, 1]}", "'lift' needs 1 finite value"),
         ("reference: {lift: high}", "'lift' needs 1 finite value"),
         ("held: {gripper: 0}", "unknown joint 'gripper'"),
+        ("convex_decomposition: {most_pieces: 3.5}", "'most_pieces' must be a whole number, not 3.5"),
         ("held: [grip]", "held must be a mapping"),
         ("held: {turn: 0}", "held joint 'turn' is in the planning group, which moves it"),
         ("group: {joints: [lift, turn]}\nheld: {turn: 0}", "held joint 'turn' is in the planning group"),
