@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.campaign.cases import shrink
-from plannercheck.evaluation.campaign.posed_pairs import ANY_OFFSET, UNFIT, Outcome, PosedPairs, limited
+from plannercheck.evaluation.campaign.posed_pairs import ANY_OFFSET, UNFIT, HasPolytope, Outcome, PosedPairs, limited
 from plannercheck.evaluation.campaign.supervised_process import Peer, Supervised, loaded
 from plannercheck.evaluation.campaign.tallies import (
     EXCEPTION,
@@ -39,26 +38,18 @@ TRUTH, ASKED, INSIDE = "truth", "asked", "inside"
 _RIGHT = "right"
 
 
-class CaseBody(Protocol):
+class CaseBody(HasPolytope, Protocol):
     """A body that can be kept, and made smaller."""
-
-    @property
-    def polytope(self) -> Polytope:
-        """The core's body."""
-        ...
 
     @property
     def parts(self) -> int:
         """How many parts it has that a smaller one may do without."""
-        ...
 
     def some(self, rows: list[int]) -> Self:
         """The body of some of its parts."""
-        ...
 
     def document(self) -> dict[str, Any]:
         """Its numbers."""
-        ...
 
 
 AnyBody = TypeVar("AnyBody", bound=CaseBody)
