@@ -217,6 +217,8 @@ def test_entries_of_the_matrix_go_before_defaults(tmp_path):
             "subframe_names must differ, but are 't, t'",
         ),
         ({"world__octomap__octomap__data": [1]}, "world: octomap: id must be 'OcTree'"),
+        ({"link_padding": [{"link_name": "hand", "pading": 1}]}, "link_padding: unknown key 'pading'.*'padding'"),
+        ({"link_scale": [{"link_name": "hand", "Scale": 2}]}, "link_scale: unknown key 'Scale'.*'scale'"),
         ({"allowed_collision_matrix__entry_names": ["a"]}, "allowed_collision_matrix: entry_values must be"),
         (
             {"allowed_collision_matrix__entry_values": [[0, 1, 1], [1, 0, 1], [0, 0, 0]]},
@@ -271,6 +273,7 @@ def test_requests_give_start_and_goals(tmp_path):
         ({"goal_constraints": []}, "'goal_constraints' is empty"),
         ({"goal_constraints": [{"position_constraints": [{}]}]}, "position_constraints are not supported"),
         ({"goal_constraints": [{}]}, "goal_constraints 0: joint_constraints must name each joint once"),
+        ({"goal_constraints": [{"joint_constrains": []}]}, "goal_constraints 0: unknown key 'joint_constrains'"),
         ({"start_state": {"joint_state": {"name": ["a"], "position": []}}}, "'position' needs 1 numbers"),
         ({"start_state": None}, "key 'start_state' is missing"),
     ],
@@ -278,6 +281,13 @@ def test_requests_give_start_and_goals(tmp_path):
 def test_bad_requests_are_named(changes, message):
     with pytest.raises(PlannercheckError, match=message):
         motion_request(yaml.safe_load(REQUEST) | changes)
+
+
+@pytest.mark.parametrize("key", ["path_constraints", "trajectory_constraints"])
+def test_constraints_on_the_way_are_said_to_be_left_out(key):
+    constraints = {"joint_constraints": [], "constraints": [{"joint_constraints": []}]}
+    with pytest.warns(UserWarning, match=f"the request's {key} are ignored"):
+        motion_request(yaml.safe_load(REQUEST) | {key: constraints})
 
 
 def assert_problems(problems, name):
