@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Ints
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.real_numbers import positive_number
 
 Padding: TypeAlias = float | Mapping[str, float] | Mapping[str | tuple[str, str], float]
 
@@ -136,10 +137,17 @@ def _names(bodies: Sequence[GeometryObject], labels: Sequence[str]) -> set[str]:
 
 
 def _check_names(given: Iterable[str], bodies: Sequence[GeometryObject], labels: Sequence[str]) -> None:
+    """Raises for unknown names, and for those of a body of one link or obstacle and of another one."""
     names = _names(bodies, labels)
     for name in given:
         if name not in names:
             raise unknown_name("padded body, link or obstacle", name, sorted(names))
+        meant = {label for body, label in zip(bodies, labels, strict=True) if name in (body.name, label)}
+        if len(meant) > 1:
+            other = min(meant - {name})
+            raise PlannercheckError(
+                f"padding of {name!r} would count twice, for it and for a body of {other!r} of that name: rename one"
+            )
 
 
 def _check_pair(pair: object, bodies: Sequence[GeometryObject], labels: Sequence[str], tables: Sequence[Ints]) -> None:
@@ -169,6 +177,4 @@ def _rows_of(
 
 
 def _checked(length: float, what: str) -> float:
-    if isinstance(length, bool) or not isinstance(length, int | float | np.floating) or not 0 <= length < np.inf:
-        raise PlannercheckError(f"{what} must be a length in m of at least 0, not {length!r}")
-    return float(length)
+    return positive_number(length, f"{what} must be a length in m of at least 0", or_zero=True)

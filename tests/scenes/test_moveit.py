@@ -377,6 +377,23 @@ allowed_collision_matrix:
 """
 
 
+@pytest.mark.filterwarnings("ignore:the scene's link_padding")
+def test_the_padding_of_a_link_is_that_of_what_it_carries(tmp_path):
+    """CollisionEnvFCL::getAttachedBodyObjects pads attached objects as their links, those of the world not at all."""
+    padding = [{"link_name": "panda_hand", "padding": 0.02}, {"link_name": "panda_link5", "padding": 0.01}]
+    scene = scene_of(ATTACHED, tmp_path, link_padding=padding)
+    assert scene.link_padding == {"panda_hand": 0.02, "panda_link5": 0.01, "mug": 0.02, "board": 0.01}
+    checker = Checker(Robot.load("panda"), scene, padding=scene.link_padding)
+    names = [body.name for body in checker.bodies]
+    assert checker.paddings[[names.index(name) for name in ("mug/0", "board", "camera")]].tolist() == [0.02, 0.01, 0.0]
+    later = scene.copy()
+    later.detach("mug", None)
+    assert "mug" not in later.link_padding
+    later.attach("mug", "panda_link5")
+    assert later.link_padding["mug"] == 0.01
+    assert scene.link_padding["mug"] == 0.02
+
+
 def test_attached_objects_are_carried_where_the_state_has_them(tmp_path):
     scene = scene_of(ATTACHED, tmp_path)
     assert scene.object_names == ()  # both are attached now
