@@ -121,7 +121,9 @@ def _group(text: str, description: RobotDescription) -> Mapping[str, Any]:
 
 def _is_joint(name: str, description: RobotDescription) -> bool:
     """Whether the URDF has a joint of that name."""
-    return not description.robots and any(joint.get("name") == name for joint in description.file.root.iterfind("joint"))
+    return not description.robots and any(
+        joint.get("name") == name for joint in description.file.root.iterfind("joint")
+    )
 
 
 def robot_of(options: argparse.Namespace) -> Robot:
