@@ -74,8 +74,8 @@ def tested_pairs(path):
     """The names of geoms that MuJoCo tests against each other."""
     try:
         return _contacts(model_of(path))
-    except MemoryError:
-        return _contacts(model_of(path, memory=1 << 30))
+    except (MemoryError, mujoco.FatalError):  # of contacts, of their pairs
+        return _contacts(model_of(path, memory=1 << 31))
 
 
 def _contacts(model):
