@@ -93,7 +93,7 @@ def columns_of(names: Sequence[str], robot: Joints, may_hold: bool = False) -> l
     """The column of each of the robot's joints, in its order.
 
     Args:
-        names: Those joints, each once.
+        names: The joints, each once.
         robot: Whose they are.
         may_hold: Whether there may be other names as well.
     """
