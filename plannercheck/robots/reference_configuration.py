@@ -15,6 +15,7 @@ import numpy as np
 import pinocchio as pin
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import truth_in
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.configurations import followed, is_continuous, joint_by_name, joint_limits, joint_width
 from plannercheck.robots.urdf import Mimic
@@ -51,7 +52,7 @@ def checked_values(model: pin.Model, given: Mapping[str, Any]) -> dict[str, Floa
             values[name] = np.array([value])
             continue
         try:
-            array = np.atleast_1d(np.array(value, dtype=np.float64))
+            array = np.atleast_1d(np.array(math.nan if truth_in([value]) else value, dtype=np.float64))
         except (TypeError, ValueError, OverflowError):
             array = np.array([math.nan])
         if array.shape != (width,) or not np.isfinite(array).all():

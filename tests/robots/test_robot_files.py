@@ -57,6 +57,7 @@ def test_a_urdf_can_be_loaded_directly(arm):
         ("reference: {lift: .nan}", "'lift' needs 1 finite value"),
         ("reference: {lift: [1, 1]}", "'lift' needs 1 finite value"),
         ("reference: {lift: high}", "'lift' needs 1 finite value"),
+        ("reference: {lift: true}", "'lift' needs 1 finite value, not True"),
         ("held: {gripper: 0}", "unknown joint 'gripper'"),
         ("held: [grip]", "held must be a mapping"),
         ("floating: maybe", "true or false"),
