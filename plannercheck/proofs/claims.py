@@ -10,7 +10,7 @@ from typing import Any
 
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.shown_times import shown_span
-from plannercheck.proofs.data import JOINTS, Joint, Motion, ProofData
+from plannercheck.proofs.data import JOINTS, Joint, Model, Motion, ProofData
 from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
 
 # Kinds of joints whose way between two configurations `Motion.path` names.
@@ -95,10 +95,16 @@ def column_names(proof: ProofData, known: Collection[str] = ()) -> tuple[str, ..
     if isinstance(model, PlanarModel):
         given = {"free": ("x", "y", "theta"), "fixed": ()}
         return tuple(name for link in model.links for name in given.get(link.joint, (f"{link.name}_joint",)))
-    names: dict[int, str] = {}
+    leaders = _leaders(model, known)
+    return tuple(leaders[column].name for column in sorted(leaders))
+
+
+def _leaders(model: Model, known: Collection[str]) -> dict[int, Joint]:
+    """By column the joint that gives its name to the number of this column, and to those behind it that it takes."""
+    found: dict[int, Joint] = {}
     for joint in sorted(model.joints, key=lambda joint: (not _is_plain(joint), joint.name not in known)):
-        names.setdefault(joint.columns[0], joint.name)  # a leader takes its column as it is, a follower seldom does
-    return tuple(name for column, name in sorted(names.items()) if column >= 0)
+        found.setdefault(joint.columns[0], joint)  # a leader takes its column as it is, a follower seldom does
+    return {column: joint for column, joint in found.items() if column >= 0}
 
 
 def named_columns(proof: ProofData, known: Collection[str] = ()) -> tuple[str, ...]:
@@ -107,18 +113,18 @@ def named_columns(proof: ProofData, known: Collection[str] = ()) -> tuple[str, .
     Raises:
         PlannercheckError: If a joint that is not known and one that may turn the other way take the same number.
     """
-    names = column_names(proof, known)
-    for joint in () if isinstance(proof.model, PlanarModel) else filter(_is_plain, proof.model.joints):
-        column = joint.columns[0]
-        leads = next(each for each in proof.model.joints if each.name == names[column]) if column >= 0 else joint
-        # The signs of multipliers and axes are those of the file only where a joint slides.
-        same = joint.kind == leads.kind == "slide" and joint.multipliers == leads.multipliers
-        if joint is not leads and not same and leads.name not in known:
-            raise PlannercheckError(
-                f"joints {leads.name!r} and {joint.name!r} take the same number of a configuration, and the robot says"
-                " which one follows: name it (--robot, robot=)"
-            )
-    return names
+    if isinstance(proof.model, Model):
+        leaders = _leaders(proof.model, known)
+        for joint in filter(_is_plain, proof.model.joints):
+            leader = leaders.get(joint.columns[0], joint)
+            # The signs of multipliers and axes are those of the file only where a joint slides.
+            same = joint.kind == leader.kind == "slide" and joint.multipliers == leader.multipliers
+            if joint is not leader and not same and leader.name not in known:
+                raise PlannercheckError(
+                    f"joints {leader.name!r} and {joint.name!r} take the same number of a configuration, and the robot"
+                    " says which one follows: name it (--robot, robot=)"
+                )
+    return column_names(proof, known)
 
 
 def _is_plain(joint: Joint) -> bool:
