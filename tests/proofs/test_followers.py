@@ -1,6 +1,7 @@
 """Messages with joints that follow others, and with joints that stand still, are compared with proofs by the robot."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import plannercheck as pc
 from plannercheck.cli.main import main
 from plannercheck.proofs import load_proofs, save_proofs, verify_path, verify_trajectory
+from plannercheck.proofs.well_formed import hashes_of
 
 _LINK = '<link name="{0}"><collision><geometry><box size="0.05 0.05 0.2"/></geometry></collision></link>'
 _JOINT = (
@@ -101,6 +103,22 @@ def test_where_a_joint_stands_still(verified, tmp_path, held, given, is_named):
         code, out = verified(robot, is_named, message(tmp_path / "m.json", drive=[0.0, 0.5], spare=[value] * 2))
         assert code == expected, out
         assert (f"holds the joint 'spare' at {value!r}" in out) == bool(expected)
+
+
+def test_a_joint_that_stands_still_is_not_turned_about_another_axis(verified, tmp_path):
+    """Found by changing proofs: a proof of a joint at -0.25 passed for one of a path that holds it at 0.25."""
+    robot, file = gripper(tmp_path, "drive", "other", by=(0.5, 0.1)), tmp_path / "m.json"
+    assert verified(robot, True, message(file, drive=[0.0, 0.5], spare=[0.25, 0.25]))[0] == 0
+    (proof,) = load_proofs(tmp_path / "p.json")
+    joints = [
+        replace(joint, axis=tuple(-x for x in joint.axis)) if joint.name == "spare" else joint
+        for joint in proof.model.joints
+    ]
+    model = replace(proof.model, joints=tuple(joints))
+    changed = replace(proof, model=model, hashes=hashes_of(model))
+    assert changed.verify()
+    found = changed.verify(str(robot))
+    assert "joint 'spare' stands still, and the sign" in str(found.fault)
 
 
 def test_followers_in_a_cell(tmp_path, capsys):
