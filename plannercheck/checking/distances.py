@@ -69,8 +69,10 @@ class Distances(OwnsArrays):
 
     def _is_of(self, pairs: Ints, names: tuple[str, ...]) -> bool:
         """Whether it is a table of a checker of these pairs of bodies, of links and obstacles of these names."""
-        own = (None, ()) if self._measured is None else self._measured
-        return own[1] == names and (own[0] is pairs or np.array_equal(own[0], pairs))
+        if self._measured is None:
+            return False
+        own, called = self._measured
+        return called == names and (own is pairs or np.array_equal(own, pairs))
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_places": None}  # the checker is left behind
