@@ -105,7 +105,7 @@ class ExplainingChecker(ABC):
         return PairVerdict(*links, *names, colliding, certificate)
 
     def _names_of_met(self, a: int, b: int, poses: Floats) -> tuple[str, str]:
-        """The names of two bodies that share a point; of sets of parts with the part that does."""
+        """The names of two bodies that share a point; the name of a set of parts includes the part that does."""
         return self.bodies[a].name, self.bodies[b].name
 
     def pair_names(self, k: int) -> tuple[str, str]:
@@ -114,9 +114,9 @@ class ExplainingChecker(ABC):
         return self._labels[a], self._labels[b]
 
     def _single(self, q: Configuration) -> Floats:
-        """One configuration (nq,), (1, nq) or by names of joints as a row (1, nq), or an error.
+        """One configuration as a row (1, nq), from (nq,), (1, nq) or names of joints; or an error.
 
-        Its numbers are looked at later.
+        Its numbers are checked later.
         """
         nq = self.robot.nq
         if type(q) is np.ndarray and q.shape == (nq,) and q.dtype.char == "d":  # most of all

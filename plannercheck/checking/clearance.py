@@ -34,7 +34,7 @@ Same = TypeVar("Same", bound="MeasuringChecker")
 # Steps of the descent for a lower bound of a distance.
 _BOUND_ROUNDS = 2
 
-# Of an earlier table: where the rows of each configuration begin (n + 1,), pairs (r,), corners (r, CORNER_NUMBERS).
+# An earlier table: where the rows of each configuration begin (n + 1,), pairs (r,), corners (r, CORNER_NUMBERS).
 Earlier: TypeAlias = tuple[Ints, Ints, Ints]
 _NOTHING_EARLIER = np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros((0, CORNER_NUMBERS), np.int32)
 

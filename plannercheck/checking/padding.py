@@ -30,7 +30,7 @@ class PaddedPairs(NamedTuple):
     """Bodies and pairs with their padding.
 
     Attributes:
-        bodies: Those given, then copies for pairs with a distance of their own.
+        bodies: The given bodies, then copies for pairs with a distance of their own.
         labels: The link or obstacle of each.
         shares: (bodies,) each body's share, m.
         pairs: The given tables (k, 2), with indices of copies where pairs have a distance of their own.

@@ -4,8 +4,7 @@ In: a robot and a scene. Out: indices into the robot's bodies followed by the sc
 or the robot's YAML disables (they are no self pairs of the robot), pairs that an allowed collision matrix allows, pairs
 of an obstacle or a carried object with a link that the SRDF leaves out by default, and pairs of an obstacle with a body
 that is fixed to the world, unless the obstacle moves: such pairs never change, so they are judged once (`static`).
-`left_out_pairs` lists all
-places where a pair may be left out.
+`left_out_pairs` lists all places where a pair may be left out.
 """
 
 from __future__ import annotations

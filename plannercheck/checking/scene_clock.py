@@ -75,7 +75,7 @@ class SceneClock:
     Attributes:
         robot: The robot with the joints that carry what moves.
         own: The robot without them.
-        courses: Of what moves, in the order of its columns, which follow the robot's.
+        courses: The courses of what moves, in the order of its columns, which follow the robot's.
     """
 
     def __init__(self, robot: Robot, moving: Sequence[SceneObject]) -> None:
@@ -100,7 +100,7 @@ class SceneClock:
         return self.own is robot and same
 
     def rows(self, q: Floats, times: ArrayLike) -> Floats:
-        """Configurations of the robot that carries, of the robot's own, (n, nq) or (1, nq), at times (n,) or one, s."""
+        """Configurations of the carrying robot, from the robot's own, (n, nq) or (1, nq), at times (n,) or one, s."""
         at = self._checked(times, len(q))
         if len(at) > len(q) == 1:
             q = np.repeat(q, len(at), axis=0)

@@ -25,7 +25,7 @@ from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.description import ALL, RobotDescription
 from plannercheck.robots.joint_values import own_joints
-from plannercheck.robots.loading import Member, RobotParts, group_of
+from plannercheck.robots.loading import Member, RobotParts, check_held, group_of
 from plannercheck.robots.planning_groups import explicit_group
 from plannercheck.robots.posed_robot import PosedRobot
 from plannercheck.robots.reference_configuration import given_values
@@ -100,10 +100,12 @@ def _as_described(cell: RobotParts, description: RobotDescription) -> RobotParts
         warn_about_ignored_elements(srdf, cell.tree)
     disabled = description.disabled_pairs
     group, joints = _described_group(cell, description)
+    values = given_values(cell.model, description.values)
+    check_held(description, joints)
     return replace(
         cell,
         description=description,
-        values={**cell.values, **given_values(cell.model, description.values)},
+        values={**cell.values, **values},
         pairs=without_links(cell.pairs, cell.bodies, srdf, cell.tree, disabled),
         disabled_pairs=(*cell.disabled_pairs, *disabled),
         default_links=(*cell.default_links, *(() if srdf is None else default_links(srdf.root))),

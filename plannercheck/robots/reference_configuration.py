@@ -20,8 +20,8 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.configurations import followed, is_continuous, joint_by_name, joint_limits, joint_width
 from plannercheck.robots.urdf import Mimic
 
-# The rounding of limits written with six digits, rad or m.
-_LIMIT_SLACK = 1e-6
+# The rounding of numbers written with six digits, rad or m.
+_SLACK = 1e-6
 
 
 def given_values(model: pin.Model, reference: Mapping[str, Any] | Sequence[float] | Floats | None) -> dict[str, Floats]:
@@ -72,6 +72,20 @@ def all_values(model: pin.Model, given: Mapping[str, Floats], mimics: Mapping[st
     return values
 
 
+def check_followers(
+    joints: Sequence[str], given: Mapping[str, Floats], values: Mapping[str, Floats], mimics: Mapping[str, Mimic]
+) -> None:
+    """Raises for a value that a joint can't keep, since it follows a joint of the group."""
+    for name in given:
+        leader, multiplier, offset = followed(name, mimics, joints)
+        right = multiplier * values[leader] + offset
+        if leader != name and leader in joints and not np.abs(given[name] - right).max() <= _SLACK:
+            raise PlannercheckError(
+                f"joint {name!r} follows {leader!r} of the group, which makes its reference {right[0]:.9g}, not "
+                f"{given[name][0]:.9g}: correct one of the two, or leave {name!r} out"
+            )
+
+
 def reference_of(model: pin.Model, joints: Sequence[str] | None, values: Mapping[str, Floats]) -> Floats:
     """The reference configuration (nq,) of a group, or Pinocchio's full one if there is none."""
     if joints is not None:
@@ -109,7 +123,7 @@ def _split(model: pin.Model, q: Sequence[float] | Floats) -> dict[str, Floats]:
 
 def _check_limits(model: pin.Model, name: str, value: Floats) -> None:
     for number, (lower, upper) in zip(value.tolist(), joint_limits(model, joint_by_name(model, name)), strict=True):
-        if not lower - _LIMIT_SLACK <= number <= upper + _LIMIT_SLACK:
+        if not lower - _SLACK <= number <= upper + _SLACK:
             raise PlannercheckError(
                 f"reference of joint {name!r} is {number!r}, beyond its limits {lower!r} to {upper!r}"
             )

@@ -191,6 +191,14 @@ def test_equal_robots_are_read_once(files, monkeypatch):
         ("robots: {a: {load: loop.yaml}}", r"loads itself \(cell.yaml > loop.yaml > cell.yaml\)"),
         ("robots: {a: {load: panda, held: {finger: 1}}}", "robot 'a': unknown joint 'finger'"),
         ("robots: {a: {load: panda}}\nheld: {panda_joint1: 1}", "unknown joint 'panda_joint1'.*'a/panda_joint1'"),
+        (
+            "robots: {a: {load: panda}}\nheld: {a/panda_joint1: 1}",
+            "held joint 'a/panda_joint1' is in the planning group",
+        ),
+        (
+            "robots: {a: {load: panda, group: {joints: [panda_finger_joint1]}, held: {panda_finger_joint1: 0}}}",
+            "'a': held",
+        ),
         ("robots: {a: {load: panda}}\ngroup: b", "planning group 'b': without an SRDF"),
         ("robots: {a: {load: panda}}\ngroup: {joints: [panda_joint1]}", "unknown joint 'panda_joint1'.*'a/"),
         ("robots: {a: {load: panda}}\nsrdf: no.srdf", "no.srdf does not exist"),

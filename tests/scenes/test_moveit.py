@@ -300,6 +300,15 @@ def test_problem_sets_load_from_folders_and_archives(tmp_path):
     assert_problems(load_problems(tmp_path / "set.tar.bz2"), "cage_panda")
 
 
+def test_files_of_a_problem_set_may_end_in_yml(tmp_path):
+    folder = problem_folder(tmp_path / "cage_panda")
+    (folder / "scene0002.yaml").rename(folder / "scene0002.yml")
+    assert_problems(load_problems(folder), "cage_panda")
+    (folder / "scene0002.yaml").write_text("{}")
+    with pytest.raises(PlannercheckError, match=r"scene0002\.yaml and scene0002\.yml have one number: leave one out"):
+        load_problems(folder)
+
+
 def test_bad_problem_sets_are_named(tmp_path):
     folder = problem_folder(tmp_path / "set")
     (folder / "request0002.yaml").write_text("start_state: {}")
