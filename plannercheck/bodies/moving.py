@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.shapes import checked_pose
+from plannercheck.bodies.sizes import number
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import contiguous, read_only, shown_array
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -139,10 +140,7 @@ Placement: TypeAlias = "ArrayLike | Moving | None"
 
 def checked_time(time: Any, what: str) -> float:
     """One finite number of seconds."""
-    try:
-        found = math.nan if isinstance(time, bool | np.bool_) else float(time)
-    except (TypeError, ValueError, OverflowError):
-        found = math.nan
+    found = number(time, f"{what} must be a number of seconds")
     if not math.isfinite(found):
         raise PlannercheckError(f"{what} must be a number of seconds, not {shown_array(time)}")
     return found

@@ -19,6 +19,7 @@ from plannercheck.checking.verdicts import PairCertificate, PairVerdict, Verdict
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration, real_numbers, shown_array
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.whole_numbers import row_of_table
 
 
 class NamedBody(Protocol):
@@ -92,7 +93,7 @@ class ExplainingChecker(ABC):
         Returns:
             The verdict with its certificate.
         """
-        row = self._single(q)
+        row, k = self._single(q), row_of_table(k, len(self.pairs))
         return self.pair_verdict(k, self.body_poses(row)[0], bool(self.colliding_pairs(row)[0, k]))
 
     def pair_verdict(self, k: int, poses: Floats, colliding: bool) -> PairVerdict:
@@ -110,7 +111,7 @@ class ExplainingChecker(ABC):
 
     def pair_names(self, k: int) -> tuple[str, str]:
         """The link and the other link or obstacle of row k of `pairs`."""
-        a, b = self.pairs[k]
+        a, b = self.pairs[row_of_table(k, len(self.pairs))]
         return self._labels[a], self._labels[b]
 
     def _single(self, q: Configuration) -> Floats:

@@ -19,6 +19,7 @@ from plannercheck.bodies.objects import SceneObject
 from plannercheck.checking.compiled_tables import never_known
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import contiguous, shown_array
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.shown_times import shown_seconds, shown_span
 from plannercheck.common.transforms import identity
@@ -26,6 +27,7 @@ from plannercheck.robots.carriers import CarriedRobot, Carrier, free_carrier
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.screw_carriers import screw_carrier
 from plannercheck.trajectories.curve import Curve
+from plannercheck.trajectories.joint_columns import check_order
 from plannercheck.trajectories.one_clock import Clocked, side_by_side
 from plannercheck.trajectories.trajectory import Trajectory
 
@@ -194,6 +196,8 @@ def _riding(items: Sequence[SceneObject], ride: Ride, stands: bool) -> tuple[Car
             f"{what}, which has {curve.nq} columns, but {robot.configuration_map.described_columns()}; of a robot whose"
             " columns form unit vectors, give trajectory.of_robot(robot)"
         )
+    with error_context(what):
+        check_order(robot, ride.trajectory.points)
     links: dict[str, str] = {}
     for item in items:
         own = _moving(item).ride

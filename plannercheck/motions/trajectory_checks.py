@@ -31,6 +31,7 @@ from plannercheck.proofs.proof import Proof
 from plannercheck.robots.configurations import LARGEST_VALUE
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.curve import ROUNDED_UP, Curve
+from plannercheck.trajectories.joint_columns import check_order
 from plannercheck.trajectories.limits import Excess
 from plannercheck.trajectories.trajectory import Trajectory
 
@@ -284,6 +285,7 @@ def check_trajectory_of(robot: Robot, trajectory: Trajectory) -> None:
     if trajectory.curve.nq != robot.nq:
         columns = robot.configuration_map.described_columns()
         raise PlannercheckError(f"the trajectory has {trajectory.curve.nq} columns, but {columns}")
+    check_order(robot, trajectory.points)
     if trajectory.curve.units != robot.configuration_map.units:
         raise PlannercheckError(
             f"columns of {robot.name!r} form unit vectors, which turn by slerp: give trajectory.of_robot(robot)"

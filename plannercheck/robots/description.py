@@ -112,6 +112,7 @@ class RobotDescription:
         group: Name of the planning group; None for the whole robot.
         joints: The group's joints in order; None to take them from the SRDF.
         values: Joint values of the reference state and of held joints, by name, rad or m.
+        own_values: Those of the robot's own file, where `values` are what a cell's file says besides.
         held: The joints that `held` names, which no group may have.
         disabled_pairs: Pairs of links that are not tested.
         decomposition: How to split concave links into convex pieces; None for hulls.
@@ -131,6 +132,7 @@ class RobotDescription:
     group: str | None = None
     joints: tuple[str, ...] | None = None
     values: Mapping[str, Any] = field(default_factory=dict)
+    own_values: Mapping[str, Any] = field(default_factory=dict)
     held: tuple[str, ...] = ()
     disabled_pairs: tuple[DisabledPair, ...] = ()
     decomposition: Decomposition | None = None
@@ -272,7 +274,10 @@ def _member(node: Node, folder: Path, above: tuple[Path, ...]) -> PlacedDescript
     own = description_of(file if is_named_file else named, above)
     fields = _fields(node, folder)
     fields["package_dirs"] = (*fields.get("package_dirs", ()), *own.package_dirs)
-    fields["values"] = {**own.values, **fields.get("values", {})}
+    if fields.get("values"):
+        fields["own_values"] = own.values
+    else:
+        fields["values"] = own.values
     fields["held"] = (*(() if "group" in node else own.held), *fields.get("held", ()))
     given = mapping(node.get("pose"), "pose") if node.get("pose") is not None else None
     if given is None:

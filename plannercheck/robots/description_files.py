@@ -6,7 +6,7 @@ In: a description, the joints of its group, the pairs to leave out as text; or a
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,6 @@ from plannercheck.common.written_yaml import yaml_of
 from plannercheck.robots.configurations import followed
 from plannercheck.robots.description import ALL, RobotDescription, description_of
 from plannercheck.robots.loading import RobotParts
-from plannercheck.robots.reference_configuration import all_values
 
 
 def description_text(description: RobotDescription, joints: Sequence[str] | None, pairs: str, path: Path) -> str:
@@ -73,36 +72,26 @@ def write_cell(cell: RobotParts, path: Path) -> None:
         pose = node_of_pose(member.pose)
         now = replace(
             member.parts.description,
-            values=_plain(_values(member.parts, member.parts.description.values)),
+            values=_plain(member.parts.values),
             group=member.parts.group,
             joints=member.parts.joints,
         )
         robots[name] = {**_entry(now, folder), "pose": pose or {"position": [0.0] * 3}}
     own = cell.description or RobotDescription(cell.name, path)
-    known = _of_members(cell)
+    known = {
+        f"{name}/{joint}": value for name, each in cell.members.items() for joint, value in each.parts.values.items()
+    }
     joints = {name: each.parts.joints or () for name, each in cell.members.items()}
-    now_held = _values(cell, ()).items()
-    values = {joint: value for joint, value in now_held if not np.array_equal(value, known.get(joint, []))}
+    changed = [joint for joint, value in cell.values.items() if not np.array_equal(value, known.get(joint, []))]
+    # What follows a changed joint is written as well: a follower that a file does not give moves with its leader.
+    values = {
+        joint: value for joint, value in cell.values.items() if followed(joint, cell.mimics, changed)[0] in changed
+    }
     of_group = [f"{name}/{joint}" for name in cell.members if cell.group in (ALL, name) for joint in joints[name]]
     is_named = cell.joints == tuple(of_group)
     own = replace(own, values=_plain(values), group=cell.group, joints=None if is_named else cell.joints)
     listed = _text({"name": cell.name, "robots": robots, **_content(own, folder)})
     write_atomically(path, lambda aside: aside.write_text(listed, encoding="utf-8"))
-
-
-def _of_members(cell: RobotParts) -> dict[str, Floats]:
-    """The values at which the robots of a cell hold joints; none of a single robot."""
-    return {
-        f"{name}/{joint}": value for name, each in cell.members.items() for joint, value in each.parts.values.items()
-    }
-
-
-def _values(parts: RobotParts, of_file: Collection[str]) -> dict[str, Floats]:
-    """The values at which joints are held, also of those that have been given values but follow others now."""
-    given, moving = {*of_file, *_of_members(parts)} - {*parts.values}, parts.joints or ()
-    every = all_values(parts.model, parts.values, parts.mimics) if given else {}
-    follow = {joint: every[joint] for joint in given if followed(joint, parts.mimics, moving)[0] not in moving}
-    return {**dict(sorted(follow.items())), **parts.values}
 
 
 def _entry(description: RobotDescription, folder: Path) -> dict[str, Any]:

@@ -29,8 +29,8 @@ from plannercheck.robots.forward_kinematics import ForwardKinematics
 from plannercheck.robots.link_bodies import read_bodies, warn_of_large_hulls
 from plannercheck.robots.link_geometry import Geometry, with_geometry
 from plannercheck.robots.link_tree import LinkTree
-from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
-from plannercheck.robots.reference_configuration import check_followers, given_values, reference_of
+from plannercheck.robots.planning_groups import explicit_group, joint_list, srdf_group, usable_mimics
+from plannercheck.robots.reference_configuration import check_followers, given_values, reference_of, with_given
 from plannercheck.robots.robot_memory import RobotMemory
 from plannercheck.robots.self_pairs import self_pairs
 from plannercheck.robots.srdf import DisabledPair, default_links, group_state, warn_about_ignored_elements
@@ -112,7 +112,7 @@ def urdf_description(
     mesh_units: MeshUnits | None = None,
 ) -> RobotDescription:
     """The description of a robot that has no YAML; arguments as of `Robot.from_urdf`."""
-    name, joints = (group, None) if group is None or isinstance(group, str) else ("group", tuple(group))
+    name, joints = (group, None) if group is None or isinstance(group, str) else ("group", joint_list(group))
     folders = [package_dirs] if isinstance(package_dirs, str | Path) else package_dirs
     return RobotDescription(
         name="",
@@ -151,7 +151,8 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     if isinstance(reference, str):
         reference = group_state(srdf, reference, description.group, model.names, tree)
     joints = group_of(description, model, tree, mimics)
-    values = {**(mjcf.initial if mjcf else {}), **given_values(model, description.values or reference)}
+    own_values = {**(mjcf.initial if mjcf else {}), **given_values(model, description.own_values)}
+    values = with_given(own_values, given_values(model, description.values or reference), mimics)
     check_held(description, joints)
     disabled = description.disabled_pairs
     if mjcf is not None:

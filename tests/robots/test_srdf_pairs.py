@@ -101,6 +101,36 @@ def test_a_link_that_is_disabled_by_default_is_not_tested_against_obstacles(urdf
             assert pc.Checker(loaded(urdf, written(elements), "tested neither"), scene).is_valid(np.zeros(4))
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_what_a_scene_says_of_a_pair_comes_before_the_defaults_of_links(urdf, seed):
+    """AllowedCollisionMatrix::getAllowedCollision: an entry, else the defaults, of which the stricter one counts."""
+    rng = np.random.default_rng(seed)
+    idle = [link for link in LINKS[1:] if rng.random() < 0.5] or ["b"]
+    robot = loaded(urdf, written([("disable_default_collisions", link) for link in idle]), "tested neither")
+    scene = pc.Scene()
+    scene.add_sphere("ball", 1.0)
+    scene.attach("tool", "a", parts=pc.Sphere(0.1))
+    defaults = dict.fromkeys(idle, True)
+    for name in (*LINKS, "ball", "tool"):
+        if rng.random() < 0.3:
+            defaults[name] = scene.allowed.defaults[name] = bool(rng.random() < 0.5)
+    entries = {}
+    for pair in itertools.product(LINKS, ("ball", "tool")):
+        if rng.random() < 0.4:
+            entries[pair] = bool(rng.random() < 0.5)
+            scene.allow(*pair, entries[pair])
+    truth = {
+        (link, item)
+        for link, item in itertools.product(LINKS[1:], ("ball", "tool"))
+        if not entries.get((link, item), {defaults.get(link), defaults.get(item)} - {None} == {True})
+    }
+    scene.save(urdf.with_name("scene.yaml"))
+    for said in (scene, pc.Scene.load(urdf.with_name("scene.yaml"))):
+        checker = pc.Checker(robot, said)
+        names = map(checker.pair_names, range(len(checker.pairs)))
+        assert {pair for pair in names if pair[1] in ("ball", "tool") and pair[0] in LINKS} == truth
+
+
 def test_elements_that_name_nothing_are_passed_over_with_one_warning_each(urdf):
     elements = [("disable_collisions", "a", "x"), ("enable_collisions", "y", "b"), ("disable_default_collisions", "z")]
     words = [
