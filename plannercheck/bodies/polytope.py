@@ -277,7 +277,6 @@ def _body_of_parts(kind: str, arrays: tuple[Any, ...], inflation_radius: float) 
 
 
 def _body_of_half_space(normal: tuple[float, float, float], offset: float, inflation_radius: float) -> Polytope:
-    """A pickled body of a half-space."""
     return Polytope.of_half_space(HalfSpace(normal, offset), inflation_radius)
 
 

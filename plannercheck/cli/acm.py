@@ -222,17 +222,13 @@ def _show_proposal(matrix: CollisionMatrix) -> None:
 
 def _write(matrix: CollisionMatrix, description: RobotDescription, path: Path) -> None:
     if path.suffix in _YAML:
-        text = description_text(description, _group(description), yaml_text(matrix.disabled()), path)
+        joints = None if description.group is None else Robot.from_description(description).joint_names
+        text = description_text(description, joints, yaml_text(matrix.disabled()), path)
     else:
         root = None if description.semantics is None else description.semantics.root
         text = srdf_text(matrix.robot.model.name, matrix.disabled(), root)
     write_atomically(path, lambda aside: aside.write_text(text, encoding="utf-8"))
     print(f"\n{len(matrix.disabled())} disabled pairs written to {path}")
-
-
-def _group(description: RobotDescription) -> tuple[str, ...] | None:
-    """The joints of the robot's group; None if it has none."""
-    return None if description.group is None else Robot.from_description(description).joint_names
 
 
 def _show_audit(matrix: CollisionMatrix, description: RobotDescription, options: argparse.Namespace) -> int:

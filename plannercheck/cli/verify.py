@@ -169,7 +169,7 @@ def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
         "model": None if model is None else model.fault or "confirmed",
         "compared": [] if model is None else list(model.compared),
         "path": proved_path if options.path is not None else None,
-        "joined": _joined(proofs),
+        "joined": all(before.motion.asked_end == after.motion.start for before, after in pairwise(proofs)),
         "pairs": len(proofs[0].model.pairs),
         "padding": least_padding(proofs[0]) if any(found) else None,  # else the model may be malformed
         "robots": robots_of(proofs[0], columns) if any(found) else {},
@@ -288,11 +288,6 @@ def _motion(proof: Proof, found: Verification) -> dict[str, Any]:
         "entries": found.entries,
         "seconds": found.seconds,
     }
-
-
-def _joined(proofs: tuple[Proof, ...]) -> bool:
-    """Whether each motion starts where the one before was to end."""
-    return all(before.motion.asked_end == after.motion.start for before, after in pairwise(proofs))
 
 
 def _counted(count: int, one: str, many: str) -> str:

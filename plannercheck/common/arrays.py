@@ -6,7 +6,7 @@ The rule of the package: arrays that come in are copied or refused, arrays that 
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, TypeAlias, TypeVar, cast
 
 import numpy as np
@@ -135,12 +135,23 @@ def contiguous(values: ArrayLike) -> NDArray[np.float64]:
     return array if array.flags.aligned else array.copy()
 
 
-def named_numbers(values: ArrayLike, what: str) -> NDArray[np.float64]:
+def named_numbers(values: ArrayLike, what: str, wanted: str = "numbers") -> NDArray[np.float64]:
     """`contiguous`, or an error that names what holds no numbers."""
     try:
         return contiguous(values)
     except (TypeError, ValueError, OverflowError):
-        raise PlannercheckError(f"{what} must be numbers, not {shown_array(values)}") from None
+        raise PlannercheckError(f"{what} must be {wanted}, not {shown_array(values)}") from None
+
+
+def configuration_rows(q: ArrayLike, width: int, words: Callable[[], str]) -> NDArray[np.float64]:
+    """Configurations (width,) or (n, width) as (n, width), or an error that ends in words on the numbers."""
+    array = named_numbers(q, "configurations", "numbers (nq,) or (n, nq)")
+    if array.ndim not in (1, 2) or array.shape[-1] != width:
+        raise PlannercheckError(
+            f"configurations must have shape ({width},) or (n, {width}), not {np.shape(q)}; {words()}"
+        )
+    # Not reshaped: a robot without joints has configurations of no numbers.
+    return array if array.ndim == 2 else array[None]
 
 
 def real_numbers(values: ArrayLike) -> NDArray[Any]:

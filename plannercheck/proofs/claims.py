@@ -49,7 +49,6 @@ def sentence_of(motion: dict[str, Any]) -> str:
 
 
 def _around(tube: Sequence[float]) -> str:
-    """A tube in words."""
     if not any(tube):
         return ""
     widths = {f"{width:.9g}" for width in tube}

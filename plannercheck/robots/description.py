@@ -249,7 +249,6 @@ def read_description(path: Path, above: tuple[Path, ...] = ()) -> RobotDescripti
 
 
 def _read_cell(path: Path, content: Node, above: tuple[Path, ...]) -> RobotDescription:
-    """The description of a cell."""
     check_keys(content, ("robots", *_OF_ALL))
     above = (*above, path.resolve())
     robots = {}

@@ -71,7 +71,7 @@ def content_hash(checker: AnyChecker) -> str:
 
 def robot_hash(checker: Checker) -> str:
     """A hash of a robot as a checker has it: its joints, limits and bodies, and the pairs of these that are tested."""
-    robot, count = checker.robot, _robot_bodies(checker)
+    robot, count = checker.robot, len(checker.robot.bodies)
     digest = hashlib.sha256(" ".join(robot.joint_names).encode())
     own = checker.pairs[(checker.pairs < count).all(axis=1)]
     poses = robot.link_poses(robot.random_configurations(_POSED, 0))
@@ -84,17 +84,12 @@ def robot_hash(checker: Checker) -> str:
 
 def scene_hash(checker: Checker) -> str:
     """A hash of a scene as a checker has it: its bodies, the pairs that these are in, and the paddings of all pairs."""
-    count = _robot_bodies(checker)
+    count = len(checker.robot.bodies)
     digest = hashlib.sha256(checker.paddings.tobytes())
     digest.update(np.ascontiguousarray(checker.pairs[(checker.pairs >= count).any(axis=1)]).tobytes())
     _add_names(digest, checker.bodies[count:])
     _add_shapes(digest, checker.bodies[count:], checker.excess)
     return digest.hexdigest()
-
-
-def _robot_bodies(checker: Checker) -> int:
-    """How many of a checker's bodies, the first ones, are the robot's."""
-    return len(checker.robot.bodies)
 
 
 def _add_names(digest: hashlib._Hash, bodies: Sequence[GeometryObject | PlanarObject]) -> None:
