@@ -56,16 +56,7 @@ def identity(dimension: int) -> Affine:
 
 
 def affine_of(pose: Pose, dimension: int, name: str) -> Affine:
-    """Reads a pose.
-
-    Args:
-        pose: None, (d + 1, d + 1), or M (d, d) and t (d,).
-        dimension: d.
-        name: What errors call it.
-
-    Returns:
-        The map.
-    """
+    """The map of a pose: None, (d + 1, d + 1), or M (d, d) and t (d,); the name is for errors."""
     if pose is None:
         return identity(dimension)
     matrix, shift = _split(pose, dimension, name)

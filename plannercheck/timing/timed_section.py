@@ -56,10 +56,7 @@ class TimedSection(OwnsArrays):
 def timed(section: Section, limits: JointLimits, halvings: int) -> TimedSection | None:
     """A section with its points; None if TOPP-RA finds no law.
 
-    Args:
-        section: The section.
-        limits: Of each joint.
-        halvings: How often the first step is halved; it is halved further where that makes the section faster.
+    The first step is halved so often, and further where that makes the section faster.
     """
     law = fastest(section.curve, limits.velocity, limits.acceleration)
     if law is None:

@@ -85,12 +85,9 @@ def checked_breaks(breaks: ArrayLike) -> Floats:
 
 
 def joined(breaks: Floats, pieces: list[Floats], error: Floats) -> Curve:
-    """A curve without jumps, of pieces of degree 1 at least.
+    """A curve without jumps, of control points of pieces of degree 1 at least; breaks (m + 1,) are in s.
 
-    Args:
-        breaks: (m + 1,) s.
-        pieces: Control points of each; what rounding leaves between two goes into the later one, and into the error.
-        error: (nq,) of the control points.
+    What rounding leaves between two pieces goes into the later one, and into the error (nq,) of the control points.
     """
     pieces = [np.repeat(piece, 2, axis=0) if len(piece) == 1 else piece for piece in pieces]
     check_size(breaks, pieces)

@@ -277,11 +277,7 @@ def _of_source(mixture: Mixture, polytope: Polytope) -> Mixture:
 def exact_box(body: PosedBody) -> Box:
     """The box along the world's axes around a posed body, inflation radius included.
 
-    Args:
-        body: The body.
-
-    Returns:
-        Lowest and highest corner in whole numbers of 2^-60 m, rounded outward.
+    Its lowest and highest corner are in whole numbers of 2^-60 m, rounded outward.
     """
     hull = IntegerHull(body.vertices, body.pose, body.inflation_radius)
     lows = [hull.point(hull.lowest(axis))[k] - hull.inflation_radius for k, axis in enumerate(_AXES)]

@@ -107,13 +107,9 @@ def random_motions(checker: Checker, length: float, n: int, rng: np.random.Gener
 
 
 def recorded_set(where: str, tasks: Sequence[Task], longest: float, n: int) -> MotionSet:
-    """The motions that RRTConnect asks for on problems.
+    """The motions that RRTConnect asks for on the problems of a set, at least one, with a range of `longest`, rad.
 
-    Args:
-        where: The set's name.
-        tasks: The problems, at least one.
-        longest: The planner's range, rad.
-        n: Number of motions in all, as many of each problem, which is searched with several seeds for that.
+    They are `n` in all, as many of each problem, which is searched with several seeds for that.
     """
     each = -(-n // len(tasks))
     cases = []
