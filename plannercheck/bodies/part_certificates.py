@@ -73,11 +73,7 @@ class PosedParts:
 
 @dataclass(frozen=True, eq=False)
 class OnePart:
-    """A half-space as a body of a certificate: it counts as one part.
-
-    Attributes:
-        half_space: The body.
-    """
+    """A half-space as a body of a certificate: it counts as one part."""
 
     has_parts: ClassVar[bool] = True
 

@@ -28,13 +28,7 @@ _CLEARLY_INVERTIBLE = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class Affine:
-    """The map x ↦ M x + t.
-
-    Attributes:
-        matrix: M (d, d).
-        shift: t (d,).
-        is_identity: Whether it maps nothing.
-    """
+    """The map x ↦ M x + t of a matrix (d, d) and a shift (d,); `is_identity` if it maps nothing."""
 
     matrix: Floats
     shift: Floats

@@ -41,13 +41,7 @@ THREADED = ("PRM", "PRMstar")
 
 
 class Search:
-    """A planner at work on a problem.
-
-    Attributes:
-        planner: Its name.
-        prepared: The space.
-        setup: OMPL's SimpleSetup with the problem.
-    """
+    """A planner at work on a problem in its space, by OMPL's SimpleSetup."""
 
     def __init__(
         self,

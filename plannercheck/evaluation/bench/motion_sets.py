@@ -31,13 +31,7 @@ _STATES_A_MOTION = 64
 
 
 class MotionCase(NamedTuple):
-    """Motions of one robot in one scene.
-
-    Attributes:
-        checker: The exact one.
-        starts: (n, nq) rad.
-        ends: (n, nq) rad.
-    """
+    """Motions of one robot in one scene, from starts (n, nq) to ends (n, nq), rad; the checker is the exact one."""
 
     checker: Checker
     starts: Floats
