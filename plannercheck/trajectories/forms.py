@@ -37,12 +37,7 @@ def of_polynomials(breaks: ArrayLike, coefficients: ArrayLike) -> Curve:
 
 
 def of_bezier(breaks: ArrayLike, points: ArrayLike) -> Curve:
-    """Bézier curves in a row.
-
-    Args:
-        breaks: (m + 1,) s, growing.
-        points: (m, degree + 1, nq) control points of each.
-    """
+    """Bézier curves with control points (m, degree + 1, nq), in a row between breaks (m + 1,), s, growing."""
     ends = checked_breaks(breaks)
     control = _checked(points, "points", ("m", "degree + 1", "nq"))
     if len(control) != len(ends) - 1:
@@ -52,11 +47,9 @@ def of_bezier(breaks: ArrayLike, points: ArrayLike) -> Curve:
 
 
 def of_bspline(knots: ArrayLike, points: ArrayLike) -> Curve:
-    """A B-spline, from the first knot at which its basis is complete to the last.
+    """A B-spline of control points (n, nq), from the first knot at which its basis is complete to the last.
 
-    Args:
-        knots: (n + degree + 1,) s, not falling.
-        points: (n, nq) control points.
+    The knots (n + degree + 1,), s, are not falling.
     """
     places, control = _checked(knots, "knots", ("n + degree + 1",)), _checked(points, "points", ("n", "nq"))
     degree = len(places) - len(control) - 1
