@@ -47,12 +47,7 @@ _RESERVE = 0.9
 
 @dataclass(frozen=True, eq=False)
 class _Link:
-    """A link to fit.
-
-    Attributes:
-        regions: Its bodies.
-        points: (n, 3) of its surface and inside, m.
-    """
+    """A link to fit: its bodies' regions, and points (n, 3) of its surface and inside, m."""
 
     regions: Sequence[Region]
     points: Floats

@@ -53,14 +53,7 @@ _OPPOSITES: tuple[Integers, ...] = ((-1, 0, 0), (0, -1, 0), (0, 0, -1))
 
 @dataclass(frozen=True)
 class Unproved:
-    """A verdict without a proof: a fault of this library.
-
-    Attributes:
-        row: The configuration's row.
-        first: Name of a body.
-        second: Name of the other.
-        colliding: The verdict in doubt.
-    """
+    """A verdict without a proof, a fault of this library: its row, the names of both bodies, whether they collide."""
 
     row: int
     first: str

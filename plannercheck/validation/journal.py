@@ -62,12 +62,7 @@ class Record:
 
 
 class Journal:
-    """A journal that is open.
-
-    Attributes:
-        path: Path of the journal.
-        records: Its records, by file and first row.
-    """
+    """A journal that is open, with its records by file and first row."""
 
     def __init__(self, path: Path, fingerprint: Mapping[str, str], resume: bool = False) -> None:
         """Begins a run's journal; or resumes one, which goes on with what is there: if nothing is, the journal is new.

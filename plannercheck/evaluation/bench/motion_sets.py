@@ -44,13 +44,7 @@ class MotionCase(NamedTuple):
 
 @dataclass(frozen=True)
 class MotionSet:
-    """Motions of one kind.
-
-    Attributes:
-        where: The scene, or the problem set.
-        kind: E.g. "0.4 rad, free".
-        cases: The motions, scene by scene.
-    """
+    """Motions of one kind, e.g. "0.4 rad, free", in a scene or a problem set, scene by scene."""
 
     where: str
     kind: str
