@@ -293,6 +293,8 @@ def distances_along(
     Raises:
         PlannercheckError: As `distances`, or if instants are no numbers.
     """
+    if not callable(getattr(trajectory, "position", None)):
+        raise PlannercheckError(f"distances_along takes a pc.Trajectory, not {trajectory!r:.80}")
     if isinstance(trajectory, Trajectory):
         check_order(checker.robot, trajectory.points)
     instants = named_numbers(at, "at")

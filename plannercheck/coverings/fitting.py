@@ -41,7 +41,7 @@ _ON_SPHERE = 60
 _REPAIRS, _REST = 20, 2e-4
 # Centres and radii are multiples of this, m.
 _GRID = 2.0**-20
-# Of a wanted excess, what is left for the growth of the proof.
+# The part of a wanted excess that is left for the growth of the proof.
 _RESERVE = 0.9
 
 

@@ -56,7 +56,10 @@ class TimedSection(OwnsArrays):
 def timed(section: Section, limits: JointLimits, halvings: int) -> TimedSection | None:
     """A section with its points; None if TOPP-RA finds no law.
 
-    The first step is halved so often, and further where that makes the section faster.
+    Args:
+        section: The section.
+        limits: The limits of each joint.
+        halvings: How often the first step is halved; it is halved further where that makes the section faster.
     """
     law = fastest(section.curve, limits.velocity, limits.acceleration)
     if law is None:

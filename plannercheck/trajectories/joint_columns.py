@@ -90,7 +90,13 @@ def check_held(robot: Robot, held: Mapping[str, float]) -> None:
 
 
 def columns_of(names: Sequence[str], robot: Joints, may_hold: bool = False) -> list[int]:
-    """The column of each of the robot's joints, in its order, among names, each once; others only if it `may_hold`."""
+    """The column of each of the robot's joints, in its order.
+
+    Args:
+        names: The joints, each once.
+        robot: Whose they are.
+        may_hold: Whether there may be other names as well.
+    """
     for name in names:
         if name not in robot.joint_names and not (may_hold and set(robot.joint_names) <= set(names)):
             error = unknown_name(f"joint of {robot.name}", name, robot.joint_names)

@@ -47,7 +47,15 @@ class Excess:
 
 
 def broken_limits(curve: Curve, names: Sequence[str], kind: Kind, lower: Floats, upper: Floats) -> list[Excess]:
-    """The limits of one kind (nq,), infinite where there is none, that a curve breaks; names are of its columns."""
+    """The limits of one kind that a curve breaks.
+
+    Args:
+        curve: The curve.
+        names: Names of its nq columns.
+        kind: What is limited.
+        lower: (nq,) the lower limits, -inf where there is none.
+        upper: (nq,) the upper limits, inf where there is none.
+    """
     worst: dict[str, tuple[float, Excess]] = {}
     for k, (start, end) in enumerate(zip(curve.breaks[:-1], curve.breaks[1:], strict=True)):
         control = differentiated(curve.pieces[k], end - start, KINDS.index(kind))
