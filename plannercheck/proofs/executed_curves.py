@@ -250,14 +250,10 @@ def _instants(times: Sequence[float], controller: str) -> list[Fraction]:
 
 
 def _piece(a: _Point, b: _Point, unsure: Row, off: Row, named: str) -> Piece:
-    """The piece between two points.
+    """The piece from a point to the next; both are named for errors.
 
-    Args:
-        a: The earlier one.
-        b: The later one.
-        unsure: How far each position of the earlier one may be off.
-        off: How far each velocity may be off: control points are off by a third of the duration times as much.
-        named: Both, for errors.
+    Each position of the first one may be `unsure`, and each velocity `off`: control points are off by a third of the
+    duration times as much.
     """
     step, p, q = b.time - a.time, a.positions, b.positions
     has_velocities, has_accelerations = bool(a.velocities and b.velocities), bool(a.accelerations and b.accelerations)
