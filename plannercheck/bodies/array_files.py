@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from plannercheck.common.checked_yaml import BROKEN_FILE
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.package_data import is_file
+from plannercheck.common.package_data import is_file, why_no_file
 
 
 def array_of_file(path: Path, what: str) -> NDArray[Any]:
@@ -23,7 +23,7 @@ def array_of_file(path: Path, what: str) -> NDArray[Any]:
         PlannercheckError: If it is missing, broken, cut short, or holds objects of Python or several arrays.
     """
     if not is_file(path):
-        raise PlannercheckError(f"{what} {str(path)!r} does not exist")
+        raise PlannercheckError(f"{what} {str(path)!r} {why_no_file(path)}")
     try:
         return whole_array(path)
     except PlannercheckError as error:

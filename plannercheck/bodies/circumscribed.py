@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from plannercheck.common.arrays import distinct_values
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.real_numbers import positive_number
 
 # Relative growth that covers the rounding of the points (under 8 units in the last place, 2^-49).
 ROUNDING_MARGIN = 2.0**-48
@@ -34,9 +35,10 @@ LEAST_BALL_EXCESS = 4e-6
 
 def checked_excess(excess: float) -> float:
     """An excess that can be met, or an error."""
-    if not (math.isfinite(excess) and 4 * ROUNDING_MARGIN < excess <= 1):
-        raise PlannercheckError(f"excess must be within (0, 1], a part of the radius, not {excess}")
-    return float(excess)
+    wanted = "excess must be within (0, 1], a part of the radius"
+    if not 4 * ROUNDING_MARGIN < (number := positive_number(excess, wanted)) <= 1:
+        raise PlannercheckError(f"{wanted}, not {excess}")
+    return number
 
 
 def check_ball_excess(excess: float) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from plannercheck.bodies.collada_geometries import Geometry, children, geometry_of, id_of, tag
 from plannercheck.bodies.mesh_objects import RawObject
-from plannercheck.bodies.mesh_poses import composed, transformed
+from plannercheck.bodies.mesh_poses import composed, facing_as_before, transformed
 from plannercheck.bodies.text_numbers import floats_of
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, shortened
@@ -181,7 +181,8 @@ def _instance(
     name = node.get("name") or id_of(node) or target.get("name") or key
     if not len(geometry.triangles):
         return []
-    return [RawObject.of(name, transformed(pose, geometry.points), geometry.triangles)]
+    points = transformed(pose, geometry.points)
+    return [RawObject.of(name, points, facing_as_before(pose, geometry.triangles))]
 
 
 def _pose(node: Element) -> Floats:

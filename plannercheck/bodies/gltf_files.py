@@ -14,7 +14,7 @@ import numpy as np
 from plannercheck.bodies.gltf_buffers import Buffers
 from plannercheck.bodies.gltf_json import Table, root_of
 from plannercheck.bodies.mesh_objects import RawObject, check_indices, fan_triangles, strip_triangles
-from plannercheck.bodies.mesh_poses import composed, transformed
+from plannercheck.bodies.mesh_poses import composed, facing_as_before, transformed
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError, shortened
 
@@ -92,9 +92,10 @@ def _chunks(content: bytes) -> tuple[bytes, bytes | None]:
 
 
 def _check_version(root: Table) -> None:
-    version = root.table("asset").text("version")
-    if version.partition(".")[0] != "2":
-        raise PlannercheckError(f"must be of glTF 2, not {shortened(version)!r}")
+    asset = root.table("asset")
+    version, least = asset.text("version"), asset.text("minVersion", "2.0")
+    if version.partition(".")[0] != "2" or least != "2.0":
+        raise PlannercheckError(f"must be of glTF 2.0, not {shortened(version if least == '2.0' else least)!r}")
     for name in root.texts("extensionsRequired"):
         if name not in _UNDERSTOOD and not name.startswith(_LOOKS):
             raise PlannercheckError(f"needs the extension {shortened(name)!r}, which is not read: export without it")
@@ -161,7 +162,7 @@ def _object(node: Table, pose: Floats, buffers: Buffers, meshes: dict[int, tuple
         meshes[index] = _mesh(mesh, buffers)
     points, triangles = meshes[index]
     name = node.text("name", "") or mesh.text("name", "")
-    return [RawObject.of(name, transformed(pose, points), triangles)] if len(triangles) else []
+    return [RawObject.of(name, transformed(pose, points), facing_as_before(pose, triangles))] if len(triangles) else []
 
 
 def _mesh(mesh: Table, buffers: Buffers) -> tuple[Floats, Ints64]:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.circumscribed import BOX_SIGNS, prism_faces
 from plannercheck.bodies.kinds import Kind
-from plannercheck.bodies.sizes import numbers
+from plannercheck.bodies.sizes import number, numbers
 from plannercheck.common.array_types import Faces
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
@@ -54,10 +54,7 @@ class HalfSpace:
             raise PlannercheckError(f"normal of a half-space must have 3 numbers, not {len(normal)}: {list(normal)}")
         if not all(map(math.isfinite, normal)) or not any(normal):
             raise PlannercheckError(f"normal of a half-space must be finite and not 0, not {list(normal)}")
-        try:
-            offset = float(self.offset)
-        except (TypeError, ValueError, OverflowError):
-            raise PlannercheckError(f"offset of a half-space must be a number, not {self.offset!r}") from None
+        offset = number(self.offset, "offset of a half-space must be a number")
         object.__setattr__(self, "normal", tuple(x + 0.0 for x in normal))
         object.__setattr__(self, "offset", offset + 0.0)
         self._check_range()
@@ -80,7 +77,7 @@ class HalfSpace:
     def scaled(self) -> tuple[tuple[float, float, float], float]:
         """Normal and offset times a power of 2, so that the largest number of the normal is between 1/2 and 1."""
         exponent = -math.frexp(max(map(abs, self.normal)))[1]
-        x, y, z = (math.ldexp(number, exponent) for number in self.normal)
+        x, y, z = (math.ldexp(each, exponent) for each in self.normal)
         return (x, y, z), math.ldexp(self.offset, exponent)
 
     @property

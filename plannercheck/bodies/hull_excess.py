@@ -34,10 +34,10 @@ def hull_excess(points: Floats, triangles: Ints64) -> str:
     volume = _enclosed(points, triangles)
     if np.prod(np.ptp(points, axis=0)) <= LARGE * volume:
         return ""
-    ratio = _least_hull_volume(points) / max(volume, np.finfo(float).tiny)
-    if ratio <= LARGE or not TriangleMesh.of(points, triangles).volume:
+    hull = _least_hull_volume(points)
+    if hull <= LARGE * volume or not volume or not TriangleMesh.of(points, triangles).volume:
         return ""
-    return f"the hull is {ratio:.1f} times as large as the mesh"
+    return f"the hull is {hull / volume:.1f} times as large as the mesh"
 
 
 def hull_between(mesh: MeshFile) -> str:

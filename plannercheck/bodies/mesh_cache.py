@@ -18,7 +18,7 @@ from plannercheck.bodies.mesh_objects import RawObject
 from plannercheck.common.cache import cache_folder, read_cached, write_to_cache
 
 # The version of what is cached: another one wherever a reader reads a content otherwise than before.
-_VERSION = b"plannercheck mesh 2\n"
+_VERSION = b"plannercheck mesh 3\n"
 
 # Smaller files are read as fast as they are looked up, in bytes.
 _LARGE = 1 << 19

@@ -28,7 +28,7 @@ from plannercheck.bodies.ply_meshes import objects_of_ply
 from plannercheck.bodies.stl_files import objects_of_stl
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError, unknown_name
-from plannercheck.common.package_data import is_file
+from plannercheck.common.package_data import is_file, why_no_file
 from plannercheck.common.progress import reported
 
 MeshUnits: TypeAlias = Literal["file", "metre"]
@@ -135,7 +135,7 @@ def checked_units(value: object) -> MeshUnits | None:
 def named_file(path: str | Path) -> Iterator[None]:
     """Errors inside say which mesh file they are about; a file that is not there is one."""
     if not is_file(Path(path)):
-        raise PlannercheckError(f"mesh file {str(path)!r} does not exist")
+        raise PlannercheckError(f"mesh file {str(path)!r} {why_no_file(Path(path))}")
     try:
         yield
     except PlannercheckError as error:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError
 
 
@@ -33,3 +33,12 @@ def transformed(pose: Floats, points: Floats) -> Floats:
     if not np.isfinite(moved).all():
         raise PlannercheckError("has points that its transforms move beyond all doubles")
     return moved
+
+
+def facing_as_before(pose: Floats, triangles: Ints64) -> Ints64:
+    """Triangles (m, 3) with their outer sides outside under a map, too: one that mirrors turns all of them.
+
+    glTF defines it so (specification 2.0, 3.7.4), and trimesh does so for Collada. Else an object and its mirror image,
+    where they overlap, would wind once to either side, and that would be outside of both.
+    """
+    return triangles[:, ::-1] if np.linalg.slogdet(pose[:3, :3])[0] < 0 else triangles

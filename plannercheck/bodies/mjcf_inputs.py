@@ -21,8 +21,9 @@ from plannercheck.common.cache import cache_folder
 # The version of what is cached; a new one makes all that was cached before unknown.
 _VERSION = b"plannercheck compiled MJCF 1\n"
 
-# The attributes that name files and folders (MuJoCo's XML reference): a cube map has a file for each side.
-_FILES = ("file", "fileback", "filedown", "filefront", "fileleft", "fileright", "fileup")
+# The attributes that name files and folders (MuJoCo's XML reference): a cube map has a file for each side, and URDFs,
+# which <model> takes as well, have another word.
+_FILES = ("file", "filename", "fileback", "filedown", "filefront", "fileleft", "fileright", "fileup")
 _FOLDERS = ("meshdir", "texturedir", "assetdir")
 
 # What can hold what this reader does not see: other files, or other texts for names.

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.shapes import checked_pose
+from plannercheck.bodies.sizes import number
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import contiguous, read_only, shown_array
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -136,10 +137,7 @@ Placement: TypeAlias = "ArrayLike | Moving | None"
 
 def checked_time(time: Any, what: str) -> float:
     """One finite number of seconds."""
-    try:
-        found = float(time)
-    except (TypeError, ValueError, OverflowError):
-        found = math.nan
+    found = number(time, f"{what} must be a number of seconds")
     if not math.isfinite(found):
         raise PlannercheckError(f"{what} must be a number of seconds, not {shown_array(time)}")
     return found
@@ -149,10 +147,10 @@ def _checked_times(times: ArrayLike) -> Floats:
     try:
         at = contiguous(times)
     except (TypeError, ValueError, OverflowError):
-        raise PlannercheckError(f"times of Moving must be numbers (m,), s, not {shown_array(times)}") from None
+        raise PlannercheckError(f"times of Moving must be numbers (n,), s, not {shown_array(times)}") from None
     if at.ndim != 1 or len(at) < 2:
         raise PlannercheckError(
-            f"times of Moving must be two or more, (m,), s, not {at.shape}: an object of one pose does not move"
+            f"times of Moving must be two or more, (n,), s, not {at.shape}: an object of one pose does not move"
         )
     grows = np.append(np.isfinite(at[0]), np.diff(at) >= _SHORTEST) & np.isfinite(at)
     if not grows.all():
@@ -165,9 +163,11 @@ def _checked_poses(poses: ArrayLike) -> Floats:
     try:
         given = contiguous(poses)
     except (TypeError, ValueError, OverflowError):
-        raise PlannercheckError(f"poses of Moving must be numbers (m, 4, 4), m, not {shown_array(poses)}") from None
+        raise PlannercheckError(
+            f"poses of Moving must be matrices (n, 4, 4) in metres, not {shown_array(poses)}"
+        ) from None
     if given.ndim != 3 or given.shape[1:] != (4, 4):
-        raise PlannercheckError(f"poses of Moving must have shape (m, 4, 4), m, not {given.shape}")
+        raise PlannercheckError(f"poses of Moving must be matrices (n, 4, 4) in metres, not of shape {given.shape}")
     for k, pose in enumerate(given):
         checked_pose(pose, f"pose {k} of Moving")
     return read_only(given.copy())

@@ -159,6 +159,8 @@ class SceneObject:
     def attached(self, link: str, pose: ArrayLike | None, touch_links: Iterable[str] = ()) -> SceneObject:
         """The same object on a link, with its frame at a pose (4, 4) in the link's frame, m."""
         self._check_still("attach it")
+        if not isinstance(link, str) or not link:
+            raise PlannercheckError(f"object {self.name!r} is attached to a link by its name, not {link!r:.80}")
         return dataclasses.replace(
             self,
             pose=checked_pose(pose, f"object {self.name!r} on link {link!r}"),
@@ -215,8 +217,8 @@ def scene_object(
         shapes: tuple[Part, ...] = (Part(parts),)
     else:
         shapes = tuple(_known_part(part, f"object {name!r}") for part in _listed(parts))
-    if not name or not shapes:
-        raise PlannercheckError(f"object {name!r} needs a name and at least one shape")
+    if not isinstance(name, str) or not name or not shapes:
+        raise PlannercheckError(f"object {name!r:.80} needs a name, which is a text, and at least one shape")
     moving = pose if isinstance(pose, Moving) else None
     placed: Any = None if moving is pose else pose
     return SceneObject(name, shapes, placed, subframes=subframes or {}, moving=moving)
@@ -257,6 +259,7 @@ def unplaced(item: SceneObject) -> PlannercheckError:
 
 
 def _names(names: Iterable[str]) -> tuple[str, ...]:
-    if isinstance(names, str):
-        raise PlannercheckError(f"touch_links must be a list of names, not the text {names!r}")
-    return tuple(names)
+    listed = None if isinstance(names, str) or not isinstance(names, Iterable) else tuple(names)
+    if listed is None or not all(isinstance(name, str) for name in listed):
+        raise PlannercheckError(f"touch_links must be a list of names, not {names!r:.80}")
+    return listed

@@ -33,7 +33,7 @@ from plannercheck.common.array_types import Bools, Ints, Ints64
 from plannercheck.common.arrays import read_only, shown_array, unmasked
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError, unknown_name
-from plannercheck.common.package_data import is_file
+from plannercheck.common.package_data import is_file, why_no_file
 from plannercheck.common.public_names import set_module
 
 # What unknown space counts as.
@@ -122,7 +122,7 @@ class Octree(LatticeCells):
             PlannercheckError: If the file is missing, none of these, cut short or broken.
         """
         if not is_file(Path(path)):
-            raise PlannercheckError(f"octomap file {str(path)!r} does not exist")
+            raise PlannercheckError(f"octomap file {str(path)!r} {why_no_file(Path(path))}")
         try:
             return _of_leaves(read_octomap(Path(path).read_bytes()), unknown, threshold)
         except PlannercheckError as error:

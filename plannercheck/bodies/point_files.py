@@ -24,7 +24,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import BROKEN_FILE
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.input_limits import INPUT_LIMITS
-from plannercheck.common.package_data import is_file
+from plannercheck.common.package_data import is_file, why_no_file
 
 _AXES = ("x", "y", "z")
 
@@ -36,7 +36,7 @@ def points_of_file(path: Path) -> Floats:
         PlannercheckError: If the file is missing, of another kind, broken or cut short.
     """
     if not is_file(path):
-        raise PlannercheckError(f"cloud file {str(path)!r} does not exist")
+        raise PlannercheckError(f"cloud file {str(path)!r} {why_no_file(path)}")
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise unknown_name("suffix of a cloud file", path.suffix or str(path), _READERS)

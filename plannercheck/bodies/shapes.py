@@ -284,11 +284,15 @@ def _checked_matrix(pose: ArrayLike, what: str, tolerance: float) -> Points:
     """The same without the core: converts, and says what is wrong."""
     matrix = array_of(pose, f"pose of {what}")
     if matrix.shape != (4, 4):
-        raise PlannercheckError(f"pose of {what} must be a homogeneous matrix of shape (4, 4), not {matrix.shape}")
+        raise PlannercheckError(
+            f"pose of {what} must be a homogeneous matrix of shape (4, 4), not {matrix.shape}: the rotation is "
+            "[:3, :3], the position [:3, 3]"
+        )
     if not np.isfinite(matrix).all():
         raise PlannercheckError(f"pose of {what} has values that are not finite: {matrix.tolist()}")
     if matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
-        raise PlannercheckError(f"pose of {what}: last row must be 0 0 0 1, not {matrix[3].tolist()}")
+        turned = "; it looks transposed" if matrix[:, 3].tolist() == [0.0, 0.0, 0.0, 1.0] else ""
+        raise PlannercheckError(f"pose of {what}: last row must be 0 0 0 1, not {matrix[3].tolist()}{turned}")
     _check_rotation(matrix[:3, :3], what, tolerance)
     return matrix
 

@@ -15,6 +15,7 @@ from typing import Any, ClassVar, Literal, TypeVar, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from plannercheck.bodies.circumscribed import checked_excess
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import DEFAULT_EXCESS, GeometryObject
 from plannercheck.bodies.tuning import DEFAULT_TUNING, Tuning, core_tuning
@@ -107,7 +108,9 @@ class BuiltChecker:
             )
         if not isinstance(tuning, Tuning):
             raise PlannercheckError(f"tuning must be a Tuning, e.g. pc.Tuning(learning=False), not {tuning!r}")
-        self.excess = excess
+        if not isinstance(self_collision, bool | np.bool_):
+            raise PlannercheckError(f"self_collision must be True or False, not {self_collision!r:.80}")
+        self.excess = checked_excess(excess)
         alone = without_attached(robot, () if scene is None else scene.attached)
         self._settings = Settings(
             alone, self_collision, padding, "robot" if acm is None else acm, kinematics, None, tuning

@@ -19,6 +19,7 @@ from plannercheck.checking.verdicts import PairCertificate, PairVerdict, Verdict
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration, real_numbers, shown_array
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.whole_numbers import row_of_table
 
 
 class NamedBody(Protocol):
@@ -92,7 +93,7 @@ class ExplainingChecker(ABC):
         Returns:
             The verdict with its certificate.
         """
-        row = self._single(q)
+        row, k = self._single(q), row_of_table(k, len(self.pairs))
         return self.pair_verdict(k, self.body_poses(row)[0], bool(self.colliding_pairs(row)[0, k]))
 
     def pair_verdict(self, k: int, poses: Floats, colliding: bool) -> PairVerdict:
@@ -105,18 +106,18 @@ class ExplainingChecker(ABC):
         return PairVerdict(*links, *names, colliding, certificate)
 
     def _names_of_met(self, a: int, b: int, poses: Floats) -> tuple[str, str]:
-        """The names of two bodies that share a point; of sets of parts with the part that does."""
+        """The names of two bodies that share a point; the name of a set of parts includes the part that does."""
         return self.bodies[a].name, self.bodies[b].name
 
     def pair_names(self, k: int) -> tuple[str, str]:
         """The link and the other link or obstacle of row k of `pairs`."""
-        a, b = self.pairs[k]
+        a, b = self.pairs[row_of_table(k, len(self.pairs))]
         return self._labels[a], self._labels[b]
 
     def _single(self, q: Configuration) -> Floats:
-        """One configuration (nq,), (1, nq) or by names of joints as a row (1, nq), or an error.
+        """One configuration as a row (1, nq), from (nq,), (1, nq) or names of joints; or an error.
 
-        Its numbers are looked at later.
+        Its numbers are checked later.
         """
         nq = self.robot.nq
         if type(q) is np.ndarray and q.shape == (nq,) and q.dtype.char == "d":  # most of all

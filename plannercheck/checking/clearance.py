@@ -25,16 +25,19 @@ from plannercheck.common.arrays import Configuration, named_numbers, shown_array
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
+from plannercheck.common.real_numbers import positive_number
 from plannercheck.common.threads import checked_threads
 from plannercheck.common.whole_numbers import whole_number
 from plannercheck.robots.robot import Robot
+from plannercheck.trajectories.joint_columns import check_order
+from plannercheck.trajectories.trajectory import Trajectory
 
 Same = TypeVar("Same", bound="MeasuringChecker")
 
 # Steps of the descent for a lower bound of a distance.
 _BOUND_ROUNDS = 2
 
-# Of an earlier table: where the rows of each configuration begin (n + 1,), pairs (r,), corners (r, CORNER_NUMBERS).
+# An earlier table: where the rows of each configuration begin (n + 1,), pairs (r,), corners (r, CORNER_NUMBERS).
 Earlier: TypeAlias = tuple[Ints, Ints, Ints]
 _NOTHING_EARLIER = np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros((0, CORNER_NUMBERS), np.int32)
 
@@ -51,9 +54,8 @@ class Positions(Protocol):
 
 def _checked_limit(limit: Any) -> float:
     """A limit as a float, or an error that names it."""
-    if isinstance(limit, bool) or not (isinstance(limit, int | float | np.number) and limit > 0):
-        raise PlannercheckError(f"limit must be positive, in m, not {shown_array(limit)}")
-    return float(limit)
+    is_infinite = isinstance(limit, float | np.floating) and limit == math.inf
+    return math.inf if is_infinite else positive_number(limit, "limit must be positive, in m")
 
 
 class MeasuringChecker(ABC):
@@ -291,6 +293,8 @@ def distances_along(
     Raises:
         PlannercheckError: As `distances`, or if instants are no numbers.
     """
+    if isinstance(trajectory, Trajectory):
+        check_order(checker.robot, trajectory.points)
     instants = named_numbers(at, "at")
     if instants.ndim != 1:
         raise PlannercheckError(f"at must be instants (n,), s, not {shown_array(at)}")

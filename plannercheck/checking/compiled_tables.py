@@ -31,9 +31,9 @@ class CompiledTables:
 
     Attributes:
         limits: Least and largest configuration, (nq,) each: between them only pairs of `within_limits` can collide.
-            None: these are the only pairs that can collide at any configuration, and none is in cells.
+            None if the limits rule out no pair and no pair is in cells.
         within_limits: The pairs that can meet within the limits.
-        in_cells: Cells in which others of these are apart, by their index among them.
+        in_cells: Cells of joint values in which some of these pairs are apart, by their index among them.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class CompiledTables:
             source: The inputs of both tables.
             pairs: (k, 2) indices of bodies.
             unreachable: (k,) which of them can't meet at any configuration within the robot's limits.
-            in_cells: Cells in which others of them are apart, by their index among these others.
+            in_cells: Cells of joint values in which some of the other pairs are apart, by their index among the others.
         """
         self._source, self._pairs, self.in_cells = source, pairs, tuple(in_cells)
         is_within_limits = unreachable.any() or len(in_cells) > 0
@@ -99,9 +99,9 @@ class CompiledTables:
         return beyond
 
     def judges(self, kernel: core.Kinematics | None) -> tuple[JudgeOfRow, JudgeOfSet]:
-        """Compiled judges of a row (nq,) and of sets (n, nq) on some threads, 1 for free; None for all that needs care.
+        """Compiled judges of a row (nq,), and of sets (n, nq) on some threads, 1 for free.
 
-        `kernel` poses the links.
+        They return None where Python has to judge. `kernel` poses the links.
         """
         if kernel is None:
             return never_known, never_known
@@ -142,4 +142,4 @@ class CompiledTables:
 
 
 def never_known(q: Configuration, threads: int = 1) -> None:
-    """For robots that the kernel does not pose, and for scenes that move."""
+    """A judge without verdicts, for robots that the kernel does not pose, and for scenes that move."""

@@ -44,13 +44,13 @@ class Distances(OwnsArrays):
         points: (r, 2, 3) the nearest points of both bodies in the world, m.
         normal: (r, 3) of length 1, in the world, from the second body to the first.
         gradient: (r, nv) derivative of the distance by the configuration, in m/rad and m/m; (r, 0) if not asked for.
-            Its columns are those of Pinocchio's tangent for the group: one for each number of the configuration, but
-            for a joint given by cosine and sine one, for a ball joint three (turns about x, y and z of its own frame),
-            and for a free or planar joint its velocity along the axes of its own frame, then its turn.
+            Its columns are Pinocchio's tangent of the group: one for each number of the configuration, except that a
+            joint given by cosine and sine has one, a ball joint three (turns about x, y and z of its own frame), and
+            a free or planar joint its velocity along the axes of its own frame, then its turn.
         gap: (r,) all nearest pairs of points are proved to be within this of the given one, m; infinite where nothing
             is proved: where faces or edges are parallel, where two places are as near or as deep, and where solids,
             clouds or maps overlap.
-        unique: (r,) whether that is at most 1e-8 of the smaller body's size: only one pair of points is nearest, and
+        unique: (r,) whether `gap` is at most 1e-8 of the smaller body's size: only one pair of points is nearest, and
             the distance has the gradient.
     """
 
@@ -87,7 +87,7 @@ class Distances(OwnsArrays):
         up to 1e-12 of the smaller body's size, and of faces and edges that are parallel up to rounding.
 
         Args:
-            row: Of this table.
+            row: A row of this table.
             dq: (nv,) the direction, as the columns of `gradient`.
 
         Returns:

@@ -1,11 +1,11 @@
 """All places where a pair of bodies may be left out, in the order in which they apply, each with its number of pairs.
 
-Candidates are all pairs of the robot's bodies and carried objects, and each of these with each obstacle. These places
-leave out pairs:
+Candidates are all pairs among the robot's bodies and carried objects, and all pairs of one of these with an obstacle.
+Places that leave out pairs:
 
 1. robots/description.py: the robot's YAML names both links in `disabled_pairs`.
-2. robots/self_pairs.py: both bodies are on one joint, the SRDF disables their links, or, without an SRDF, these are
-   neighbours; of an MJCF file, MuJoCo does not test them (bodies/mjcf_pairs.py).
+2. robots/self_pairs.py: both bodies are on one joint; the SRDF disables their links or, without an SRDF, the links are
+   neighbours; in an MJCF file, MuJoCo does not test them (bodies/mjcf_pairs.py).
 3. robots/carried_objects.py: a carried object and the link that carries it, one of its touch links, or another object
    on that link.
 4. checking/pair_table.py: the checker has no self-collision, the scene allows the pair to collide, the SRDF disables

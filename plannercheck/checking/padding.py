@@ -13,7 +13,7 @@ the object that it now carries.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Ints
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.real_numbers import positive_number
 
 Padding: TypeAlias = float | Mapping[str, float] | Mapping[str | tuple[str, str], float]
 
@@ -30,7 +31,7 @@ class PaddedPairs(NamedTuple):
     """Bodies and pairs with their padding.
 
     Attributes:
-        bodies: Those given, then copies for pairs with a distance of their own.
+        bodies: The given bodies, then copies for pairs with a distance of their own.
         labels: The link or obstacle of each.
         shares: (bodies,) each body's share, m.
         pairs: The given tables (k, 2), with indices of copies where pairs have a distance of their own.
@@ -93,10 +94,7 @@ def padding_shares(
     padding: Mapping[str, float], bodies: Sequence[GeometryObject], labels: Sequence[str]
 ) -> list[float]:
     """Each body's part, m: its own, else its link's or obstacle's, else 0."""
-    names = _names(bodies, labels)
-    for name in padding:
-        if name not in names:
-            raise unknown_name("padded body, link or obstacle", name, sorted(names))
+    _check_names(padding, bodies, labels)
     shares = {name: _checked(length, f"padding of {name!r}") for name, length in padding.items()}
     return [shares.get(body.name, shares.get(label, 0.0)) for body, label in zip(bodies, labels, strict=True)]
 
@@ -138,13 +136,24 @@ def _names(bodies: Sequence[GeometryObject], labels: Sequence[str]) -> set[str]:
     return {*labels, *(body.name for body in bodies)}
 
 
+def _check_names(given: Iterable[str], bodies: Sequence[GeometryObject], labels: Sequence[str]) -> None:
+    """Raises for unknown names, and for those of a body of one link or obstacle and of another one."""
+    names = _names(bodies, labels)
+    for name in given:
+        if name not in names:
+            raise unknown_name("padded body, link or obstacle", name, sorted(names))
+        meant = {label for body, label in zip(bodies, labels, strict=True) if name in (body.name, label)}
+        if len(meant) > 1:
+            other = min(meant - {name})
+            raise PlannercheckError(
+                f"padding of {name!r} would count twice, for it and for a body of {other!r} of that name: rename one"
+            )
+
+
 def _check_pair(pair: object, bodies: Sequence[GeometryObject], labels: Sequence[str], tables: Sequence[Ints]) -> None:
     if not isinstance(pair, tuple) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
         raise PlannercheckError(f"padding is for a name or a pair of names, not {pair!r}")
-    names = _names(bodies, labels)
-    for name in pair:
-        if name not in names:
-            raise unknown_name("padded body, link or obstacle", name, sorted(names))
+    _check_names(pair, bodies, labels)
     if not _is_tested(pair, bodies, labels, tables):
         raise PlannercheckError(
             f"padding of {pair!r}: no such pair is tested, as both are on one link or allowed to touch"
@@ -168,6 +177,4 @@ def _rows_of(
 
 
 def _checked(length: float, what: str) -> float:
-    if isinstance(length, bool) or not isinstance(length, int | float | np.floating) or not 0 <= length < np.inf:
-        raise PlannercheckError(f"{what} must be a length in m of at least 0, not {length!r}")
-    return float(length)
+    return positive_number(length, f"{what} must be a length in m of at least 0", or_zero=True)

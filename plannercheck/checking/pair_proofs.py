@@ -82,7 +82,7 @@ class MeetingProofs:
             places = np.array([columns.get(side, -1) for side in self._sides()], dtype=np.int64)
             known = np.flatnonzero(places >= 0)
             self._facts[:shared, known] = earlier._facts[:shared, places[known]]
-            if shared < own:  # of what the robot carries, nothing is known
+            if shared < own:  # nothing is known about what the robot carries
                 self._look(known, shared)
         self._look(np.flatnonzero(places < 0))
 
@@ -101,7 +101,7 @@ class MeetingProofs:
 
     @cached_property
     def _columns(self) -> dict[_Side, int]:
-        """Where each obstacle stands; only a checker that follows asks."""
+        """The column of each obstacle in the facts; only a later checker asks."""
         return {side: k for k, side in enumerate(self._sides())}
 
     def of(self, pairs: Ints) -> tuple[Bools, Bools]:

@@ -2,10 +2,9 @@
 
 In: a robot and a scene. Out: indices into the robot's bodies followed by the scene's. Left out are pairs that the SRDF
 or the robot's YAML disables (they are no self pairs of the robot), pairs that an allowed collision matrix allows, pairs
-of an obstacle or a carried object with a link that the SRDF leaves out by default, and pairs of an obstacle with a body
-that is fixed to the world, unless the obstacle moves: such pairs never change, so they are judged once (`static`).
-`left_out_pairs` lists all
-places where a pair may be left out.
+of an obstacle or a carried object with a link that the SRDF leaves out by default, unless the scene says otherwise of
+the pair, and pairs of an obstacle with a body that is fixed to the world, unless the obstacle moves: such pairs never
+change, so they are judged once (`static`). `left_out_pairs` lists all places where a pair may be left out.
 """
 
 from __future__ import annotations
@@ -58,16 +57,14 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
         raise PlannercheckError(f"acm must be 'robot' or 'scene', not {acm!r}")
     own = robot.self_pairs.astype(np.int32) if self_collision else _rows([])
     labels = [body.label for body in robot.bodies]
+    matrix = scene.allowed.with_defaults(robot.default_links)
     if acm == "scene" or robot.carried:
-        judged = np.array([acm == "scene" or body.carried is not None for body in robot.bodies], dtype=bool)
-        asked = np.flatnonzero(judged[own[:, 1]])
-        allowed = [scene.is_allowed(labels[a], labels[b]) for a, b in own[asked].tolist()]
-        own = np.delete(own, asked[np.array(allowed, dtype=bool)], axis=0)
-    idle = np.array([body.carried is None and body.link in robot.default_links for body in robot.bodies], dtype=bool)
-    if idle.any() and robot.carried:
         carried = np.array([body.carried is not None for body in robot.bodies], dtype=bool)
-        own = own[~(idle[own] & carried[own[:, ::-1]]).any(axis=1)]
-    kept = ~scene.allowed.table(labels, scene.body_objects) & ~idle[:, None]
+        asked = np.flatnonzero(carried[own[:, 1]] | (acm == "scene"))
+        said = [matrix if is_carried else scene.allowed for is_carried in carried[own[asked, 1]].tolist()]
+        pairs = zip(said, own[asked].tolist(), strict=True)
+        own = np.delete(own, asked[np.array([by(labels[a], labels[b]) for by, (a, b) in pairs], dtype=bool)], axis=0)
+    kept = ~matrix.table(labels, scene.body_objects)
     kept &= ~scene.allowed.geometry_table(robot.bodies, scene.body_objects)
     fixed = robot.remembered("fixed", lambda: _on_fixed_links(robot))
     rests = fixed[:, None] & np.array([body.link is None for body in scene.bodies], dtype=bool)

@@ -79,7 +79,7 @@ _MOST_LOOKED_UP = 1000
 # By shape, for each excess and padding, most often one. Shapes that compare equal are the same shape.
 _PREPARED: WeakKeyDictionary[Shape, tuple[_PreparedShape, ...]] = WeakKeyDictionary()
 
-# By inflation radius and points, of solids that are not their hulls by their triangles, too.
+# By inflation radius and points; solids that are not their hulls, by their triangles as well.
 _POLYTOPES: WeakValueDictionary[bytes, Polytope] = WeakValueDictionary()
 
 
@@ -163,7 +163,7 @@ class Preparation:
         return np.array(numbers, dtype=np.float64).reshape(-1, 3)
 
     def prepare(self, bodies: Sequence[int]) -> None:
-        """Prepares those of some bodies that are boxes, all at once."""
+        """Prepares all boxes among some bodies at once."""
         asked = [body for body in bodies if self._entries[body].polytope is None]
         asked = [body for body in asked if type(self._bodies[body].shape) is Box]
         if asked:
@@ -207,12 +207,12 @@ class Preparation:
 
 @lru_cache(maxsize=64)
 def _lasting(shape: Shape, setting: tuple[float, float]) -> _PreparedShape:
-    """What is known of a curved shape: it is its sizes, so that equal ones are the same whoever made them."""
+    """The entry of a curved shape, which equal shapes share, since a curved shape is nothing but its sizes."""
     return _PreparedShape(setting)
 
 
 def _known(shape: Shape, setting: tuple[float, float]) -> _PreparedShape:
-    """What is known of a shape with an excess and a padding, to be added to."""
+    """The entry of a shape with an excess and a padding; a new one if there is none."""
     if type(shape) in _CURVED and setting[0] >= _USUAL_EXCESS:
         return _lasting(shape, setting)
     of_shape = _PREPARED.get(shape, ())

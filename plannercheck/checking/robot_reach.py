@@ -42,8 +42,8 @@ class RobotReach:
             robot: The robot, which the compiled kinematics poses.
             table: Its joint table.
             bodies: All bodies on its links, what they carry last.
-            hulls: Of these bodies.
-            carrier: The same for the robot without what it carries; its results are taken over.
+            hulls: The hulls of these bodies.
+            carrier: The reach of the robot without what it carries; its results are taken over.
         """
         self._chains = Chains(robot, table, bodies, hulls)
         self._carrier = carrier
@@ -96,7 +96,7 @@ class RobotReach:
         if self._carrier is not None:
             return self._carrier.in_cells(pairs, polytopes, sampled)
         own = self._chains.count
-        # Bodies at rest are obstacles in the core, which finds them otherwise.
+        # Bodies at rest are obstacles in the core, and obstacles have no cells.
         rows = np.flatnonzero((pairs < own).all(axis=1) & ~self.at_rest[np.minimum(pairs, own - 1)].any(axis=1))
         if not self.is_proved or not len(rows):
             return ()
@@ -117,7 +117,7 @@ class RobotReach:
         """Which bodies never meet which obstacles.
 
         Args:
-            boxes: Those of n obstacles.
+            boxes: The boxes of n obstacles.
             poses: (n, 4, 4) in the world, m.
             first: The first body that is asked for: 0 or `carrier_count`.
 
@@ -183,7 +183,7 @@ def reach_of(
     Args:
         robot: The robot.
         bodies: The bodies on its links, or stand-ins for them.
-        hulls: A function that gives those of the first so many bodies; called only if something is computed.
+        hulls: A function that gives the hulls of the first so many bodies; called only if something is computed.
         paddings: (bodies,) the part of each inflation radius that is padding, m.
         excess: How far polytopes of curved shapes stick out, as a part of the radius.
 

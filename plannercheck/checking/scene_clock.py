@@ -20,12 +20,14 @@ from plannercheck.bodies.shapes import checked_pose
 from plannercheck.checking.compiled_tables import never_known
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import contiguous, shown_array
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.shown_times import shown_seconds, shown_span
 from plannercheck.robots.carriers import CarriedRobot, Carrier, free_carrier
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.screw_carriers import screw_carrier
 from plannercheck.trajectories.curve import Curve
+from plannercheck.trajectories.joint_columns import check_order
 from plannercheck.trajectories.one_clock import Clocked, side_by_side
 from plannercheck.trajectories.trajectory import Trajectory
 
@@ -75,7 +77,7 @@ class SceneClock:
     Attributes:
         robot: The robot with the joints that carry what moves.
         own: The robot without them.
-        courses: Of what moves, in the order of its columns, which follow the robot's.
+        courses: The courses of what moves, in the order of its columns, which follow the robot's.
     """
 
     def __init__(self, robot: Robot, moving: Sequence[SceneObject]) -> None:
@@ -100,7 +102,7 @@ class SceneClock:
         return self.own is robot and same
 
     def rows(self, q: Floats, times: ArrayLike) -> Floats:
-        """Configurations of the robot that carries, of the robot's own, (n, nq) or (1, nq), at times (n,) or one, s."""
+        """Configurations of the carrying robot, from the robot's own, (n, nq) or (1, nq), at times (n,) or one, s."""
         at = self._checked(times, len(q))
         if len(at) > len(q) == 1:
             q = np.repeat(q, len(at), axis=0)
@@ -194,6 +196,8 @@ def _riding(items: Sequence[SceneObject], ride: Ride, stands: bool) -> tuple[Car
             f"{what}, which has {curve.nq} columns, but {robot.configuration_map.described_columns()}; of a robot whose"
             " columns form unit vectors, give trajectory.of_robot(robot)"
         )
+    with error_context(what):
+        check_order(robot, ride.trajectory.points)
     links: dict[str, str] = {}
     for item in items:
         own = _moving(item).ride

@@ -34,8 +34,17 @@ def place_objects(robot: Robot, scene: Scene) -> None:
 
 
 def _check_names(robot: Robot, scene: Scene) -> None:
-    """Raises if an obstacle has the name of a link; what moves is a link itself, whose name its clock has checked."""
+    """Raises if an obstacle has the name of a link, or of what the robot carries.
+
+    What moves is a link itself, whose name its clock has checked.
+    """
+    carried = {item.name for item in robot.carried}
     for item in scene.objects:
+        if item.name in carried:
+            raise PlannercheckError(
+                f"object {item.name!r} has the name of one that {robot.name!r} carries: rename it, or take the robot "
+                "without it, robot.carrying(())"
+            )
         if item.moving is None and item.name in robot.link_names:
             raise PlannercheckError(
                 f"object {item.name!r} has the name of a link of {robot.name!r}, so what the scene allows the link "

@@ -1,4 +1,4 @@
-"""Validity of configurations: a robot in a scene, every pair decided by the hierarchy test.
+"""Validity of configurations of a robot in a scene.
 
 In: a `Robot`, a `Scene`. Out: an immutable `StateChecker` whose verdicts are exact for the hulls at the poses that
 forward kinematics computes in doubles. Base classes build and change it (built_checker.py), and add certificates
@@ -59,7 +59,7 @@ class StateChecker(BuiltChecker, ExplainingChecker, MeasuringChecker, CarryingCh
         Returns:
             True if no pair of bodies shares a point.
         """
-        row = self._single(q)  # it is no array of doubles, nor a list of numbers
+        row = self._single(q)  # no array of doubles or list of numbers: the compiled judge takes these
         if time is not None:
             return bool(self.check_states(row, times=time)[0])
         known = self._judge_row(np.ascontiguousarray(row[0]))

@@ -46,7 +46,7 @@ RELATIVE = 1e-5
 # Where the cells of a cut are split: most pairs that may meet do so in one of the first cells, and arrays stay small.
 _BATCHES = (4, 32, *range(96, 600, 64))
 
-# The same for few pairs, whose arrays are small anyway.
+# For few pairs, whose arrays are small anyway.
 _FEW_PAIRS, _FEW_BATCHES = 8, (4, 96)
 
 # Up to this many obstacles a cut is not split: splitting would take more time than it saves.
@@ -127,7 +127,7 @@ def stays_apart(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> boo
 
 
 def _stays_over(p: Polytope, half_space: Polytope, pose_p: Floats, pose: Floats) -> bool:
-    """The same of a body and a half-space."""
+    """`stays_apart` for a body and a half-space."""
     normal, offset = half_space.core.shape
     gap = float(core.distance_batch(p.core, pose_p[None], half_space.core, pose[None])[2][0])
     furthest = np.linalg.norm(p.vertices @ pose_p[:3, :3].T + pose_p[:3, 3], axis=1).max()

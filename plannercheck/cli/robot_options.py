@@ -88,7 +88,9 @@ def described(options: argparse.Namespace) -> RobotDescription:
     if getattr(options, "mesh_units", None):
         changes["mesh_units"] = options.mesh_units
     description = dataclasses.replace(description, **changes) if changes else description
-    return dataclasses.replace(description, **_group(options.group, description)) if options.group else description
+    if not options.group:
+        return description
+    return dataclasses.replace(description, held=(), **_group(options.group, description))  # the group may move these
 
 
 def _geometry(text: str) -> str | dict[str, str]:

@@ -7,6 +7,9 @@ from difflib import get_close_matches
 
 from plannercheck.common.public_names import set_module
 
+# How many names an error suggests.
+_SUGGESTED = 3
+
 # Most characters of a name that an error repeats: it may come from a file made to do harm.
 _LONGEST_NAME = 100
 
@@ -29,7 +32,8 @@ def unknown_name(kind: str, name: str, valid: Iterable[str]) -> PlannercheckErro
     """
     names = [shortened(valid_name) for valid_name in dict.fromkeys(valid)]
     name = shortened(name)
-    close = get_close_matches(name, names, n=3)
+    close = get_close_matches(name, names, n=_SUGGESTED) or [each for each in names if name and name in each]
+    close = close[:_SUGGESTED]
     hint = f"did you mean {' or '.join(repr(c) for c in close)}? " if close else ""
     return PlannercheckError(f"unknown {kind} {name!r}: {hint}valid are {', '.join(names) or 'none'}")
 

@@ -54,4 +54,6 @@ def is_folder(path: Path) -> bool:
 
 def why_no_file(path: Path) -> str:
     """Words of an error, after the path of what is no file."""
-    return "is a folder: give the path of a file in it" if is_folder(path) else "does not exist"
+    if is_folder(path):
+        return "is a folder: give the path of a file in it"
+    return "does not exist" + (": ~ is not expanded, give the whole path" if path.parts[:1] == ("~",) else "")

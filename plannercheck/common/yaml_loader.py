@@ -1,8 +1,8 @@
 """The loader of YAML files: PyYAML's, which refuses what it would read otherwise than the file's writer meant.
 
 In: YAML text. Out: plain Python values. A key that stands twice in a mapping is refused (YAML 1.2, 3.2.1.3: keys are
-unique); a key beside `<<` may stand in the merged mapping as well, and counts. `010` and `1:30` are texts, not 8 and
-90: MoveIt's yaml-cpp reads 10 where it needs a number, and refuses `1:30`.
+unique); a key beside `<<` may stand in the merged mapping as well, and counts. `010`, `1_2` and `1:30` are texts, not
+8, 12 and 90: MoveIt's yaml-cpp writes names so, reads 10 where it needs a number, and refuses `1:30`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from plannercheck.common.unique_keys import key_given_twice
 
 _NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 _TEXT, _NULL = "tag:yaml.org,2002:str", "tag:yaml.org,2002:null"
-_NO_NUMBER = "(?![^:]*:|[-+]?0[0-7_]+$)"
+_NO_NUMBER = "(?![^:]*:|[^_]*_|[-+]?0[0-7]+$)"
 
 # What `ros2 topic echo` writes in place of a list's entries after the 128th.
 _CUT = "..."

@@ -29,8 +29,8 @@ class AddedObstacles(NamedTuple):
 
     Attributes:
         treatments: By name; "" is any other name. Empty where the checker takes no other scene.
-        copies: Of the robot's bodies, which others follow behind the checker's bodies, and their padding, m.
-        bases: Of each body in a treatment, by its index, the robot's body which it is or copies.
+        copies: Copies of the robot's bodies, which follow the checker's bodies: which body, and its padding, m.
+        bases: By index of a body in a treatment, the robot's body which it is or copies.
     """
 
     treatments: Mapping[str, Treatment]

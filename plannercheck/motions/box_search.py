@@ -81,7 +81,7 @@ def search_boxes(
     proportions = _proportions(robot, shape)
     cells = whole_number(cells, "cells must be a number of cells, 1 or more")
     _check_within_limits(robot, q)
-    # Of joints without limits, one turn: all others are the same.
+    # Joints without limits: one turn, since all others are the same.
     lower = np.where(np.isinf(robot.lower), q - np.pi, robot.lower)
     upper = np.where(np.isinf(robot.upper), q + np.pi, robot.upper)
     found, together = list[_Found](), max(1, _CELLS_AT_ONCE // cells)

@@ -44,7 +44,7 @@ from plannercheck.motions.motion_ends import Curves, Motions
 from plannercheck.motions.rounding_bounds import RoundingBounds
 from plannercheck.robots.robot import Robot
 
-# Judges one motion between two rows; None if the motion needs more care.
+# Judges one motion between two rows; None if Python has to judge it.
 JudgeMotion = Callable[[Configuration, Configuration, float], bool | None]
 
 # A motion whose clearance falls below this may be refused, m: no robot follows a path that closely.
@@ -54,7 +54,7 @@ DEFAULT_TOLERANCE = 1e-4
 # it. Their distance exceeds `unreachable_pairs.MARGIN`, a hundredth of the default tolerance.
 _FINER = (1.0, 1e-2, 1e-4)
 
-# The core's answer about a chunk of waypoints of which it knows nothing.
+# The core's answer about a chunk of waypoints that it leaves open.
 _UNKNOWN_CHUNK = 3
 
 
@@ -197,14 +197,14 @@ class MotionCertifier:
 
     @cached_property
     def judge_rows(self) -> JudgeMotion:
-        """A compiled judge of one motion between rows (nq,), and None for motions that need more care."""
+        """A compiled judge of one motion between rows (nq,); None for motions that Python has to judge."""
         judge: JudgeMotion
         judge = self._compiled_judge(core.motion_row_validity, self._pairs_within_limits, *self._range)
         return judge
 
     @cached_property
     def judge_rows_beyond(self) -> JudgeMotion:
-        """The same of motions that leave the limits, which all pairs judge; of others, it knows no more."""
+        """`judge_rows` for motions that leave the limits, by all pairs; None if the limits rule out no pair."""
         judge: JudgeMotion = _never_known
         if self._limits is not None:
             judge = self._compiled_judge(core.motion_row_validity, self._all_pairs, self._errors.low, self._errors.high)
@@ -212,7 +212,7 @@ class MotionCertifier:
 
     @cached_property
     def judge_sets(self) -> Callable[[Any, Any, float, int], NDArray[np.uint8] | None]:
-        """The same of sets of motions, between arrays (n, nq), on a number of threads: (n,) 1 for free."""
+        """`judge_rows` for sets of motions, between arrays (n, nq), on a number of threads: (n,) 1 for free."""
         judge: Callable[[Any, Any, float, int], NDArray[np.uint8] | None]
         judge = self._compiled_judge(core.motion_set_validity, self._pairs_within_limits, *self._range)
         return judge
@@ -342,12 +342,12 @@ class MotionCertifier:
 
 
 def _rows(array: Floats, rows: NDArray[np.int64]) -> Floats:
-    """Some or all rows of an array; those of an empty one are none."""
+    """Some or all rows of an array; an empty array stays empty."""
     return array if len(rows) >= len(array) else array[rows]
 
 
 def _never_known(_start: Configuration, _end: Configuration, _tolerance: float, _threads: int = 1) -> None:
-    """For robots whose motions all need care."""
+    """A judge without verdicts, for robots whose motions Python has to judge."""
 
 
 def _refused(counts: Any, _start: Any, _end: Any) -> bool:

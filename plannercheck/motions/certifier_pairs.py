@@ -112,8 +112,8 @@ class ChainedPairs:
     def levers(self) -> Floats:
         """(nq,) how far a number moves the bodies of a pair against each other, at most, in m/rad and m/m.
 
-        Of a pair, the levers of all its joints count; of all pairs, the largest. It is a guide, and no bound: slides
-        that lengthen arms are left out.
+        The levers of all joints of a pair add up; the largest sum of all pairs counts. It is a guide, and no bound:
+        slides that lengthen arms are left out.
         """
         chains, (joints, factors, _) = self._chains, self.of_robot.drives
         by_chain = np.zeros((len(chains.first_entry), self._width))  # the last one is of no joint

@@ -74,7 +74,7 @@ class PairParts(NamedTuple):
     Attributes:
         frame: Index of the link in whose frame both bodies are seen, -1 for the world.
         first: The joints of the first body.
-        second: Those of the second body; none for a body at rest in the frame.
+        second: The joints of the second body; none for a body at rest in the frame.
     """
 
     frame: int

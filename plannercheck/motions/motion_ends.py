@@ -1,4 +1,4 @@
-"""Motions as they are judged: both ends, also less whole turns, so that angles take the shorter turn; or curves.
+"""Motions as they are judged: two ends, with whole turns taken off so that angles turn the shorter way; or curves.
 
 In: configurations, in space or in the plane. Out: `Motions` or `Curves`, and whether the given ends are free as well.
 An angle less whole turns is another double, so the given end is posed with other roundings.
@@ -41,12 +41,12 @@ class Motions(NamedTuple):
 
     @property
     def tubes(self) -> Floats:
-        """None, (0, 0)."""
+        """Empty, (0, 0): these motions have no tubes."""
         return np.empty((0, 0))
 
     @property
     def need_all_pairs(self) -> bool:
-        """Not of these."""
+        """False: motions within the limits need no pairs that limits rule out."""
         return False
 
     def ranges(self) -> tuple[Floats, Floats]:
@@ -105,7 +105,7 @@ def shorter_turn(starts: Floats, ends: Floats, angles: NDArray[np.int64]) -> Flo
 
 
 def with_given_ends(checker: AnyChecker, free: Bools, motions: Motions) -> Bools:
-    """Which motions (n,) are free at their samples, as given here, and at their ends as they were asked for."""
+    """Which motions (n,) are free: at their samples, as `free` says, and at their ends as they were asked for."""
     turned = free & (motions.given != motions.ends).any(axis=1)
     if turned.any():
         free[turned] = checker.check_states(motions.given[turned])

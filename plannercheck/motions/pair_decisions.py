@@ -189,7 +189,7 @@ class PairSearch:
         return self._decision("open", proved, share) if waiting else self._decision("never", proved, 0.0)
 
     def _deepest(self, q: Floats) -> Floats | None:
-        """Of configurations (n, nq) that collide one of the deepest; None if all may touch by the poses' rounding."""
+        """One of the deepest of colliding configurations (n, nq); None if all may touch only by the poses' rounding."""
         polytopes, pairs = self.tables.all.polytopes, self.pairs.tolist()
         if len(q) and not all(polytopes[k].traits.fills_hull for pair in pairs for k in pair):
             return np.asarray(q[0])

@@ -77,7 +77,7 @@ class RobotChains:
             bodies: The bodies on its links, what they carry last.
             links: Each body's link, -1 if no joint moves the body.
             excess: How far polytopes of curved shapes stick out, as a part of the radius.
-            carrier: The same for the robot without what it carries; its results are taken over.
+            carrier: The chains of the robot without what it carries; its results are taken over.
             path: How planar and floating joints move.
         """
         table = robot.joint_table

@@ -31,14 +31,15 @@ from plannercheck.proofs.proof import Proof
 from plannercheck.robots.configurations import LARGEST_VALUE
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.curve import ROUNDED_UP, Curve
+from plannercheck.trajectories.joint_columns import check_order
 from plannercheck.trajectories.limits import Excess
 from plannercheck.trajectories.trajectory import Trajectory
 
 # The clearance is looked at so many instants a piece, and at most so many in all.
 _LOOKS_A_PIECE, _MOST_LOOKS = 10, 500
 
-# The largest tube and clearance that are proved are found to this part of themselves, from a smallest to a largest one,
-# rad and m.
+# The largest proved tube and clearance are found to this part of themselves; the smallest and the largest tube that are
+# tried, rad and m.
 _FINE = 2.0**-7
 _SMALLEST_TUBE, _LARGEST_TUBE = 1e-6, 8.0
 
@@ -96,7 +97,7 @@ class TrajectoryChecks:
         return self._free_pieces([trajectory], self.tube, self._room, wider=wider)
 
     def largest_room(self, trajectories: Sequence[Trajectory]) -> float:
-        """The distance, m, that bodies are proved to keep on free trajectories, tube included, to a hundredth of it."""
+        """The distance, m, that bodies are proved to keep on free trajectories, tube included; to a hundredth of it."""
         least = min((self._least_clearance(each)[1] for each in trajectories), default=np.inf)
         if not np.isfinite(least):  # no pairs
             return least
@@ -214,7 +215,7 @@ class TrajectoryChecks:
     def _is_free(self, trajectory: Trajectory, tube: Floats, room: float) -> bool:
         try:
             return bool(self._free_pieces([trajectory], tube, room).all())
-        except PlannercheckError:  # the tube is so large, or a pair that is left out otherwise, that rounding is, too
+        except PlannercheckError:  # rounding is too large, of the tube or of a pair that counts only with a tube
             return False
 
     def _largest_tube(self, trajectory: Trajectory) -> float:
@@ -227,7 +228,7 @@ class TrajectoryChecks:
     def _least_clearance(self, trajectory: Trajectory) -> tuple[float, float]:
         """The instant, s, of those that are looked at, at which the clearance is least, and the clearance, m.
 
-        Of pairs that never move relative to each other, which no motion asks for, paddings are taken off.
+        Paddings are taken off for pairs that never move relative to each other, which no motion asks for.
         """
         breaks = trajectory.curve.breaks
         looks = min(_LOOKS_A_PIECE * (len(breaks) - 1), _MOST_LOOKS) + 1
@@ -277,10 +278,14 @@ def several(trajectories: Iterable[Trajectory]) -> Sequence[Trajectory]:
 def check_trajectory_of(robot: Robot, trajectory: Trajectory) -> None:
     """Raises unless something is a trajectory of a robot."""
     if not isinstance(trajectory, Trajectory):
-        raise PlannercheckError(f"this is no pc.Trajectory but {type(trajectory).__name__}: pc.Trajectory.load reads")
+        raise PlannercheckError(
+            f"a trajectory must be a pc.Trajectory, not {type(trajectory).__name__}: pc.Trajectory(times, positions)"
+            " makes one, pc.Trajectory.load reads one"
+        )
     if trajectory.curve.nq != robot.nq:
         columns = robot.configuration_map.described_columns()
         raise PlannercheckError(f"the trajectory has {trajectory.curve.nq} columns, but {columns}")
+    check_order(robot, trajectory.points)
     if trajectory.curve.units != robot.configuration_map.units:
         raise PlannercheckError(
             f"columns of {robot.name!r} form unit vectors, which turn by slerp: give trajectory.of_robot(robot)"
@@ -288,7 +293,7 @@ def check_trajectory_of(robot: Robot, trajectory: Trajectory) -> None:
 
 
 def _by_count(curves: Sequence[Curve]) -> Iterable[tuple[Ints64, Floats]]:
-    """Of all pieces, one curve after the other, those with as many control points: their numbers, and the points."""
+    """The pieces of all curves by their count of control points: their numbers, curve after curve, and their points."""
     if len(curves) == 1:
         return curves[0].by_count.values()
     found: dict[int, list[tuple[Ints64, Floats]]] = {}

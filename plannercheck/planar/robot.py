@@ -25,6 +25,7 @@ from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.public_names import set_module
+from plannercheck.common.whole_numbers import whole_number
 from plannercheck.planar.links import GeometryObject, Link
 from plannercheck.planar.pieces import convex_pieces
 from plannercheck.planar.robot_files import planar_file, read_robot
@@ -142,6 +143,7 @@ class Robot:
 
     def random_configurations(self, n: int, seed: int | np.random.Generator | None = None) -> Floats:
         """Uniform configurations (n, nq) within the limits; free angles in [-pi, pi), other free numbers within 1 m."""
+        n = whole_number(n, "n must be a number of configurations, 0 or more", 0)
         unlimited = np.where(self.angles, math.pi, _UNLIMITED_RANGE)
         low = np.where(np.isinf(self.lower), np.minimum(-unlimited, self.upper - unlimited), self.lower)
         high = np.where(np.isinf(self.upper), np.maximum(unlimited, self.lower + unlimited), self.upper)

@@ -9,12 +9,24 @@ touch link.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.user_warnings import warn
+
+
+def listed_objects(objects: Iterable[SceneObject]) -> tuple[SceneObject, ...]:
+    """The objects, each of another name, or an error for what is no list of objects."""
+    listed = tuple(objects) if isinstance(objects, Iterable) else (None,)
+    if not all(isinstance(item, SceneObject) for item in listed):
+        raise PlannercheckError(f"a robot carries a list of attached objects, e.g. scene.attached, not {objects!r:.80}")
+    names = [item.name for item in listed]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise PlannercheckError(f"a robot carries two objects named {twice!r}: rename one, or leave it out")
+    return listed
 
 
 def check_objects(objects: Sequence[SceneObject], links: Sequence[str], bodies: Sequence[GeometryObject]) -> None:

@@ -25,10 +25,10 @@ from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.description import ALL, RobotDescription
 from plannercheck.robots.joint_values import own_joints
-from plannercheck.robots.loading import Member, RobotParts, group_of
+from plannercheck.robots.loading import Member, RobotParts, check_held, group_of
 from plannercheck.robots.planning_groups import explicit_group
 from plannercheck.robots.posed_robot import PosedRobot
-from plannercheck.robots.reference_configuration import given_values
+from plannercheck.robots.reference_configuration import given_values, with_given
 from plannercheck.robots.self_pairs import without_links
 from plannercheck.robots.srdf import DisabledPair, default_links, warn_about_ignored_elements
 from plannercheck.robots.urdf import Mimic, link_tree
@@ -100,10 +100,12 @@ def _as_described(cell: RobotParts, description: RobotDescription) -> RobotParts
         warn_about_ignored_elements(srdf, cell.tree)
     disabled = description.disabled_pairs
     group, joints = _described_group(cell, description)
+    values = given_values(cell.model, description.values)
+    check_held(description, joints)
     return replace(
         cell,
         description=description,
-        values={**cell.values, **given_values(cell.model, description.values)},
+        values=with_given(cell.values, values, cell.mimics),
         pairs=without_links(cell.pairs, cell.bodies, srdf, cell.tree, disabled),
         disabled_pairs=(*cell.disabled_pairs, *disabled),
         default_links=(*cell.default_links, *(() if srdf is None else default_links(srdf.root))),
@@ -222,6 +224,8 @@ def check_is_cell(members: Mapping[str, Member]) -> None:
 
 def check_joined(names: Mapping[str, object], moving: list[str]) -> None:
     """Raises unless exactly the robots that a cell's group moves are given."""
+    if not isinstance(names, Mapping):
+        raise PlannercheckError(f"join takes configurations by robot, {{'left': q, …}}, not {names!r:.80}")
     for name in names:
         if name not in moving:
             raise unknown_name("robot of the cell's group", name, moving)

@@ -140,7 +140,12 @@ class ConfigurationMap(OwnsArrays):
         Joints without limits: angles in [-pi, pi), positions within 1 m of zero, unit vectors uniform on
         their sphere.
         """
-        generator = np.random.default_rng(seed)
+        try:
+            generator = np.random.default_rng(seed)
+        except (TypeError, ValueError):
+            raise PlannercheckError(
+                f"seed must be a whole number of at least 0, or a generator, not {seed!r}"
+            ) from None
         low, high = self.sampled_range()
         q = generator.uniform(low, high, size=(n, self.width))
         for start, stop in self.units:

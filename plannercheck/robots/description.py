@@ -112,6 +112,8 @@ class RobotDescription:
         group: Name of the planning group; None for the whole robot.
         joints: The group's joints in order; None to take them from the SRDF.
         values: Joint values of the reference state and of held joints, by name, rad or m.
+        own_values: Those of the robot's own file, where `values` are what a cell's file says besides.
+        held: The joints that `held` names, which no group may have.
         disabled_pairs: Pairs of links that are not tested.
         decomposition: How to split concave links into convex pieces; None for hulls.
         geometry: What the meshes of all links, or of links by name, are taken as; None for hulls, or pieces as
@@ -130,6 +132,8 @@ class RobotDescription:
     group: str | None = None
     joints: tuple[str, ...] | None = None
     values: Mapping[str, Any] = field(default_factory=dict)
+    own_values: Mapping[str, Any] = field(default_factory=dict)
+    held: tuple[str, ...] = ()
     disabled_pairs: tuple[DisabledPair, ...] = ()
     decomposition: Decomposition | None = None
     geometry: Geometry | None = None
@@ -270,7 +274,11 @@ def _member(node: Node, folder: Path, above: tuple[Path, ...]) -> PlacedDescript
     own = description_of(file if is_named_file else named, above)
     fields = _fields(node, folder)
     fields["package_dirs"] = (*fields.get("package_dirs", ()), *own.package_dirs)
-    fields["values"] = {**own.values, **fields.get("values", {})}
+    if fields.get("values"):
+        fields["own_values"] = own.values
+    else:
+        fields["values"] = own.values
+    fields["held"] = (*(() if "group" in node else own.held), *fields.get("held", ()))
     given = mapping(node.get("pose"), "pose") if node.get("pose") is not None else None
     if given is None:
         return PlacedDescription(replace(own, **fields), None)
@@ -297,8 +305,10 @@ def _fields(content: Node, folder: Path) -> dict[str, Any]:
     if "group" in content:
         fields["group"], fields["joints"] = _group(content["group"])
     if "reference" in content or "held" in content:
-        values = (mapping(content.get(key), key) for key in ("reference", "held"))
-        fields["values"] = {joint: value for each in values for joint, value in each.items()}
+        reference, held = (mapping(content.get(key), key) for key in ("reference", "held"))
+        if both := [joint for joint in held if joint in reference]:
+            raise PlannercheckError(f"joint {both[0]!r} is in reference and in held: leave one out")
+        fields["values"], fields["held"] = {**reference, **held}, tuple(held)
     if "disabled_pairs" in content:
         fields["disabled_pairs"] = _disabled_pairs(content["disabled_pairs"])
     if "convex_decomposition" in content:
@@ -314,8 +324,15 @@ def _decomposition(value: Any) -> Decomposition | None:
         check_keys(options, ("links", "threshold", "most_pieces", "slack", "seed", "time_limit"))
         links = [text(link, "links") for link in sequence(options.get("links"), "links")] or None
         sizes = {key: number(options[key], key) for key in ("threshold", "slack", "time_limit") if key in options}
-        counts = {key: int(number(options[key], key)) for key in ("most_pieces", "seed") if key in options}
+        counts = {key: _whole(options[key], key) for key in ("most_pieces", "seed") if key in options}
         return Decomposition(None if links is None else tuple(links), **sizes, **counts)  # type: ignore[arg-type]
+
+
+def _whole(value: Any, key: str) -> int:
+    given = number(value, key)
+    if given % 1:
+        raise PlannercheckError(f"{key!r} must be a whole number, not {value!r:.60}")
+    return int(given)
 
 
 def _resolve(name: str, folder: Path) -> Path:

@@ -19,6 +19,7 @@ from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import example_robot_data
 from plannercheck.common.written_yaml import yaml_of
+from plannercheck.robots.configurations import followed
 from plannercheck.robots.description import ALL, RobotDescription, description_of
 from plannercheck.robots.loading import RobotParts
 
@@ -81,7 +82,11 @@ def write_cell(cell: RobotParts, path: Path) -> None:
         f"{name}/{joint}": value for name, each in cell.members.items() for joint, value in each.parts.values.items()
     }
     joints = {name: each.parts.joints or () for name, each in cell.members.items()}
-    values = {joint: value for joint, value in cell.values.items() if not np.array_equal(value, known.get(joint, []))}
+    changed = [joint for joint, value in cell.values.items() if not np.array_equal(value, known.get(joint, []))]
+    # What follows a changed joint is written as well: a follower that a file does not give moves with its leader.
+    values = {
+        joint: value for joint, value in cell.values.items() if followed(joint, cell.mimics, changed)[0] in changed
+    }
     of_group = [f"{name}/{joint}" for name in cell.members if cell.group in (ALL, name) for joint in joints[name]]
     is_named = cell.joints == tuple(of_group)
     own = replace(own, values=_plain(values), group=cell.group, joints=None if is_named else cell.joints)

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import contiguous, row_length
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.whole_numbers import whole_number
 from plannercheck.robots.configurations import ConfigurationMap, planning_group
 from plannercheck.robots.urdf import Mimic
 
@@ -110,6 +111,7 @@ class JointValues:
 
     def random(self, n: int, seed: int | np.random.Generator | None) -> Floats:
         """As `ConfigurationMap.random`, (n, nq); joints that follow others do so."""
+        n = whole_number(n, "n must be a number of configurations, 0 or more", 0)
         if not self._follow:
             return self._map.random(n, seed)
         return self.maps[-1].expand(self.maps[-1].random(n, seed))

@@ -22,14 +22,15 @@ from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.pieces import Pieces
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.arrays import read_only
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.configurations import ConfigurationMap, planning_group, whole_robot
 from plannercheck.robots.description import RobotDescription
 from plannercheck.robots.forward_kinematics import ForwardKinematics
 from plannercheck.robots.link_bodies import read_bodies, warn_of_large_hulls
 from plannercheck.robots.link_geometry import Geometry, with_geometry
 from plannercheck.robots.link_tree import LinkTree
-from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
-from plannercheck.robots.reference_configuration import given_values, reference_of
+from plannercheck.robots.planning_groups import explicit_group, joint_list, srdf_group, usable_mimics
+from plannercheck.robots.reference_configuration import check_followers, given_values, reference_of, with_given
 from plannercheck.robots.robot_memory import RobotMemory
 from plannercheck.robots.self_pairs import self_pairs
 from plannercheck.robots.srdf import DisabledPair, default_links, group_state, warn_about_ignored_elements
@@ -111,7 +112,7 @@ def urdf_description(
     mesh_units: MeshUnits | None = None,
 ) -> RobotDescription:
     """The description of a robot that has no YAML; arguments as of `Robot.from_urdf`."""
-    name, joints = (group, None) if group is None or isinstance(group, str) else ("group", tuple(group))
+    name, joints = (group, None) if group is None or isinstance(group, str) else ("group", joint_list(group))
     folders = [package_dirs] if isinstance(package_dirs, str | Path) else package_dirs
     return RobotDescription(
         name="",
@@ -150,6 +151,9 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     if isinstance(reference, str):
         reference = group_state(srdf, reference, description.group, model.names, tree)
     joints = group_of(description, model, tree, mimics)
+    own_values = {**(mjcf.initial if mjcf else {}), **given_values(model, description.own_values)}
+    values = with_given(own_values, given_values(model, description.values or reference), mimics)
+    check_held(description, joints)
     disabled = description.disabled_pairs
     if mjcf is not None:
         pairs = mjcf.allowed_pairs(srdf, disabled)
@@ -173,7 +177,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         default_links=() if srdf is None else default_links(srdf.root),
         disabled_pairs=disabled,
         mimics=mimics,
-        values={**(mjcf.initial if mjcf else {}), **given_values(model, description.values or reference)},
+        values=values,
         group=description.group,
         joints=joints,
         description=description,
@@ -203,6 +207,16 @@ def collision_meshes(description: RobotDescription) -> dict[str, MeshFile]:
     return {body.name: mesh for body, mesh in pairs if mesh is not None}
 
 
+def check_held(description: RobotDescription, joints: tuple[str, ...] | None) -> None:
+    """Raises if a joint that the description holds is one of the group's; None for the whole robot."""
+    for joint in description.held:
+        if joints is None or joint in joints:
+            raise PlannercheckError(
+                f"held joint {joint!r} is in the planning group, which moves it: list a group without it, or give its "
+                "value in reference"
+            )
+
+
 def group_of(
     description: RobotDescription, model: pin.Model, tree: LinkTree, mimics: Mapping[str, Mimic]
 ) -> tuple[str, ...] | None:
@@ -220,6 +234,8 @@ def posed(
 ) -> tuple[ConfigurationMap, NDArray[np.float64], ForwardKinematics]:
     """Configuration map, reference (nq,) and kinematics of a robot's group; all other joints held at `values`."""
     model, group = parts.model, parts.joints
+    if group is not None:
+        check_followers(group, parts.values, values, parts.mimics)
     sources = whole_robot(model) if group is None else planning_group(model, group, values, parts.mimics)
     reference = read_only(reference_of(model, group, values))
     return sources, reference, ForwardKinematics(model, sources, parts.tree.frames, parts.name)

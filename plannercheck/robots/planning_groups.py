@@ -6,7 +6,7 @@ without mimic joints, which follow others.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -30,6 +30,16 @@ def usable_mimics(model: pin.Model, urdf: Path | UrdfFile) -> dict[str, Mimic]:
         if joint_width(joint_by_name(model, name)) != 1 or joint_width(joint_by_name(model, mimics[name].leader)) != 1:
             raise PlannercheckError(f"joint {name!r} mimics {mimics[name].leader!r}: both must be joints of one value")
     return mimics
+
+
+def joint_list(joints: object) -> tuple[str, ...]:
+    """The names of joints as listed, or an error for what is no list of names."""
+    if isinstance(joints, str) or not isinstance(joints, Iterable):
+        raise PlannercheckError(f"a group is a list of names of joints, not {joints!r:.80}")
+    listed = tuple(joints)
+    if not all(isinstance(name, str) for name in listed):
+        raise PlannercheckError(f"a group is a list of names of joints, not {list(listed)!r:.80}")
+    return listed
 
 
 def explicit_group(model: pin.Model, joints: Sequence[str], mimics: Mapping[str, Mimic]) -> tuple[str, ...]:

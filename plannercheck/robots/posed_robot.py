@@ -50,7 +50,7 @@ class PosedRobot:
 
     def link_index(self, name: str) -> int:
         """Index into link_names."""
-        if name not in self._link_indices:
+        if not isinstance(name, str) or name not in self._link_indices:
             raise unknown_name("link", name, self.link_names)
         return self._link_indices[name]
 

@@ -28,7 +28,7 @@ from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.progress import reported
 from plannercheck.common.public_names import set_module
-from plannercheck.robots.carried_objects import carried_pairs, check_objects
+from plannercheck.robots.carried_objects import carried_pairs, check_objects, listed_objects
 from plannercheck.robots.cells import (
     Placed,
     cell_parts,
@@ -40,7 +40,7 @@ from plannercheck.robots.cells import (
     member_parts,
     members_of,
 )
-from plannercheck.robots.configurations import ConfigurationMap, followed
+from plannercheck.robots.configurations import ConfigurationMap
 from plannercheck.robots.description import ALL, RobotDescription, description_of
 from plannercheck.robots.description_files import write_cell
 from plannercheck.robots.link_geometry import Geometry
@@ -48,9 +48,9 @@ from plannercheck.robots.link_points import LinkPoints, checked_points
 from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.loading import Reference, RobotParts, posed, robot_parts, urdf_description
 from plannercheck.robots.objects_in_frames import placed
-from plannercheck.robots.planning_groups import explicit_group
+from plannercheck.robots.planning_groups import explicit_group, joint_list
 from plannercheck.robots.posed_robot import PosedRobot
-from plannercheck.robots.reference_configuration import all_values, checked_values
+from plannercheck.robots.reference_configuration import all_values, checked_values, with_given
 from plannercheck.robots.robot_table import robot_html
 from plannercheck.robots.urdf import Mimic
 
@@ -222,7 +222,7 @@ class Robot(PosedRobot):
         cell = cls(cell_parts(members_of(robots)))
         if group is None or group == ALL:
             return cell
-        if group not in cell.parts:
+        if not isinstance(group, str) or group not in cell.parts:
             raise unknown_name("group of the cell", group, (ALL, *cell.parts))
         return cell.with_group(cell.parts[group].joint_names, group)
 
@@ -343,12 +343,7 @@ class Robot(PosedRobot):
             A new robot with the same bodies and group.
         """
         given = checked_values(self.model, values)
-        kept = {
-            name: value
-            for name, value in self._parts.values.items()
-            if followed(name, self._parts.mimics, given)[0] not in given
-        }
-        return self._changed(values={**kept, **given})
+        return self._changed(values=with_given(self._parts.values, given, self._parts.mimics))
 
     def with_group(self, joints: Sequence[str], name: str = "group") -> Robot:
         """The same robot with another planning group; the joints outside it stay at the reference.
@@ -360,7 +355,7 @@ class Robot(PosedRobot):
         Returns:
             A new robot with the same bodies.
         """
-        listed, parts = tuple(joints), self._parts
+        listed, parts = joint_list(joints), self._parts
         checked = parts.memory.recall(("group", listed), lambda: explicit_group(self.model, listed, parts.mimics))
         return self._changed(group=name, joints=checked)
 
@@ -374,7 +369,7 @@ class Robot(PosedRobot):
             A robot that shares everything else with this one.
         """
         other = copy.copy(self)
-        other._parts = replace(self._parts, carried=placed(self, objects))
+        other._parts = replace(self._parts, carried=placed(self, listed_objects(objects)))
         other._carry(other._parts.carried)
         return other
 

@@ -19,7 +19,7 @@ from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.input_limits import INPUT_LIMITS, check_xml
-from plannercheck.common.package_data import is_file
+from plannercheck.common.package_data import is_file, why_no_file
 from plannercheck.common.user_warnings import warn
 from plannercheck.robots.urdf_checks import numbers
 
@@ -36,8 +36,12 @@ _OF_LINKS = {
     "disable_default_collisions": ("link",),
 }
 
-# What a group consists of.
+# The other elements that MoveIt reads, and what a group consists of.
+_OTHERS = ("group", "group_state", "virtual_joint", "end_effector", "passive_joint", "joint_property")
 _OF_GROUPS = ("joint", "link", "chain", "group")
+
+# From this ratio of difflib on, an element is taken for a misspelt one, as in URDFs.
+_ALIKE = 0.8
 
 
 @dataclass(frozen=True)
@@ -69,9 +73,9 @@ class Srdf:
 
 
 def read_srdf(path: Path) -> Element:
-    """Parses an SRDF to its root element."""
+    """Parses an SRDF to its root element; attributes lose the blanks around them, as in MoveIt's reader (srdfdom)."""
     if not is_file(path):
-        raise PlannercheckError(f"SRDF {path} does not exist")
+        raise PlannercheckError(f"SRDF {path} {why_no_file(path)}")
     check_xml(path, "SRDF")
     try:
         root = ElementTree.parse(path).getroot()
@@ -85,6 +89,8 @@ def read_srdf(path: Path) -> Element:
         raise PlannercheckError(f"SRDF {path} is a xacro, which has to be expanded first: xacro {path} > expanded.srdf")
     if root.find("link") is not None or root.find("joint[@type]") is not None:
         raise PlannercheckError(f"SRDF {path} is none: it has links and joints, as a URDF has, which --robot takes")
+    for each in root.iter():
+        each.attrib.update({key: value.strip() for key, value in each.attrib.items()})
     return root
 
 
@@ -112,7 +118,9 @@ class _Groups:
 
     def __init__(self, root: Element, tree: LinkTree) -> None:
         self._root, self._tree = root, tree
-        self._groups = {group.get("name"): group for group in reversed(root.findall("group"))}
+        self._groups: dict[str, list[Element]] = {}
+        for group in root.findall("group"):
+            self._groups.setdefault(group.get("name", ""), []).append(group)
         self._known: dict[str, list[str]] = {}
 
     def joints(self, name: str, outer: tuple[str, ...]) -> list[str]:
@@ -127,8 +135,11 @@ class _Groups:
             )
         if name not in self._groups:
             raise unknown_name("planning group", name, group_names(self._root))
+        named = self._groups[name]
+        if len({ElementTree.tostring(group).strip() for group in named}) > 1:
+            raise PlannercheckError(f"SRDF has {len(named)} groups {name!r}, of which MoveIt takes one: keep one")
         found: dict[str, None] = {}
-        for part in self._groups[name]:
+        for part in named[0]:
             inside = part.tag == "group"
             part_name = part.get("name", "")
             joints = self.joints(part_name, (*outer, name)) if inside else _joints_of_part(part, self._tree)
@@ -181,7 +192,7 @@ def disabled_collisions(root: Element) -> list[DisabledPair]:
 
 def default_links(root: Element) -> tuple[str, ...]:
     """The links of <disable_default_collisions>: tested against nothing but what <enable_collisions> names."""
-    names = (each.get("link", "").strip() for each in root.findall("disable_default_collisions"))
+    names = (each.get("link", "") for each in root.findall("disable_default_collisions"))
     return tuple(dict.fromkeys(name for name in names if name))
 
 
@@ -207,9 +218,10 @@ def untested_pairs(root: Element, links: Sequence[str]) -> list[DisabledPair]:
 
 
 def _named_pairs(root: Element, tag: str) -> list[DisabledPair]:
-    pairs = ({key: value.strip() for key, value in each.attrib.items()} for each in root.findall(tag))
     return [
-        DisabledPair(p["link1"], p["link2"], p.get("reason", "")) for p in pairs if p.get("link1") and p.get("link2")
+        DisabledPair(each.get("link1", ""), each.get("link2", ""), each.get("reason", ""))
+        for each in root.findall(tag)
+        if each.get("link1") and each.get("link2")
     ]
 
 
@@ -219,7 +231,7 @@ def warn_about_ignored_elements(srdf: Srdf, tree: LinkTree) -> None:
     nameless = 0
     for tag, keys in _OF_LINKS.items():
         elements = srdf.root.findall(tag)
-        named = [[each.get(key, "").strip() for key in keys] for each in elements]
+        named = [[each.get(key, "") for key in keys] for each in elements]
         unknown = sorted({name for names in named for name in names if name and name not in known})
         nameless += sum("" in names for names in named)
         if unknown:
@@ -232,6 +244,7 @@ def warn_about_ignored_elements(srdf: Srdf, tree: LinkTree) -> None:
     if nameless:
         needed = "; ".join(f"{tag} needs {'= and '.join(keys)}=" for tag, keys in _OF_LINKS.items())
         warn(f"SRDF {srdf.path}: {nameless} elements that name no links change nothing: {needed}")
+    _warn_of_strange_elements(srdf)
     for group in srdf.root.findall("group"):
         strange = {str(part.tag): None for part in group if part.tag not in _OF_GROUPS}
         if strange:
@@ -245,6 +258,22 @@ def warn_about_ignored_elements(srdf: Srdf, tree: LinkTree) -> None:
         warn(
             f"SRDF {srdf.path}: links of <disable_default_collisions> are tested neither against obstacles nor against "
             f"links that <enable_collisions> does not name, as in MoveIt: {', '.join(defaults)}"
+        )
+
+
+def _warn_of_strange_elements(srdf: Srdf) -> None:
+    """Warns of misspelt elements, and of pairs of links within others: no reader takes them."""
+    known = (*_OF_LINKS, *_OTHERS)
+    inner = (each.tag for part in srdf.root if part.tag != "group" for each in part.iter() if each is not part)
+    strange = {tag: None for tag in inner if tag in _OF_LINKS}
+    for tag in (str(part.tag) for part in srdf.root if part.tag not in known):
+        if difflib.get_close_matches(tag.lower(), known, 1, _ALIKE):
+            strange[tag] = None
+    if strange:
+        listed = ", ".join(f"<{shortened(tag)}>" for tag in strange)
+        warn(
+            f"SRDF {srdf.path} has {listed}, misspelt or within other elements, which change nothing: directly within "
+            f"<robot> are read {', '.join(f'<{tag}>' for tag in known)}"
         )
 
 

@@ -75,7 +75,7 @@ def check_robot(root: Element, path: Path) -> None:
         _check_places(root)
         links, joints = (_by_name(root, kind) for kind in ("link", "joint"))
         for name, link in links.items():
-            _check_link(name, link)
+            _check_link(name, link, _version(root))
         for name, joint in joints.items():
             _check_joint(name, joint, _version(root))
         if joints:
@@ -141,7 +141,7 @@ def _by_name(root: Element, kind: str) -> dict[str, Element]:
     return found
 
 
-def _check_link(name: str, link: Element) -> None:
+def _check_link(name: str, link: Element, version: tuple[int, ...]) -> None:
     for collision in link.iterfind("collision"):
         owner = f"a <collision> of link {shortened(name)!r}"
         _check_once(collision, owner)
@@ -150,7 +150,7 @@ def _check_link(name: str, link: Element) -> None:
         _check_empty(collision, owner)
         for geometry in collision.iterfind("geometry"):
             _check_empty(geometry, owner)
-        _check_origin(collision, owner, (1, 0))
+        _check_origin(collision, owner, version)
 
 
 def _check_once(element: Element, owner: str) -> None:

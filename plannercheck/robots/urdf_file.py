@@ -20,7 +20,7 @@ from xml.etree.ElementTree import Element
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.file_kinds import file_kind, kind_unless_xml
 from plannercheck.common.input_limits import check_xml_text
-from plannercheck.common.package_data import is_file
+from plannercheck.common.package_data import is_file, why_no_file
 from plannercheck.robots.urdf_checks import check_robot, number, numbers
 from plannercheck.robots.urdf_messages import native_messages
 from plannercheck.robots.xacro import XACRO_SUFFIX, expanded, xacro_hint
@@ -85,7 +85,7 @@ class UrdfFile:
         if arguments:
             raise PlannercheckError(f"URDF {path} is no .xacro, so that it takes no arguments: {', '.join(arguments)}")
         if not is_file(path):
-            raise PlannercheckError(f"URDF {path} does not exist")
+            raise PlannercheckError(f"URDF {path} {why_no_file(path)}")
         try:
             content = path.read_bytes()
         except OSError as error:

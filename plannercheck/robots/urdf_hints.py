@@ -21,6 +21,9 @@ from plannercheck.robots.urdf_file import UrdfFile
 # Limits in whole numbers from 30 to 720 are degrees: 30 rad are five turns, which are written as 31.4159.
 _LEAST_DEGREES, _MOST_DEGREES = 30.0, 720.0
 
+# A link with a size beyond this and none below that, m, is in millimetres.
+_LARGEST_USUAL, _THIN = 20.0, 1.0
+
 # What the format has; Bullet's files, for example, have capsules and spherical joints beside these.
 _JOINTS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
@@ -41,10 +44,11 @@ _SHOWN = 3
 
 
 def warn_of_odd_numbers(file: UrdfFile, is_shipped: bool = False) -> None:
-    """Warns of angles that look like degrees, and of joints that can't move since their limits are missing."""
+    """Warns of angles and sizes in other units, and of joints that can't move since their limits are missing."""
     root = file.root
     _warn(file.path, list(_turned(root)), "look like degrees: rpy is in rad")
     _warn(file.path, list(_wide(root)), "look like degrees: limits are in rad")
+    _warn(file.path, list(_large(root)), "look like millimetres: sizes are in m")
     _warn(file.path, list(_unlimited(root)), "keep the joint at 0: give lower= and upper= in rad or m")
     _warn(file.path, list(_flat(root)), 'moves in its xy, though the default normal is x: write <axis xyz="0 0 1"/>')
     _warn(file.path, list(_unknown_parts(root)), "are not read")
@@ -100,6 +104,17 @@ def _wide(root: Element) -> Iterator[str]:
             if _LEAST_DEGREES <= largest <= _MOST_DEGREES and all(bound == round(bound) for bound in bounds):
                 lower, upper = limit.get("lower", "0"), limit.get("upper", "0")
                 yield f"limits {lower} to {upper} of joint {joint.get('name', '')!r}"
+
+
+def _large(root: Element) -> Iterator[str]:
+    """Boxes, cylinders and spheres of links that are large and nowhere thin: a wide floor is thin."""
+    for link in root.iterfind("link"):
+        for element in link.iterfind("collision/geometry/*"):
+            given = {key: text for key in ("size", "radius", "length") if (text := element.get(key, ""))}
+            sizes = [number for text in given.values() for number in _numbers(text)]
+            if sizes and max(sizes) > _LARGEST_USUAL and min(sizes) >= _THIN:
+                words = " ".join(f'{key}="{shortened(text)}"' for key, text in given.items())
+                yield f"{words} of link {shortened(link.get('name', ''))!r}"
 
 
 def _unlimited(root: Element) -> Iterator[str]:

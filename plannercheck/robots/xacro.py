@@ -14,7 +14,7 @@ from pathlib import Path
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.isolated_process import run_isolated
 from plannercheck.common.optional_imports import extra_module
-from plannercheck.common.package_data import is_file
+from plannercheck.common.package_data import is_file, why_no_file
 from plannercheck.common.user_warnings import warn
 
 XACRO_SUFFIX = ".xacro"
@@ -47,7 +47,7 @@ def expanded(path: Path, arguments: Mapping[str, str], folders: Sequence[Path]) 
         PlannercheckError: If it can't be expanded; the message is xacro's.
     """
     if not is_file(path):
-        raise PlannercheckError(f"xacro {path} does not exist")
+        raise PlannercheckError(f"xacro {path} {why_no_file(path)}")
     extra_module("xacro", "xacro", "xacro files")
     task = json.dumps({"arguments": dict(arguments), "folders": [str(folder.resolve()) for folder in folders]})
     try:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar, get_args
 
@@ -57,6 +57,10 @@ class AllowedCollisions:
             return said
         defaults = [self.defaults[name] for name in (a, b) if name in self.defaults]
         return bool(defaults) and all(defaults)
+
+    def with_defaults(self, allowed: Iterable[str]) -> AllowedCollisions:
+        """The same, where further names may touch any other by default; its own defaults come first."""
+        return replace(self, defaults={**dict.fromkeys(allowed, True), **self.defaults})
 
     def table(self, first: Sequence[str], second: Sequence[str]) -> Bools:
         """(n, m) the same for all pairs of n and m names at once."""
@@ -151,6 +155,8 @@ class SceneContents(DeclaredStates):
             )
         (self._objects if item.link is None else self._attached)[item.name] = item
         self._body_names.update(names)
+        if item.link in self.link_padding:  # as in MoveIt, where a link's padding is also that of what it carries
+            self.link_padding.setdefault(item.name, self.link_padding[item.link])
 
     def add_box(self, name: str, size: Sequence[float], pose: Placement = None) -> None:
         """Adds a box of full edge lengths `size` (3,) in m."""
@@ -246,6 +252,8 @@ class SceneContents(DeclaredStates):
     def _taken(self, name: str) -> SceneObject:
         """Takes an object out of the scene."""
         item = self._table_of(name).pop(name)
+        if item.link is not None:
+            self.link_padding.pop(name, None)
         self._body_names.difference_update(body.name for body in item.bodies)
         return item
 
@@ -290,7 +298,7 @@ class SceneContents(DeclaredStates):
         self.put(item)
 
     def _table_of(self, name: str) -> dict[str, SceneObject]:
-        if name not in self._objects and name not in self._attached:
+        if not isinstance(name, str) or (name not in self._objects and name not in self._attached):
             raise unknown_name("object", name, (*self._objects, *self._attached))
         return self._objects if name in self._objects else self._attached
 
@@ -350,6 +358,14 @@ class SceneContents(DeclaredStates):
         return self.allowed(a, b)
 
     def allow(self, a: str, b: str, allowed: bool = True) -> None:
-        """Sets whether two links or objects may touch; a checker warns of names that neither it nor the scene has."""
-        self.allowed.pairs[frozenset((a, b))] = allowed
+        """Sets whether two links or objects may touch; a checker warns of names that neither it nor the scene has.
+
+        Raises:
+            PlannercheckError: If a name is no text, or `allowed` neither True nor False.
+        """
+        if not (isinstance(a, str) and isinstance(b, str) and isinstance(allowed, bool | np.bool_)):
+            raise PlannercheckError(
+                f"allow takes two names, and True or False, not {a!r:.80}, {b!r:.80} and {allowed!r:.80}"
+            )
+        self.allowed.pairs[frozenset((a, b))] = bool(allowed)
         self.allowed.asked.add(frozenset((a, b)))

@@ -108,7 +108,7 @@ def load_problems(path: str | Path, ik: InverseKinematics | None = None) -> Prob
     """
     path = Path(path)
     if is_folder(path):
-        names = [str(p.relative_to(path)) for p in sorted(path.rglob("*.yaml"))]
+        names = [str(p.relative_to(path)) for p in sorted(path.rglob("*.y*ml"))]
         found = _problem_set(path, names, lambda name: read_bytes(path / name), path)
     else:
         contents = _archive(path)
@@ -154,7 +154,9 @@ def _problem_set(path: Path, names: list[str], read: Callable[[str], bytes], fol
         match = _MEMBER.fullmatch(PurePosixPath(name).name)
         if match:
             sets.add(PurePosixPath(name).parent)
-            found.setdefault(match[2], {})[match[1]] = name
+            other = found.setdefault(match[2], {}).setdefault(match[1], name)
+            if other != name and PurePosixPath(other).parent == PurePosixPath(name).parent:
+                raise PlannercheckError(f"{str(path)!r}: {other} and {name} have one number: leave one out")
     if len(sets) != 1:
         listed = ", ".join(sorted(map(str, sets))) or "none with scene0001.yaml and request0001.yaml"
         raise PlannercheckError(f"{str(path)!r} must hold one problem set; found are {listed}")

@@ -85,6 +85,7 @@ class GoalReader:
     def read(self, node: Node, index: int) -> list[Values]:
         """The joint values of one goal; several if the inverse kinematics finds several."""
         with error_context(f"goal_constraints {index}"):
+            check_keys(node, _GOAL_KEYS)
             if sequence(node.get("visibility_constraints"), "'visibility_constraints'"):
                 raise PlannercheckError("visibility_constraints are not supported, goals are joint_constraints")
             given = [key for key in _POSES if sequence(node.get(key), repr(key))]
@@ -103,7 +104,6 @@ class GoalReader:
         return solutions
 
     def _pose_goal(self, node: Node) -> PoseGoal:
-        check_keys(node, _GOAL_KEYS)
         if sequence(node.get("joint_constraints"), "'joint_constraints'"):
             raise PlannercheckError("a goal is either joint_constraints or a link's pose, not both")
         position, orientation = (_only_one(node, key) for key in _POSES)

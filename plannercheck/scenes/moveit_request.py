@@ -70,8 +70,9 @@ def motion_request(
     """
     start = mapping(required(document, "start_state"), "'start_state'")
     check_robot_state(start, "request")
-    if _has_constraints(mapping(document.get("path_constraints"), "'path_constraints'")):
-        warnings.warn("the request's path_constraints are ignored", stacklevel=2)
+    for key in ("path_constraints", "trajectory_constraints"):
+        if _has_constraints(mapping(document.get(key), repr(key))):
+            warnings.warn(f"the request's {key} are ignored", stacklevel=2)
     goals = sequence(required(document, "goal_constraints"), "'goal_constraints'")
     if not goals:
         raise PlannercheckError("'goal_constraints' is empty: one goal with joint_constraints is needed")

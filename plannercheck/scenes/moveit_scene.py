@@ -118,7 +118,7 @@ def attach_from_state(scene: SceneContents, state: Node, folder: Path) -> None:
 
 def _link_padding(document: Node) -> dict[str, float]:
     """Lengths by link, m; a warning says how to use them."""
-    nodes = [mapping(n, "link_padding") for n in sequence(document.get("link_padding"), "'link_padding'")]
+    nodes = _of_links(document, "padding")
     given = {text(required(n, "link_name"), "link_name"): number(n.get("padding", 0.0), "padding") for n in nodes}
     padding = {link: length for link, length in given.items() if length}
     if padding:
@@ -130,9 +130,19 @@ def _link_padding(document: Node) -> dict[str, float]:
     return padding
 
 
+def _of_links(document: Node, what: str) -> list[Node]:
+    """The entries of link_padding or link_scale."""
+    key = f"link_{what}"
+    nodes = [mapping(node, key) for node in sequence(document.get(key), repr(key))]
+    with error_context(key):
+        for node in nodes:
+            check_keys(node, ("link_name", what))
+    return nodes
+
+
 def _warn_of_scale(document: Node) -> None:
     """Warns if the scene asks for links of another size than they are."""
-    nodes = [mapping(n, "link_scale") for n in sequence(document.get("link_scale"), "'link_scale'")]
+    nodes = _of_links(document, "scale")
     links = [str(n.get("link_name")) for n in nodes if number(n.get("scale", 1.0), "scale") != 1.0]
     if links:
         warnings.warn(f"the scene's link_scale is ignored, for {', '.join(links)}", stacklevel=2)

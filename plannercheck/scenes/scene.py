@@ -103,7 +103,8 @@ class Scene(SceneContents):
         name: The name that reports use.
         allowed: Which links and objects may touch.
         states: Start, goal and samples by robot name.
-        link_padding: A MoveIt scene's padding of links, by name, m; a checker takes it as `padding=`.
+        link_padding: A MoveIt scene's padding of links, and of what they carry, by name, m; a checker takes it as
+            `padding=`.
         frames: A MoveIt scene's frames besides links and objects.
     """
 

@@ -234,6 +234,10 @@ def _read_allowed(scene: SceneContents, document: Node) -> None:
                     f"{key!r} names {' and '.join(names)}, none of which is an object: objects are "
                     f"{', '.join(known) or 'none'}"
                 )
+            if scene.allowed.pairs.get(frozenset(names), allowed) != allowed:
+                raise PlannercheckError(
+                    f"{key!r} names {' and '.join(names)}, of whom another entry says the opposite: keep one of the two"
+                )
             scene.allow(names[0], names[1], allowed)
     for triple in sequence(document.get("allowed_geometries"), "'allowed_geometries'"):
         names = [text(name, "allowed_geometries") for name in sequence(triple, "an entry of 'allowed_geometries'")]

@@ -8,6 +8,7 @@ is saved as such a file, an octree as a .bt file.
 
 from __future__ import annotations
 
+import difflib
 import hashlib
 from collections.abc import Mapping
 from pathlib import Path
@@ -23,7 +24,7 @@ from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.voxel_grids import VoxelGrid
 from plannercheck.common.checked_yaml import BROKEN_FILE, Node, check_keys, mapping, number, numbers, required, text
-from plannercheck.common.errors import PlannercheckError, shortened
+from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.package_data import is_file
 from plannercheck.scenes.files_beside import FilesBeside
 from plannercheck.scenes.scene_paths import FindFile
@@ -48,6 +49,9 @@ _ARRAYS = {
 }
 
 SENSED_KEYS = tuple(_KEYS)
+
+# From this ratio of difflib on, an array's name is taken for a misspelt one; others may be anything.
+_ALIKE = 0.8
 
 
 def read_sensed(kind: str, given: Any, find_file: FindFile) -> tuple[PartSet, SensedSource]:
@@ -95,6 +99,9 @@ def _arrays_of(kind: str, path: Path) -> Node:
             if kind != "cloud" and main not in file:
                 names = ", ".join(map(shortened, file)) or "none"
                 raise PlannercheckError(f"file {str(path)!r} needs an array {main!r}; its arrays are {names}")
+            for name in file:
+                if name not in further and difflib.get_close_matches(name.lower(), further, 1, _ALIKE):
+                    raise unknown_name(f"array of file {str(path)!r}", name, (main, *further))
             wanted = further if kind == "cloud" else (main, *further)
             return {key: file[key] for key in wanted if key in file}
     except BROKEN_FILE as error:

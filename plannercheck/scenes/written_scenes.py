@@ -108,7 +108,7 @@ def _open(solid: Solid) -> Node:
 
 
 def _allowed_nodes(scene: SceneContents) -> Node:
-    """Allowed collisions; forbidden pairs matter only where a default would allow them."""
+    """Allowed collisions; forbidden pairs matter only where a default would allow them: the SRDF's are of links."""
     known = {*scene.object_names, *(item.name for item in scene.attached)}
     said = {
         key: [
@@ -123,8 +123,8 @@ def _allowed_nodes(scene: SceneContents) -> Node:
         nodes |= {"allowed_geometries": sorted(map(list, scene.allowed.geometries))}
     if scene.allowed.defaults:
         nodes |= {"allowed_by_default": dict(scene.allowed.defaults)}
-        nodes |= {key: said[key] for key in said if said[key] and not PAIRS[key]}
-    return nodes
+    matter = [key for key in said if scene.allowed.defaults or key not in LINK_PAIRS]
+    return nodes | {key: said[key] for key in matter if said[key] and not PAIRS[key]}
 
 
 def states_node(scene: DeclaredStates, robot: str, folder: Path) -> Node:

@@ -11,6 +11,7 @@ from pathlib import Path
 from plannercheck.common.angles import are_degrees, share_within
 from plannercheck.common.checked_yaml import Node, error_context, sequence
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.package_data import why_no_file
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.bags import read_bag
 from plannercheck.trajectories.controllers import Points
@@ -58,7 +59,7 @@ def read_points_of(file: str | Path, robot: Joints, message: int | None = None) 
     suffix = path.suffix.lower()
     with error_context(f"trajectory file {str(path)!r}"):
         if not path.exists():
-            raise PlannercheckError("does not exist")
+            raise PlannercheckError(why_no_file(path))
         if path.is_dir() or suffix in _BAGS:
             return points_of(_chosen(read_bag(path), message), robot)
         if suffix in _MESSAGES:

@@ -15,6 +15,7 @@ from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.configurations import followed
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.urdf import Mimic
+from plannercheck.trajectories.controllers import Points
 
 # How far a file's value of a joint that follows another one may be off what the leader gives: rounding.
 _ROUNDING = 1e-9
@@ -58,6 +59,22 @@ def check_plain_joints(robot: Robot) -> None:
             f"needs a robot whose joints take one number each: choose a group; {robot.name}'s"
             f" {robot.configuration_map.described_columns()}"
         )
+
+
+def check_order(robot: Robot, points: Points | None, prefix: str = "") -> None:
+    """Raises if the names of a trajectory's columns have a joint of the robot in another joint's column.
+
+    A cell puts a prefix before its names. Without points or names, nothing is known of the columns.
+    """
+    names = [] if points is None else [name.removeprefix(prefix) for name in points.joint_names]
+    if len(names) != len(robot.joint_names) or len(names) != robot.nq:
+        return
+    for k, (name, own) in enumerate(zip(names, robot.joint_names, strict=True)):
+        if name != own and name in robot.joint_names:
+            raise PlannercheckError(
+                f"column {k} is joint {name!r} by the trajectory's joint_names, but {own!r} of {robot.name!r}: give "
+                f"the columns in the robot's order, {', '.join(robot.joint_names)}"
+            )
 
 
 def check_held(robot: Robot, held: Mapping[str, float]) -> None:

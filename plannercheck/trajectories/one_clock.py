@@ -25,10 +25,12 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.sizes import array_of
 from plannercheck.common.array_types import Bools, Floats, Ints64
 from plannercheck.common.arrays import contiguous, distinct, read_only
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.shown_times import shown_seconds
 from plannercheck.robots.robot import CellPart, Robot
 from plannercheck.trajectories.curve import Curve, slerp
+from plannercheck.trajectories.joint_columns import check_order
 from plannercheck.trajectories.rounding import UNIT, blossom_error
 from plannercheck.trajectories.stamps import durations
 from plannercheck.trajectories.trajectory import MOST_OFF, Trajectory
@@ -182,6 +184,8 @@ def _check_columns(part: CellPart, trajectory: Trajectory) -> None:
             f"columns of {part.name!r} form unit vectors, which turn by slerp: give"
             f" trajectory.of_robot(cell.parts[{part.name!r}].robot)"
         )
+    with error_context(f"trajectory of {part.name!r}"):
+        check_order(part.robot, trajectory.points, f"{part.name}/")
 
 
 def checked_starts(cell: Robot, runs: Mapping[str, Run], starts: Mapping[str, float] | None) -> dict[str, float]:

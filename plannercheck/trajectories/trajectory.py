@@ -28,7 +28,7 @@ from plannercheck.trajectories.controllers import Controller, Points, curve_of
 from plannercheck.trajectories.curve import Curve, check_curve
 from plannercheck.trajectories.files import read_points
 from plannercheck.trajectories.forms import of_bezier, of_bspline, of_polynomials
-from plannercheck.trajectories.joint_columns import check_robot
+from plannercheck.trajectories.joint_columns import check_order, check_robot
 from plannercheck.trajectories.library_curves import of_library
 from plannercheck.trajectories.limits import Excess, Kind, broken_limits
 from plannercheck.trajectories.timing import Timing
@@ -72,7 +72,7 @@ class Trajectory:
                 first point. None: the robot is at the first point.
             continuous: Columns of joints that turn without end, from which the controller takes whole turns on the
                 way to the first point.
-            joint_names: Of the columns, for `save` and for errors.
+            joint_names: Of the columns, for `save` and for errors; no robot may have these joints in another order.
 
         Raises:
             PlannercheckError: If an array is malformed, times do not grow, or the controller refuses the points.
@@ -175,6 +175,7 @@ class Trajectory:
         units, columns = robot.configuration_map.units, robot.configuration_map.described_columns()
         if robot.nq != self.curve.nq:
             raise PlannercheckError(f"the trajectory has {self.curve.nq} columns, but {columns}")
+        check_order(robot, self.points)
         robot.check_configurations(np.concatenate([piece[[0, -1]] for piece in self.curve.pieces]))
         for first, past in units:
             if self.points is not None and np.nan_to_num(self.points.velocities[:, first:past]).any():
@@ -226,6 +227,7 @@ class Trajectory:
         if robot.nq != self.curve.nq or len(robot.joint_names) != robot.nq:
             columns = robot.configuration_map.described_columns()
             raise PlannercheckError(f"the trajectory has {self.curve.nq} columns, one a joint, but {columns}")
+        check_order(robot, self.points)
         found = broken_limits(self.curve, robot.joint_names, "position", robot.lower, robot.upper)
         asked: tuple[tuple[Kind, ArrayLike | None], ...] = (("velocity", velocity), ("acceleration", acceleration))
         for kind, given in asked:

@@ -21,15 +21,20 @@ FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 
 MAIN = """<mujoco model="arm"><compiler meshdir="meshes" texturedir="pictures"/>
 <asset><mesh name="tetra" file="tetra.obj"/><hfield name="hills" file="../hills.bin" size="1 1 1 .1"/>
-<model name="tool" file="tool/tool.xml"/></asset>
+<model name="tool" file="tool/tool.xml"/><model name="hand" file="hand.urdf"/></asset>
 <worldbody><geom type="hfield" hfield="hills"/>
 <body name="base"><joint type="slide" axis="0 0 1"/><geom type="mesh" mesh="tetra"/>
-<frame pos="0 0 1"><attach model="tool" body="grip" prefix="t/"/></frame></body></worldbody>
+<frame pos="0 0 1"><attach model="tool" body="grip" prefix="t/"/></frame>
+<attach model="hand" body="palm" prefix="h/"/></body></worldbody>
 <include file="more.xml"/></mujoco>"""
 MORE = """<mujoco><worldbody><body name="more" pos="0 0 3"><joint type="slide"/><geom size="SIZE"/></body></worldbody>
 </mujoco>"""
 TOOL = """<mujoco><asset><mesh name="part" file="part.obj"/></asset>
 <worldbody><body name="grip"><geom type="mesh" mesh="part"/></body></worldbody></mujoco>"""
+
+HAND = """<robot name="hand"><link name="rest"/><joint name="j" type="fixed"><parent link="rest"/>
+<child link="palm"/></joint><link name="palm"><collision><geometry>
+<mesh filename="palm.obj"/></geometry></collision></link></robot>"""
 
 
 def obj_text(points) -> str:
@@ -53,6 +58,8 @@ def model(tmp_path) -> Path:
     (folder / "more.xml").write_text(MORE.replace("SIZE", "0.1"))
     (folder / "tool" / "tool.xml").write_text(TOOL)
     (folder / "tool" / "part.obj").write_text(obj_text(TETRA))
+    (folder / "hand.urdf").write_text(HAND)
+    (folder / "palm.obj").write_text(obj_text(TETRA))
     (folder / "meshes" / "tetra.obj").write_text(obj_text(TETRA))
     (folder / "hills.bin").write_bytes(np.array([2, 2], "<i4").tobytes() + np.array([0, 1, 2, 3], "<f4").tobytes())
     return folder / "main.xml"
@@ -99,7 +106,7 @@ def test_a_model_is_compiled_once(model, cache, compilations):
 
 
 @pytest.mark.parametrize(
-    "where", ["main.xml", "more.xml", "tool/tool.xml", "tool/part.obj", "meshes/tetra.obj", "hills.bin"]
+    "where", ["main.xml", "more.xml", "tool/tool.xml", "tool/part.obj", "meshes/tetra.obj", "palm.obj", "hills.bin"]
 )
 def test_a_change_of_any_file_compiles_anew(model, cache, compilations, where):
     """The content decides, not the time."""

@@ -460,12 +460,27 @@ def renamed(scene, name):
     return other
 
 
+def carrying_twice(scene, checker):
+    scene.attach("mug", HAND, parts=Sphere(0.1))
+    return checker.robot.carrying([*scene.attached, *scene.attached])
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         (lambda s, c: s.move("mug", None), "unknown object 'mug'"),
         (lambda s, c: s.attach("mug", HAND), "unknown object to attach 'mug'"),
+        (lambda s, c: s.move(["box"], None), r"unknown object \"\['box'\]\""),
         (lambda s, c: s.attach("box", HAND, touch_links="panda_link1"), "must be a list of names"),
+        (lambda s, c: s.attach("box", HAND, touch_links=None), "must be a list of names, not None"),
+        (lambda s, c: s.attach("box", HAND, touch_links=[["panda_link1"]]), "must be a list of names"),
+        (lambda s, c: s.attach("box", None), "'box' is attached to a link by its name, not None"),
+        (lambda s, c: s.add_sphere(7, 1.0), "object 7 needs a name, which is a text"),
+        (lambda s, c: s.allow("box", HAND, "no"), "allow takes two names, and True or False, not 'box', .* and 'no'"),
+        (lambda s, c: s.allow("box", [HAND]), "allow takes two names"),
+        (lambda s, c: carrying_twice(s, c), "carries two objects named 'mug'"),
+        (lambda s, c: pc.Checker(c.attach("mug", Sphere(0.1), HAND).robot, renamed(s, "mug")), "that 'panda' carries"),
+        (lambda s, c: c.robot.carrying([Sphere(1)]), "carries a list of attached objects, e.g. scene.attached, not"),
         (lambda s, c: s.attach("box", HAND, parts=Sphere(1)), "'box' exists already"),
         (lambda s, c: s.detach("box", None), "unknown attached object 'box'"),
         (lambda s, c: s.add("new", ["sphere"]), "object 'new': a body must be a shape such as Box"),

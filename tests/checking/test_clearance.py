@@ -147,6 +147,17 @@ def test_a_body_of_a_link_has_a_padding_of_its_own(tmp_path):
         assert not checker.is_valid([contact])
 
 
+def test_a_name_of_two_bodies_is_no_name_of_a_padding(tmp_path):
+    path = tmp_path / "lollipop.urdf"
+    path.write_text(LOLLIPOP.format(shape='<sphere radius="0.25"/>', pose=""))
+    robot, scene = pc.Robot.from_urdf(path), pc.Scene()
+    scene.add_sphere(robot.bodies[0].name, 0.1, at(2))
+    pc.Checker(robot, scene, padding={"tip": 0.1})
+    for padding in ({robot.bodies[0].name: 0.1}, {("tip", robot.bodies[0].name): 0.1}):
+        with pytest.raises(pc.PlannercheckError, match="would count twice, for it and for a body of 'tip'"):
+            pc.Checker(robot, scene, padding=padding)
+
+
 def test_padding_by_name(panda, scene, samples):
     by_name = pc.Checker(panda, scene, padding={"shelf": 0.03, "panda_hand": 0.01})
     plain = pc.Checker(panda, scene)

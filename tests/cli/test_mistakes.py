@@ -121,8 +121,67 @@ def test_arguments_of_a_checker(checker):
             pc.Checker(*arguments)
     with pytest.raises(pc.PlannercheckError, match="did you mean 'panda_hand'"):
         pc.Checker(checker.robot, padding={"panda_hnd": 0.01})
-    with pytest.raises(pc.PlannercheckError, match="at least 0, not -1"):
-        pc.Checker(checker.robot, padding=-1)
+    for options, message in (
+        ({"padding": -1}, "at least 0, not -1"),
+        ({"padding": 10**400}, "padding must be a length in m"),
+        ({"self_collision": "no"}, "self_collision must be True or False, not 'no'"),
+        ({"self_collision": None}, "self_collision must be True or False, not None"),
+        ({"excess": -1}, r"excess must be within \(0, 1\], a part of the radius, not -1"),
+        ({"excess": "fine"}, "excess must be within"),
+    ):
+        with pytest.raises(pc.PlannercheckError, match=message):
+            pc.Checker(checker.robot, **options)
+
+
+def test_rows_of_pairs(checker):
+    for row in (-1, len(checker.pairs), 0.0):  # -1 is the row of no pair
+        for ask in (checker.pair_names, lambda k: checker.explain_pair(k, SAMPLES[0])):
+            with pytest.raises(pc.PlannercheckError, match="row must be one of"):
+                ask(row)
+
+
+COMPLEX = np.eye(4) + 1j * np.diag([0, 0, 0, 1])
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda r: pc.Sphere("0.5"), "sphere radius must be a number in m, not '0.5'"),
+        (lambda r: pc.Sphere(np.complex128(1 + 2j)), "sphere radius must be a number in m, not"),
+        (lambda r: pc.Checker(r, padding=np.complex128(1 + 2j)), "padding must be a length in m of at least 0"),
+        (lambda r: pc.Robot.together({"one": r}).join(None), "join takes configurations by robot"),
+        (lambda r: pc.Sphere(True), "sphere radius must be a number in m, not True"),
+        (lambda r: pc.Box(["1", "1", "1"]), "must be an array of numbers: an array of dtype <U1 holds no real"),
+        (lambda r: pc.Hull(np.eye(4, 3) * 1j), "vertices must be an array of numbers: an array of dtype complex128"),
+        (lambda r: pc.HalfSpace([0, 0, 1], "1"), "offset of a half-space must be a number, not '1'"),
+        (lambda r: pc.Scene().add_sphere("ball", 1.0, COMPLEX), "pose of object 'ball' must be an array of numbers"),
+        (lambda r: pc.Moving.along(None, "hand", r, "3"), "start_time must be a number of seconds, not '3'"),
+        (lambda r: r.holding({"panda_finger_joint1": "0.04"}), "'panda_finger_joint1' needs 1 finite value .* '0.04'"),
+        (lambda r: r.holding({"panda_finger_joint1": np.array([0.04j])}), "needs 1 finite value"),
+        (lambda r: r.holding({"panda_finger_joint1": np.ma.masked_array([0.04], [1])}), "needs 1 finite value"),
+        (lambda r: r.holding({"panda_finger_joint1": 1e300}), r"needs 1 finite value \(at most 1e\+15\)"),
+        (lambda r: r.holding([0.04, 0.04]), "held values are by joint name"),
+        (lambda r: r.with_group("panda_joint1"), "a group is a list of names of joints, not 'panda_joint1'"),
+        (lambda r: r.with_group([["panda_joint1"]]), "a group is a list of names of joints"),
+        (lambda r: r.random_configurations(1, "seed"), "seed must be a whole number of at least 0"),
+        (lambda r: r.link_index(["panda_hand"]), "unknown link"),
+        (lambda r: pc.Robot.together({"one": r}, ["one"]), "unknown group of the cell"),
+    ],
+)
+def test_what_is_no_number_or_name_is_not_read_as_one(checker, make, message):
+    with pytest.raises(pc.PlannercheckError, match=message):
+        make(checker.robot)
+
+
+def test_a_reference_array_has_cosines_and_sines(folder):
+    (folder / "arm.urdf").write_text(urdf().replace("revolute", "continuous"))
+    assert pc.Robot.from_urdf("arm.urdf", reference=[0.6, 0.8]).reference == pytest.approx([0.6, 0.8], abs=1e-15)
+    for array, message in (
+        ([0.0, 0.0], "'hinge' is no cosine and sine"),
+        ([["a"]], "a reference array must be numbers"),
+    ):
+        with pytest.raises(pc.PlannercheckError, match=message):
+            pc.Robot.from_urdf("arm.urdf", reference=array)
 
 
 # ---- names ---------------------------------------------------------------------------------------------------------

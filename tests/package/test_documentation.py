@@ -2,7 +2,8 @@
 
 Python blocks share one namespace a file. Of console and sh blocks, lines that call plannercheck run in this process and
 must not exit with bad input. Blocks of yaml or xml whose first line is a comment that names a file are written to that
-file. `<!-- only parsed: why -->` before a block has its commands parsed alone, `<!-- not run: why -->` leaves it out.
+file. Commands of bash blocks, which need files of the reader, and those after `<!-- only parsed: why -->` are parsed
+alone; `<!-- not run: why -->` leaves a block out.
 """
 
 import importlib
@@ -92,11 +93,11 @@ def write(block, folder):
 def execute(block, namespace, page):
     if block.language == "python" and block.mark is None:
         exec(compile(block.text, str(page), "exec"), namespace)
-    elif block.language in ("console", "sh"):
+    elif block.language in ("console", "sh", "bash"):
         for arguments in commands(block.text):
-            if block.mark is None:
+            if block.mark is None and block.language != "bash":
                 assert main(arguments) in (0, 1), arguments
-            elif block.mark == "only parsed":
+            elif block.mark != "not run":
                 parser_for(arguments).parse_args(arguments)
 
 

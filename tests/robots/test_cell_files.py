@@ -114,6 +114,33 @@ def test_a_saved_cell_is_the_same_cell(files, kind, group):
     assert np.array_equal(pc.Checker(back).check_states(q), pc.Checker(cell).check_states(q))
 
 
+FINGERS = ("panda_finger_joint1", "panda_finger_joint2")  # the second follows the first, and panda.yaml holds both
+
+
+@pytest.mark.parametrize("held", [(0.01,), (0.01, 0.02), (0.01, 0.04)])
+@pytest.mark.parametrize("of_cell", [False, True])
+def test_followers_of_held_joints_are_saved(files, held, of_cell):
+    panda, values = pc.Robot.load("panda"), dict(zip(FINGERS, held, strict=False))
+    if of_cell:
+        cell = pc.Robot.together({"a": panda}).holding({f"a/{name}": value for name, value in values.items()})
+    else:
+        cell = pc.Robot.together({"a": panda.holding(values)})
+    cell.save(files / "saved.yaml")
+    back = pc.Robot.load(files / "saved.yaml")
+    assert np.array_equal(back.expand(back.reference), cell.expand(cell.reference))
+    assert back.expand(back.reference)[-2:].tolist() == [held[0], held[-1]]
+
+
+@pytest.mark.parametrize(
+    "text", ["robots: {a: {load: panda, HELD}}", "robots: {a: {load: panda}}\nHELD", "robots: {a: {load: inner.yaml}}"]
+)
+def test_followers_that_a_cells_file_does_not_give_move_with_their_leaders(files, text):
+    written(files, "robots: {b: {load: panda, held: {panda_finger_joint1: 0.01}}}", "inner.yaml")
+    key = "a/panda_finger_joint1" if "\n" in text else "panda_finger_joint1"
+    cell = pc.Robot.load(written(files, text.replace("HELD", f"held: {{{key}: 0.01}}")))
+    assert cell.expand(cell.reference)[-2:].tolist() == [0.01, 0.01]
+
+
 def test_a_file_says_what_is_held_and_what_moves(files):
     text = "robots:\n  left: {load: arm.yaml}\n  right: {load: arm.yaml, held: {grip: 0.5}, REST}\nname: two\nMORE\n"
     cell = pc.Robot.load(written(files, text.replace("REST", POSE).replace("MORE", "held: {left/grip: -0.5}")))
@@ -170,6 +197,14 @@ def test_equal_robots_are_read_once(files, monkeypatch):
         ("robots: {a: {load: loop.yaml}}", r"loads itself \(cell.yaml > loop.yaml > cell.yaml\)"),
         ("robots: {a: {load: panda, held: {finger: 1}}}", "robot 'a': unknown joint 'finger'"),
         ("robots: {a: {load: panda}}\nheld: {panda_joint1: 1}", "unknown joint 'panda_joint1'.*'a/panda_joint1'"),
+        (
+            "robots: {a: {load: panda}}\nheld: {a/panda_joint1: 1}",
+            "held joint 'a/panda_joint1' is in the planning group",
+        ),
+        (
+            "robots: {a: {load: panda, group: {joints: [panda_finger_joint1]}, held: {panda_finger_joint1: 0}}}",
+            "'a': held",
+        ),
         ("robots: {a: {load: panda}}\ngroup: b", "planning group 'b': without an SRDF"),
         ("robots: {a: {load: panda}}\ngroup: {joints: [panda_joint1]}", "unknown joint 'panda_joint1'.*'a/"),
         ("robots: {a: {load: panda}}\nsrdf: no.srdf", "no.srdf does not exist"),

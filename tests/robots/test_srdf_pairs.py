@@ -1,5 +1,6 @@
 """What an SRDF says: pairs as MoveIt 2's AllowedCollisionMatrix of an srdf::Model has them, states and groups."""
 
+import contextlib
 import itertools
 import re
 import warnings
@@ -100,6 +101,36 @@ def test_a_link_that_is_disabled_by_default_is_not_tested_against_obstacles(urdf
             assert pc.Checker(loaded(urdf, written(elements), "tested neither"), scene).is_valid(np.zeros(4))
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_what_a_scene_says_of_a_pair_comes_before_the_defaults_of_links(urdf, seed):
+    """AllowedCollisionMatrix::getAllowedCollision: an entry, else the defaults, of which the stricter one counts."""
+    rng = np.random.default_rng(seed)
+    idle = [link for link in LINKS[1:] if rng.random() < 0.5] or ["b"]
+    robot = loaded(urdf, written([("disable_default_collisions", link) for link in idle]), "tested neither")
+    scene = pc.Scene()
+    scene.add_sphere("ball", 1.0)
+    scene.attach("tool", "a", parts=pc.Sphere(0.1))
+    defaults = dict.fromkeys(idle, True)
+    for name in (*LINKS, "ball", "tool"):
+        if rng.random() < 0.3:
+            defaults[name] = scene.allowed.defaults[name] = bool(rng.random() < 0.5)
+    entries = {}
+    for pair in itertools.product(LINKS, ("ball", "tool")):
+        if rng.random() < 0.4:
+            entries[pair] = bool(rng.random() < 0.5)
+            scene.allow(*pair, entries[pair])
+    truth = {
+        (link, item)
+        for link, item in itertools.product(LINKS[1:], ("ball", "tool"))
+        if not entries.get((link, item), {defaults.get(link), defaults.get(item)} - {None} == {True})
+    }
+    scene.save(urdf.with_name("scene.yaml"))
+    for said in (scene, pc.Scene.load(urdf.with_name("scene.yaml"))):
+        checker = pc.Checker(robot, said)
+        names = map(checker.pair_names, range(len(checker.pairs)))
+        assert {pair for pair in names if pair[1] in ("ball", "tool") and pair[0] in LINKS} == truth
+
+
 def test_elements_that_name_nothing_are_passed_over_with_one_warning_each(urdf):
     elements = [("disable_collisions", "a", "x"), ("enable_collisions", "y", "b"), ("disable_default_collisions", "z")]
     words = [
@@ -110,6 +141,19 @@ def test_elements_that_name_nothing_are_passed_over_with_one_warning_each(urdf):
     assert len(pairs_tested(robot)) == 10
     nameless = '<disable_collisions link1="a"/><enable_collisions/><disable_default_collisions/>'
     assert len(pairs_tested(loaded(urdf, nameless, "3 elements that name no links"))) == 10
+
+
+@pytest.mark.parametrize(
+    ("elements", "word"),
+    [
+        ('<disable_collision link1="a" link2="c"/>', "<disable_collision>, misspelt"),
+        ('<Enable_collisions link1="a" link2="c"/>', "<Enable_collisions>, misspelt"),
+        ('<pairs><disable_collisions link1="a" link2="c"/></pairs>', "<disable_collisions>, misspelt or within"),
+        ('<gripper name="of another program"><position/></gripper>', None),
+    ],
+)
+def test_misspelt_and_misplaced_elements_are_warned_of(urdf, elements, word):
+    assert len(pairs_tested(loaded(urdf, elements, *([] if word is None else [word])))) == 10
 
 
 def test_enabled_pairs_on_one_joint_are_said_to_be_left_out(urdf):
@@ -178,6 +222,37 @@ def test_joints_of_states_that_the_urdf_lacks_are_warned_of_but_not_virtual_ones
     assert stated(urdf, virtual + state("arm", ab=0.5, v="1 2 3", root_joint="0")).reference[0] == 0.5
     with pytest.warns(RuntimeWarning, match="'home' gives joints that the URDF does not know: ba, cb; these values"):
         stated(urdf, state("arm", ab=0.5, ba=1, cb=2))
+
+
+def test_blanks_around_names_are_none_of_them(urdf):
+    """As in MoveIt's reader: boost::trim in srdfdom's model.cpp."""
+    group = '<group name=" arm"><joint name="ab "/><link name=" c"/><chain base_link=" c" tip_link=" d "/></group>'
+    robot = stated(urdf, group + state(" arm ", " home", **{" bc ": " 0.5 "}), "arm")
+    assert (robot.joint_names, robot.reference.tolist()) == (("ab", "bc", "cd"), [0.0, 0.5, 0.0])
+
+
+def test_two_groups_of_one_name_are_refused(urdf):
+    twice = '<group name="arm"><joint name="ab"/></group>'
+    assert stated(urdf, twice + twice + state("arm", ab=0.5), "arm").joint_names == ("ab",)
+    with pytest.raises(pc.PlannercheckError, match="SRDF has 2 groups 'arm', of which MoveIt takes one: keep one"):
+        stated(urdf, twice + twice.replace("ab", "bc") + state("arm", ab=0.5), "arm")
+
+
+@pytest.mark.parametrize(("value", "is_right"), [(0.75, True), (0.7500005, True), (0.76, False)])
+def test_values_of_joints_that_follow_the_group_have_to_be_what_follows(urdf, value, is_right):
+    follows = '<mimic joint="ab" multiplier="0.5" offset="0.5"/></joint>'
+    urdf.write_text(follows.join(urdf.read_text().rsplit("</joint>", 1)))
+    elements = GROUPS + state("arm", ab=0.5, de=value)
+    assert stated(urdf, elements, ["bc"]).link_poses([0.0])[-1, 0, 0] == pytest.approx(np.cos(0.5 + value))
+    with (
+        contextlib.nullcontext()
+        if is_right
+        else pytest.raises(
+            pc.PlannercheckError,
+            match=r"joint 'de' follows 'ab' of the group, which makes its reference 0\.75, not 0\.76",
+        )
+    ):
+        stated(urdf, elements, "arm")
 
 
 def test_what_a_group_holds_and_no_joint_moves_is_warned_of(urdf):

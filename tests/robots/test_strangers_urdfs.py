@@ -147,6 +147,12 @@ def test_sizes_below_zero_are_named_with_file_and_link(tmp_path, geometry):
             "rpy=\"0 90 -180\" of joint 'j' look like degrees: rpy is in rad",
         ),
         ('lower="-1" upper="1"', 'lower="-180" upper="180"', "limits -180 to 180 of joint 'j' look like degrees"),
+        ('<box size="1 1 1"/>', '<box size="100 50 20"/>', "size=\"100 50 20\" of link 'b' look like millimetres"),
+        (
+            '<box size="1 1 1"/>',
+            '<cylinder radius="40" length="300"/>',
+            'radius="40" length="300" of link \'b\' look like millimetres',
+        ),
         ('lower="-1" upper="1"', "", "limits that are not given of joint 'j' keep the joint at 0"),
     ],
 )

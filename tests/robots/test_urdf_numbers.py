@@ -151,6 +151,10 @@ def test_quaternions_are_read_or_refused(tmp_path):
     assert proof.verify(str(tmp_path / "r.urdf"))
     refused(tmp_path, urdf(origin=quaternion.replace("0.8", "0.9"), robot=newer), "must have length 1")
     refused(tmp_path, urdf(origin=quaternion.replace("/>", ' rpy="0 0 0"/>'), robot=newer), "both rpy and quat_xyzw")
+    ball = f'<collision>{quaternion}<geometry><sphere radius="1"/></geometry></collision>'
+    refused(tmp_path, urdf(link=ball), "collision> of link 'b' is turned by quat_xyzw, which is read from")
+    pose = load(tmp_path, urdf(link=ball, robot=newer)).bodies[2].pose
+    assert np.allclose(pose[:3], [[0.28, -0.96, 0, 0], [0.96, 0.28, 0, 0], [0, 0, 1, 1]], rtol=0, atol=1e-15)
 
 
 # ---- mimics

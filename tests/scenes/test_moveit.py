@@ -217,6 +217,8 @@ def test_entries_of_the_matrix_go_before_defaults(tmp_path):
             "subframe_names must differ, but are 't, t'",
         ),
         ({"world__octomap__octomap__data": [1]}, "world: octomap: id must be 'OcTree'"),
+        ({"link_padding": [{"link_name": "hand", "pading": 1}]}, "link_padding: unknown key 'pading'.*'padding'"),
+        ({"link_scale": [{"link_name": "hand", "Scale": 2}]}, "link_scale: unknown key 'Scale'.*'scale'"),
         ({"allowed_collision_matrix__entry_names": ["a"]}, "allowed_collision_matrix: entry_values must be"),
         (
             {"allowed_collision_matrix__entry_values": [[0, 1, 1], [1, 0, 1], [0, 0, 0]]},
@@ -271,6 +273,7 @@ def test_requests_give_start_and_goals(tmp_path):
         ({"goal_constraints": []}, "'goal_constraints' is empty"),
         ({"goal_constraints": [{"position_constraints": [{}]}]}, "position_constraints are not supported"),
         ({"goal_constraints": [{}]}, "goal_constraints 0: joint_constraints must name each joint once"),
+        ({"goal_constraints": [{"joint_constrains": []}]}, "goal_constraints 0: unknown key 'joint_constrains'"),
         ({"start_state": {"joint_state": {"name": ["a"], "position": []}}}, "'position' needs 1 numbers"),
         ({"start_state": None}, "key 'start_state' is missing"),
     ],
@@ -278,6 +281,13 @@ def test_requests_give_start_and_goals(tmp_path):
 def test_bad_requests_are_named(changes, message):
     with pytest.raises(PlannercheckError, match=message):
         motion_request(yaml.safe_load(REQUEST) | changes)
+
+
+@pytest.mark.parametrize("key", ["path_constraints", "trajectory_constraints"])
+def test_constraints_on_the_way_are_said_to_be_left_out(key):
+    constraints = {"joint_constraints": [], "constraints": [{"joint_constraints": []}]}
+    with pytest.warns(UserWarning, match=f"the request's {key} are ignored"):
+        motion_request(yaml.safe_load(REQUEST) | {key: constraints})
 
 
 def assert_problems(problems, name):
@@ -298,6 +308,15 @@ def test_problem_sets_load_from_folders_and_archives(tmp_path):
     with tarfile.open(tmp_path / "set.tar.bz2", "w:bz2") as archive:
         archive.add(folder, "problems/cage_panda")
     assert_problems(load_problems(tmp_path / "set.tar.bz2"), "cage_panda")
+
+
+def test_files_of_a_problem_set_may_end_in_yml(tmp_path):
+    folder = problem_folder(tmp_path / "cage_panda")
+    (folder / "scene0002.yaml").rename(folder / "scene0002.yml")
+    assert_problems(load_problems(folder), "cage_panda")
+    (folder / "scene0002.yaml").write_text("{}")
+    with pytest.raises(PlannercheckError, match=r"scene0002\.yaml and scene0002\.yml have one number: leave one out"):
+        load_problems(folder)
 
 
 def test_bad_problem_sets_are_named(tmp_path):
@@ -356,6 +375,23 @@ allowed_collision_matrix:
   default_entry_names: [camera]
   default_entry_values: [true]
 """
+
+
+@pytest.mark.filterwarnings("ignore:the scene's link_padding")
+def test_the_padding_of_a_link_is_that_of_what_it_carries(tmp_path):
+    """CollisionEnvFCL::getAttachedBodyObjects pads attached objects as their links, those of the world not at all."""
+    padding = [{"link_name": "panda_hand", "padding": 0.02}, {"link_name": "panda_link5", "padding": 0.01}]
+    scene = scene_of(ATTACHED, tmp_path, link_padding=padding)
+    assert scene.link_padding == {"panda_hand": 0.02, "panda_link5": 0.01, "mug": 0.02, "board": 0.01}
+    checker = Checker(Robot.load("panda"), scene, padding=scene.link_padding)
+    names = [body.name for body in checker.bodies]
+    assert checker.paddings[[names.index(name) for name in ("mug/0", "board", "camera")]].tolist() == [0.02, 0.01, 0.0]
+    later = scene.copy()
+    later.detach("mug", None)
+    assert "mug" not in later.link_padding
+    later.attach("mug", "panda_link5")
+    assert later.link_padding["mug"] == 0.01
+    assert scene.link_padding["mug"] == 0.02
 
 
 def test_attached_objects_are_carried_where_the_state_has_them(tmp_path):

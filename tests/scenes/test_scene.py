@@ -243,6 +243,10 @@ def test_quaternions_and_rotations_agree_with_pinocchio():
         ("objects: {a: 1}", "'objects' must be a list"),
         ("obstacles: []", "unknown key 'obstacles': .*valid are name, objects"),
         ("objects: []\nallowed: [[a]]", "'allowed' must be two names"),
+        (
+            "objects: [{name: a, sphere: {radius: 1}}]\nallowed: [[a, b]]\nforbidden: [[b, a]]",
+            "'forbidden' names b and a, of whom another entry says the opposite: keep one",
+        ),
         ("objects: []\nstates: {panda: {begin: [1]}}", "states of 'panda': unknown key 'begin'"),
         ("objects: []\nstates: {panda: {start: [1, 2], goal: [1]}}", "start has 2 values, goal has 1"),
         ("- just a list", "must be a mapping"),

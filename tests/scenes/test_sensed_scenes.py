@@ -162,6 +162,7 @@ BAD = [
     ({"voxels": {"file": "points.npy", "origin": [0, 0, 0]}}, "'resolution' is missing; given are file, origin$"),
     ({"voxels": {"file": "points.npy", "resolution": 0.1}}, "must be truth values of shape"),
     ({"voxels": {"file": "all.npz", "resolution": 0.1}}, "needs an array 'occupied'; its arrays are points, radius"),
+    ({"voxels": "odd.npz"}, r"unknown array of file .*odd\.npz' 'Orgin': did you mean 'origin'\?"),
     ({"voxels": {"file": "none.npz", "resolution": 0.1}}, r"voxel file .*none\.npz' does not exist"),
     ({"height_field": {"file": "points.npy", "resolution": 0.1}}, "'base' is missing"),
     ({"height_field": {"file": "points.npy", "resolution": 0, "base": -9}}, "resolution of a height field must be"),
@@ -177,6 +178,7 @@ def test_bad_files_and_keys_are_named(tmp_path: Path, given: dict[str, object], 
     np.save(tmp_path / "nan.npy", np.where(np.arange(40)[:, None] == 3, np.nan, POINTS))
     np.save(tmp_path / "pickled.npy", np.array([{}, []], dtype=object), allow_pickle=True)
     np.savez(tmp_path / "all.npz", points=POINTS, radius=0.02)
+    np.savez(tmp_path / "odd.npz", occupied=OCCUPIED, resolution=0.05, Orgin=np.ones(3), stamp=1)
     (tmp_path / "cut.npz").write_bytes((tmp_path / "all.npz").read_bytes()[:-200])
     pc.Octree.from_cells(KEYS, 0.05).save(tmp_path / "map.bt")
     (tmp_path / "cut.bt").write_bytes((tmp_path / "map.bt").read_bytes()[:-4])

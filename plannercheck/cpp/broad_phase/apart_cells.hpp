@@ -13,7 +13,7 @@
 
 namespace plannercheck {
 
-// Numbers `column` from `low` on, in `count` cells, of which there are `per_unit` a unit.
+// The cells of a number of the configuration: `count` cells from `low` on, `per_unit` of them a unit.
 struct CellsOfColumn {
   std::size_t column;
   double low, per_unit;
@@ -30,14 +30,14 @@ class ApartCells {
 
   const std::array<CellsOfColumn, 2>& columns() const { return columns_; }
 
-  // Where a number is: from 1 to its count in its cells, at 0 or count + 1 beyond them. Of doubles or lanes of them.
+  // The place of a number, a double or a lane of them: 1 to `count` in its cells, 0 or count + 1 beyond them.
   template <class Number>
   static Number place(const CellsOfColumn& cells, Number value) {
     const Number found = (value - cells.low) * cells.per_unit + 1.0, past = Number{} + (cells.count + 1.0);
     const Number least = found > Number{} ? found : Number{};  // of NaN, too
     return least < past ? least : past;
   }
-  // The places of a second number follow each other; those of a first one are this far apart.
+  // Places of the second number follow each other; places of the first number are this far apart.
   int row_length() const { return columns_[1].count + 2; }
 
   unsigned at_place(int first, int second) const { return at_place(first * row_length() + second); }
@@ -55,7 +55,7 @@ class ApartCells {
   std::vector<std::uint8_t> may_meet_;  // by place: with a rim around the cells, where anything may meet
 };
 
-// The cells of some pairs of a checker, by their numbers there; a pair of a bit without one is −1.
+// Cells, and the checker's pair that each bit stands for; −1 for none.
 struct PairsInCells {
   std::shared_ptr<const ApartCells> cells;
   std::array<std::int32_t, ApartCells::kMostPairs> pairs;

@@ -19,8 +19,8 @@ class BlockCache {
   // Starts a new block.
   void begin() { ++block_; }
 
-  // pose(value) computes a body's value: once a block, or only once if the body is fixed. Mostly it is there already,
-  // and inlining no more than that is fastest, so that `pose` had better be a call.
+  // pose(value) computes a body's value: once a block, or only once if the body is fixed. Most calls find the value, so
+  // only this part is inlined; `pose` had better be a call.
   template <class Pose>
   [[gnu::always_inline]] const Value& of(std::size_t body, bool fixed, Pose pose) {
     Value& value = values_[body];
@@ -32,13 +32,13 @@ class BlockCache {
     return value;
   }
 
-  // By body; of those that were asked for.
+  // By body; set only for bodies that were asked for.
   const Value* values() const { return values_.get(); }
 
  private:
-  // Not set before they are posed: of many obstacles, few are ever asked for, and the others take no memory.
+  // Not initialised: few of many obstacles are ever asked for, and the others then take no memory.
   std::unique_ptr<Value[]> values_;
-  std::vector<std::uint64_t> block_of_;  // for which a body was posed last
+  std::vector<std::uint64_t> block_of_;  // the block for which a body was posed last
   std::uint64_t block_ = 1;
 };
 

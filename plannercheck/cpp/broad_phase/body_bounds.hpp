@@ -37,7 +37,7 @@ struct BoxInLanes {
   Numbers room;
 };
 
-// It is surely inside the body if the radius is positive.
+// A ball is surely inside the body if its radius is positive.
 template <FloatVector Numbers>
 struct InnerBallsInLanes {
   Numbers x, y, z, radius;

@@ -5,8 +5,8 @@
 namespace plannercheck {
 namespace {
 
-// Slices have to leave so many pairs fewer a single state: posing and testing them takes as long (measured).
-// In blocks, where all states share a pair's test, they have to leave more.
+// Slices pay if they leave so many pairs fewer a state: posing and testing them takes as long (measured). In blocks,
+// where all states share a pair's test, they have to leave out more.
 constexpr double kWorthSlicing = 0.25, kWorthSlicingInBlocks = 1;
 
 Vec3 posed_centre(const BoundingBall& ball, const double* link) {

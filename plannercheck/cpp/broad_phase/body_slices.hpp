@@ -20,7 +20,7 @@ struct MovingPair {
   std::int32_t pair;
 };
 
-// Those of one mover; none if it is not long, or not worth slicing.
+// The slices of one mover; none if the mover is not long, or not worth slicing.
 struct BodySlices {
   std::vector<BoundingBall> balls;
   bool pay_in_blocks = false;  // also for states that are judged together

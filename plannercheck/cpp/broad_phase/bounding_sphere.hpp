@@ -30,7 +30,7 @@ struct BoundingBall {
   template <FloatVector Numbers>
   static Numbers radius_at(Numbers x, Numbers y, Numbers z, Numbers radius, Numbers room);
 
-  // The same wherever poses of such an error are: in no state is the ball smaller (bounding_sphere.cpp).
+  // A radius for all states whose poses have at most such an error (proof in bounding_sphere.cpp).
   float radius_anywhere(PoseError error) const;
 
   // Floats err by u = 2^-24. Posing a ball's centre c from rounded numbers takes three products and sums and errs by at

@@ -43,7 +43,7 @@ void BroadPhase::take_overlapping(unsigned states, Found& found) const {
   found.skipped = __builtin_popcount(states) * (static_cast<long>(pairs_) - 1);
 }
 
-// An overlap is a proof: a pair need not be found near before.
+// An overlap is a proof, so these pairs need no search first.
 template <class Poses>
 void BroadPhase::try_likely(Poses& poses, Workspace& w) const {
   w.likely.try_each([&](std::size_t pair) {
@@ -59,7 +59,7 @@ void BroadPhase::take_overlap(std::size_t pair, unsigned states, Workspace& w) {
   w.found.overlapping |= states;
 }
 
-// Where any collision decides, the candidates of one step mostly decide all states.
+// Goes step by step, because if any collision decides, the candidates of one step mostly decide all states.
 template <class Poses>
 void BroadPhase::find_by_bounds(Poses& poses, Filters filters, Workspace& w) const {
   const std::size_t steps = search_.begin(poses, w.search);
@@ -94,7 +94,7 @@ void BroadPhase::drop(Candidate& candidate, unsigned apart, Found& found) {
   candidate.states &= ~apart;
 }
 
-// Planes along edges are asked last, for what nothing else has decided.
+// Planes along edges come last, for pairs that nothing else has decided.
 template <class Poses>
 void BroadPhase::sort_by_state(Poses& poses, Filters filters, Workspace& w) const {
   Found& found = w.found;

@@ -28,7 +28,7 @@ class BroadPhase {
              const std::vector<bool>& permanent, std::shared_ptr<const SampledPoses> sampled,
              const std::vector<PairsInCells>& in_cells);
 
-  // A pair and in how many states it was found to overlap.
+  // A pair, and the number of states in which it was found to overlap.
   struct Overlap {
     std::size_t pair = 0;
     int states = 0;

@@ -143,7 +143,7 @@ void CandidateSearch::find_among_movers(BlockConfigurations q, unsigned states, 
   }
 }
 
-// Along motions most obstacles are far from a group in all states of a block.
+// First tests a box around all states: along motions most obstacles are far from a group in all states of a block.
 void CandidateSearch::find_in_group(std::size_t index, unsigned states, Workspace& w) const {
   const MoverGroup& group = w.groups->groups[index];
   if (group.obstacles.empty() && !group.has_partners) return;

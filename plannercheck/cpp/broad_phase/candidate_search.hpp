@@ -41,8 +41,8 @@ class CandidateSearch {
   CandidateSearch(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
                   std::shared_ptr<const SampledPoses> sampled, const std::vector<PairsInCells>& in_cells);
 
-  // Of balls whose radii are the same in all states: radii of movers and slices, and what squared distances have to
-  // exceed, from obstacles by mover and among movers by pair.
+  // Precomputed where balls have the same radii in all states: radii of movers and slices, and thresholds of squared
+  // distances, by mover for obstacles and by pair among movers.
   struct FixedRadii {
     std::uint64_t always = 0;  // as in FloatBlock
     std::vector<float> movers, slices, from_obstacles, of_pairs;
@@ -57,7 +57,7 @@ class CandidateSearch {
     SingleStateFilter::Workspace single_state_filter;
     std::vector<std::int32_t> found, reached;  // obstacles near the ball: in one state, in any state
     std::vector<unsigned> states;              // per obstacle, those in which it is near; 0 between searches
-    // Those found so far, and those with half-spaces and fields of heights, for which no other filter has anything.
+    // The candidates found so far. `unboxed`: pairs with half-spaces and height fields, which no other filter decides.
     std::vector<Candidate> candidates, unboxed;
     std::size_t unseen = 0;  // pairs of steps to come
   };
@@ -66,7 +66,7 @@ class CandidateSearch {
   // Starts a search, and returns how many steps it has. The poses have to outlive it.
   std::size_t begin(const FloatBlock& block, Workspace& workspace) const;
   std::size_t begin(const SingleState& state, Workspace& workspace) const;
-  // Adds the candidates of a step that are so in some of the states. Steps are taken in their order.
+  // Adds the candidates of a step in some of the states. Steps are taken in their order.
   void find(std::size_t step, const FloatBlock& block, unsigned states, Workspace& workspace) const;
   void find(std::size_t step, const SingleState& state, unsigned states, Workspace& workspace) const;
 
@@ -82,7 +82,7 @@ class CandidateSearch {
 
   std::size_t pairs_;                 // how many
   std::vector<BoundingBall> movers_;  // around bodies that hang on links
-  // Of movers that are tested against others as slices: slices_[first_slice_[m]] to slices_[first_slice_[m + 1] - 1].
+  // The slices of mover m: slices_[first_slice_[m]] to slices_[first_slice_[m + 1] - 1].
   std::vector<BoundingBall> slices_;
   std::vector<std::size_t> first_slice_;
   std::vector<MovingPair> moving_pairs_;  // without those in cells

@@ -8,10 +8,10 @@
 namespace plannercheck {
 namespace {
 
-// Of posing an obstacle's vertices in doubles: three products and sums.
+// The rounding of an obstacle's vertices, posed in doubles: three products and sums.
 constexpr double kVertexError = 8 * 0x1p-53;
 
-// No box is looked at before these filters' own tests.
+// Half-spaces and height fields have filters of their own, in place of boxes.
 bool is_unboxed(const GeometryObject& object) {
   return !object.body->traits().is_bounded || HeightFilter::is_for(object);
 }

@@ -16,7 +16,7 @@ constexpr double kMostGridCells = 0x1p18;
 // Shorter steps would be finer than what motions leave open anyway, m.
 constexpr double kShortestStep = 0.01;
 
-// Beyond that, a grid says too little of a robot's links, m.
+// Grids with longer steps say too little about a robot's links, m.
 constexpr double kLongestStep = 0.09;
 
 // The furthest mark that is looked for, in steps. Squares of lengths in steps then fit into a byte.
@@ -27,8 +27,8 @@ constexpr std::uint8_t kFarthestSquare = kMostSteps * kMostSteps;
 constexpr double kStepParts = 23;
 static_assert(kMostSteps * kStepParts < 256);
 
-// Of points' coordinates, posed and taken to cells: sums and products of doubles, by far less than this part of all
-// that enters.
+// Bounds the rounding of points, posed and taken to cells, as a part of all numbers that enter: sums and products of
+// doubles err by far less.
 constexpr double kGridRounding = 0x1p-40;
 
 // Boxes of a tree are larger than those of centres by the radius, up to the rounding of floats.
@@ -72,18 +72,18 @@ class ByteRows {
   std::vector<std::uint8_t> bytes_;
 };
 
-// What is marked on the way to squares of lengths, axis by axis.
+// Squared distances from the marked cells, computed axis by axis.
 class SquaredGaps {
  public:
   SquaredGaps(const std::array<std::size_t, 3>& cells, const std::array<bool, 6>& closed)
       : cells_(cells), closed_(closed), from_(cells), to_(cells) {}
 
-  // Marks the cells from..to − 1 of a row.
+  // Marks the cells first to past − 1 of a row.
   void mark(std::size_t first, std::size_t past, std::size_t j, std::size_t k) {
     std::fill_n(from_.row(j, k) + first, past - first, std::uint8_t{0});
   }
 
-  // Then the squares are in rows of the result.
+  // Computes all squared lengths; the result holds them in rows.
   const ByteRows& spread() {
     for (std::size_t k = 0; k < cells_[2]; ++k) {
       for (std::size_t j = 0; j < cells_[1]; ++j) along_row(j, k);

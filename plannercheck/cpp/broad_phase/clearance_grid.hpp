@@ -22,10 +22,10 @@ namespace plannercheck {
 
 class ClearanceGrid {
  public:
-  // Of the world's cube of |x|, |y|, |z| <= reach.
+  // The grid is within the world's cube |x|, |y|, |z| <= reach.
   ClearanceGrid(const PartSet& parts, const Pose& pose, double reach);
 
-  // Lower bounds of the distances to the parts, m; negative ones, too. Of points that are no numbers: whatever.
+  // Lower bounds of the distances to the parts, m; may be negative. Undefined for NaN.
   Lanes from(Lanes x, Lanes y, Lanes z) const {
     const Cells i = cell(0, x), j = cell(1, y), k = cell(2, z);
     const Cells block = ((k >> 2) * rows_ + (j >> 2)) * row_ + (i >> 2);
@@ -33,7 +33,7 @@ class ClearanceGrid {
     return __builtin_convertvector(gathered_bytes(values_.data(), index), Lanes) * unit_ - room_;
   }
 
-  // The same of one point.
+  // For one point.
   double from(Vec3 p) const {
     const std::int32_t i = cell(0, p.x), j = cell(1, p.y), k = cell(2, p.z);
     return values_[index_of(i, j, k)] * unit_ - room_;

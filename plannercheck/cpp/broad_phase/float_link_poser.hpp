@@ -22,16 +22,16 @@ namespace plannercheck {
 
 class FloatLinkPoser {
  public:
-  // needed[link] != 0: for all links. A kinematics that can't be posed in floats is told by is_possible().
+  // needed[link] != 0 marks the links to pose. If the kinematics can't be posed in floats, is_possible() is false.
   void begin(const Kinematics& kinematics, const unsigned char* needed);
   bool is_possible() const { return is_possible_; }
 
-  // q: number c of the configurations of group g at q[g * width() + c]. Returns false, and poses nothing, where an
-  // angle or a distance is too large or no number.
+  // q: number c of the configurations of group g at q[g * width() + c]. Returns false, and poses nothing, if an angle
+  // or a distance is too large or NaN.
   bool pose(const Lanes* q);
 
-  // Of the links that are needed, for the first `count` states of q. Poses are infinite or no numbers where placements
-  // or held slides are beyond floats: such bodies may be anywhere for a filter.
+  // The poses of the needed links in the first `count` states of q. A pose is infinite or NaN where a placement or a
+  // held slide is beyond floats; a filter then takes the body to be anywhere.
   FloatBlock block(BlockConfigurations q, int count) const {
     return {poses_.data(), errors_.data(), q, count, slides_anywhere_ ? 0 : kinematics_};
   }

@@ -19,7 +19,7 @@ namespace plannercheck {
 struct PoseError {
   float turn = 0, shift = 0, reach = __builtin_inff();
 
-  // Of points no further from the link's origin than `reach`.
+  // The error of points no further than `reach` from the link's origin.
   float of_point(float reach) const { return turn * reach + shift; }
 };
 
@@ -37,10 +37,10 @@ class FloatPoseError {
     shift_ = kU * reach_;
   }
 
-  // Times a placement. Of a row r, a sum of three products errs by 3u of |r| times the norm of a column, the rounded
-  // column by u: by 4u of |r| times the Frobenius norm, which is at most √3 times the largest stretch. Of the
-  // translation t, a product, three sums and the rounded placement err by 5u of |r| times its length, and the last sum
-  // by u of t.
+  // The pose times a placement. A row r: a sum of three products errs by 3u of |r| times the norm of a column, the
+  // rounded column by u: together by 4u of |r| times the Frobenius norm, which is at most √3 times the largest stretch.
+  // The translation t: a product, three sums and the rounded placement err by 5u of |r| times the placement's
+  // translation, and the last sum by u of t.
   void place(const Rigid& placement) {
     const double stretch = largest_stretch(placement), length = translation_of(placement);
     const double row = row_ + turn_;
@@ -51,12 +51,12 @@ class FloatPoseError {
     row_ *= stretch;
   }
 
-  // Times a turn about an axis of the pose. Its cosine and sine err by kSinCosError each, so that a row errs by √2
+  // The pose times a turn about one of its axes. Its cosine and sine err by kSinCosError each, so that a row errs by √2
   // times as much of itself; two products and a sum in each of two entries by 2 √2 u more.
   void turn() { turn_ += kRoom * std::sqrt(2) * (kSinCosError + 2 * kU) * (row_ + turn_); }
 
-  // Times a shift by a distance along an axis of length l. The direction errs by 4u of |r| l; the rounded distance, the
-  // product and the last sum by u more each; and that sum by u of t.
+  // The pose times a shift by a distance along an axis of length l. The direction errs by 4u of |r| l; the rounded
+  // distance, the product and the last sum by u more each; and that sum by u of t.
   void slide(const double* axis) {
     const double length = norm({axis[0], axis[1], axis[2]}), row = row_ + turn_;
     shift_ += kRoom * kU * (reach_ + shift_);
@@ -74,7 +74,8 @@ class FloatPoseError {
   static constexpr double kU = 0x1p-24;                   // half a unit in the last place of floats in [1, 2)
   static constexpr double kRoot3 = 0x1.bb67ae8584cabp+0;  // three rows that err make a vector
   static constexpr double kRoom = 1.01;                   // for products of errors, and for errors of doubles
-  // Some thousand numbers that lose what is below 2^-126. Of directions, that is far below u, and has room in kRoom.
+  // Some thousand numbers lose parts below 2^-126 to underflow. In directions, this loss is far below u: kRoom covers
+  // it.
   static constexpr double kUnderflow = 1e-34;
 
   double row_ = 0;                          // bounds the norm of the exact rotation's rows,

@@ -11,7 +11,7 @@
 
 namespace plannercheck {
 
-// What either is off by at most.
+// The largest error of either.
 inline constexpr double kSinCosError = 0x1p-23;
 
 struct FloatSinCos {
@@ -50,7 +50,7 @@ inline StateFloats chosen(StateMask mask, StateFloats yes, StateFloats no) {
 
 }  // namespace float_sincos_detail
 
-// Whether all angles of a group are small enough; no number is not.
+// Whether all angles of a group are small enough; false for NaN.
 inline LaneMask are_reducible(Lanes angle) { return absolute(angle) <= broadcast(float_sincos_detail::kLargestAngle); }
 
 // `angle`: of the groups of a block.

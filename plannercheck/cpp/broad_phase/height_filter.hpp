@@ -69,7 +69,7 @@ class HeightFilter {
   }
 
  private:
-  // Those of eight balls side by side that have a pair with the field, a bit each.
+  // Eight balls side by side; `paired` has a bit for each ball that has a pair with the field.
   struct Eight {
     std::size_t index;
     unsigned paired = 0;
@@ -89,11 +89,11 @@ class HeightFilter {
     std::vector<Eight> eights;
   };
 
-  // Lengths err by less than this part of |.|_1 of the ball's centre, of the field's translation, of the sides of
-  // its box, and of the corner of its lattice. u = 2^-24, δ = 3.6e-6 bounds how far poses are off rigid, |MᵀM − 1|. Mᵀ
-  // in place of M⁻¹ errs by δ (1 + δ), 62u, of |c − t|; rounding the translation, the difference, the entries, and
-  // three products and sums by 7u of |c| + |t| along each axis. The index errs by 5u of |l| and of the sides besides,
-  // the ceiling and the comparison by 9u of those. That is less than 90u of each. Of the radius, 128u is more than its
+  // Lengths err by less than this part of |.|_1 of the ball's centre, of the field's translation, of the sides of its
+  // box, and of the corner of its lattice. u = 2^-24, δ = 3.6e-6 bounds how far poses are off rigid, |MᵀM − 1|. Mᵀ in
+  // place of M⁻¹ errs by δ (1 + δ), 62u, of |c − t|; rounding the translation, the difference, the entries, and three
+  // products and sums by 7u of |c| + |t| along each axis. The index errs by 5u of |l| and of the sides besides, the
+  // ceiling and the comparison by 9u of both. That is less than 90u of each. 128u of the radius is more than its
   // stretch, 34u, and the rounding of `reach`.
   static constexpr float kHeightError = 0x1p-17F;
 
@@ -115,7 +115,7 @@ class HeightFilter {
     };
     const std::array<Numbers, 3> l{along(0), along(1), along(2)};
     const auto beyond = [&](std::size_t i) { return (l[i] + reach < field.low[i]) | (l[i] - reach > field.high[i]); };
-    // Of what is no number: the first cell.
+    // NaN goes to the first cell.
     const auto cell = [&](std::size_t i) {
       const Numbers place = larger((l[i] - field.corner[i]) * level.per_width[i], Numbers{});
       return __builtin_convertvector(smaller(place, Numbers{} + level.last[i]), decltype(beyond(0)));

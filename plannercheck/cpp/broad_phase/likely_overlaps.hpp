@@ -24,7 +24,7 @@ class LikelyOverlaps {
     }
   }
 
-  // Of the states judged last, a pair overlapped in some; none did if there are none of these.
+  // Takes the overlaps of the latest states: `pair` overlapped in `overlapping` of `states`; 0 says that no pair did.
   void learn(std::size_t pair, int states, int overlapping) {
     const auto all = static_cast<std::uint32_t>(states), some = static_cast<std::uint32_t>(overlapping);
     bool is_known = some == 0;

@@ -23,7 +23,7 @@ struct MoverGroup {
   std::vector<std::int32_t> obstacles;
   std::vector<BoxLanes<StateFloats>> boxes;  // of these
   std::size_t pairs;
-  bool has_partners = false;  // groups whose boxes are held against its own
+  bool has_partners = false;  // whether other groups' boxes are compared with its own
 };
 
 // Pairs of movers of two groups, asked where these meet; or, if `a` is `b`, everywhere.

@@ -33,7 +33,7 @@ class NearPairs {
     count_ += past - first;
   }
 
-  // Those with a pair, a bit each.
+  // The states with a pair, a bit each.
   unsigned states() const { return states_; }
   long count() const { return count_; }
   std::vector<std::int32_t>& of(std::size_t state) { return pairs_[state]; }
@@ -46,7 +46,7 @@ class NearPairs {
 
 struct Found {
   NearPairs near;
-  unsigned overlapping = 0;  // states in which some pair surely shares a point, a bit each; none is near, then
+  unsigned overlapping = 0;  // states, a bit each, in which some pair surely shares a point; no pair is near in these
   long boxes_apart = 0;      // pairs that boxes separate
   long skipped = 0;          // other pairs of overlapping states
 

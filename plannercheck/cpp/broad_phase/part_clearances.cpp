@@ -5,12 +5,12 @@
 namespace plannercheck {
 namespace {
 
-// Poses are off rigid by at most 3.6e-6 (plannercheck/robots/unit_lengths.py), so they stretch by half of that, a
-// link's and a placement's.
+// A link's pose and a placement are off rigid by at most 3.6e-6 each (plannercheck/robots/unit_lengths.py), so each
+// stretches lengths by half of that.
 constexpr double kCoverStretch = 1 + 4e-6;
 
-// Of a centre posed by a placement and then by a link, and of a body posed by the product of both: dozens of roundings
-// of numbers that are no larger than these and the posed centre, for which grids have room.
+// Bounds the rounding of a centre posed by a placement and then by a link, against a body posed by the product of both:
+// dozens of roundings of these numbers. Grids have room for the rounding of the posed centre.
 constexpr double kCoverRounding = 0x1p-40;
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace plannercheck {
 
 class PartClearances {
  public:
-  // `reach`: how far the bodies on links come from the world's origin, m, roughly: nothing is said of what is beyond.
+  // `reach`: roughly how far the bodies on links come from the world's origin, m. Bodies further away are never clear.
   PartClearances(std::vector<GeometryObject> bodies, double reach);
 
   // Where to look for a pair.
@@ -24,12 +24,12 @@ class PartClearances {
     const std::vector<SmallBall>* balls = nullptr;
     std::int32_t link = -1;
   };
-  // Of a pair in either order.
+  // The bodies of a pair, in either order.
   Look look(std::int32_t a, std::int32_t b) const;
 
   // Whether the hull, at its link's pose, is surely further than the margin from all parts, whose radii are counted.
   static bool is_clear(const Look& look, const std::array<double, 12>& link, double margin);
-  // The same at a pose in each lane, a bit each. `link`: the twelve numbers of a pose.
+  // As is_clear, at a pose in each lane: a bit each. `link`: the twelve numbers of a pose.
   static unsigned clear_lanes(const Look& look, const Lanes* link, double margin);
 
  private:

@@ -23,7 +23,7 @@ struct FloatBlock {
   const PoseError* errors;   // by link
   BlockConfigurations q;     // where they are known
   int count;                 // of states: the first lanes
-  std::uint64_t always = 0;  // names what makes these the errors of all blocks of that name, wherever they are; or 0
+  std::uint64_t always = 0;  // if not 0: all blocks with this number have these errors, at any poses
 
   unsigned all() const { return (1U << count) - 1; }
   const FloatPose& pose(std::size_t link) const { return poses[link]; }

@@ -14,7 +14,7 @@ Centre posed_centre(const BoundingBall& ball, const PoseColumns* links) {
   return __builtin_convertvector(((c[0] * x + c[1] * y) + c[2] * z) + c[3], Centre);
 }
 
-// Put together in registers: a wide load after narrow stores would wait for them.
+// Built in registers: a wide load after narrow stores would be a store-forwarding stall.
 void set_numbers(const Centre (&centres)[kFloats], SingleStateFilter::Posed& out) {
   const auto both = [&](std::size_t k) { return shuffled<0, 1, 2, 3, 4, 5, 6, 7>(centres[k], centres[k + 4]); };
   const Floats a = both(0), b = both(1), c = both(2), d = both(3);
@@ -70,7 +70,7 @@ SingleStateFilter::SingleStateFilter(std::vector<BoundingBall> balls,
   }
 }
 
-// Of a body in slices, the first slice in the place of the whole one.
+// The first slice of a sliced body takes the place of the whole body's ball.
 void SingleStateFilter::add_ball_tests(std::vector<Partner> partners,
                                        const std::vector<std::vector<BoundingBall>>& slices,
                                        const std::vector<std::size_t>& first_slice) {
@@ -95,8 +95,8 @@ void SingleStateFilter::add_ball_tests(std::vector<Partner> partners,
   }
 }
 
-// Of the pairs of the next test of balls. Boxes are tested against whole bodies: slices would save less there than they
-// take.
+// Adds the other slices of the pairs of the next test of balls. Boxes are tested against whole bodies: slices would
+// save less time there than they cost.
 void SingleStateFilter::add_slice_tests(const std::vector<Partner>& partners,
                                         const std::vector<std::vector<BoundingBall>>& slices,
                                         const std::vector<std::size_t>& first_slice) {

@@ -76,7 +76,7 @@ class SingleStateFilter {
     std::uint8_t pairs;  // a bit for each lane that holds a pair
   };
 
-  // The same of other slices of the bodies: what they are near is added to what the test in the slot has found.
+  // A test of the bodies' other slices; its result is added to that of the ball test in the slot.
   struct SliceTest {
     BallTest test;
     std::size_t slot;

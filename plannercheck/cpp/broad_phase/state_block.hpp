@@ -8,8 +8,8 @@
 
 namespace plannercheck {
 
-// As many as floats fill a register, and eight at least: twice as many lanes take less than twice the time, since of
-// two blocks mostly both ask for the same pairs.
+// As many as floats fill a register, and eight at least: twice as many lanes take less than twice the time, because two
+// successive blocks mostly ask for the same pairs.
 inline constexpr int kBlockStates = 2 * kLanes < kFloats ? kFloats : 2 * kLanes;
 inline constexpr int kBlockGroups = kBlockStates / kLanes;  // groups of Lanes that hold one number of each state
 static_assert(kBlockGroups * kLanes == kBlockStates);

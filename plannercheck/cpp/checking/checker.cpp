@@ -11,7 +11,7 @@
 namespace plannercheck {
 namespace {
 
-// Which pairs share a point although both bodies stand still. Other such pairs are apart: no state tests either.
+// Pairs of static bodies that share a point. The other pairs of static bodies are apart, and no state tests them.
 std::vector<bool> permanent_collisions(const std::vector<GeometryObject>& bodies,
                                        const std::vector<std::array<std::int32_t, 2>>& pairs,
                                        const PairOptions& options) {
@@ -135,7 +135,7 @@ Pose CheckerCore::posed(std::size_t body, std::size_t state, const Workspace& w)
 // Whether filters have looked at boxes.
 bool CheckerCore::are_boxed(const Workspace& w) const { return tuning_.bounds && !w.links.are_of_one_state(); }
 
-// `are_hulls`: else one is a solid at least.
+// `are_hulls`: whether both bodies are hulls; if not, at least one is a solid.
 template <bool are_hulls>
 bool CheckerCore::hulls_share(std::size_t pair, std::size_t state, Workspace& w) const {
   const std::size_t body_a = at(pairs_[pair][0]), body_b = at(pairs_[pair][1]);
@@ -162,7 +162,7 @@ const KindTable<CheckerCore::PairTest> CheckerCore::kPairTests{
     &CheckerCore::hulls_share<true>, &CheckerCore::hulls_share<false>, &CheckerCore::parts_share,
     &CheckerCore::half_space_shared};
 
-// Two hulls, as most pairs are, without a call through a pointer.
+// Most pairs are two hulls: they need no call through a pointer.
 bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) const {
   const Kind kind = kinds_[pair];
   const bool shared =

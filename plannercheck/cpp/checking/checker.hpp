@@ -87,9 +87,9 @@ class CheckerCore {
   // The index of the first pair in the table that shares a point, or −1.
   void first_collisions(const Kinematics& kinematics, const double* q, std::size_t n, std::int32_t* first,
                         Workspace& workspace) const;
-  // The same for links that are already posed: n times link_count() matrices, row-major 4x4.
+  // As above, for links that are already posed: n times link_count() matrices, row-major 4x4.
   void first_collisions(const double* links, std::size_t n, std::int32_t* first, Workspace& workspace) const;
-  // The same for every pair: colliding[i * pair_count() + k] for configuration i and pair k.
+  // Tests every pair: colliding[i * pair_count() + k] is for configuration i and pair k.
   void all_collisions(const double* links, std::size_t n, std::uint8_t* colliding, Workspace& workspace) const;
 
   // Calls visit(row, pairs) once for each row, in any order, with the pairs that no filter proves apart.
@@ -113,8 +113,7 @@ class CheckerCore {
   std::shared_ptr<const BroadPhase> broad_phase_;
   std::shared_ptr<const PartClearances> clearances_;
 
-  // Each calls judge(row, state of the block, what the filters found) for every row, at a time when its links are
-  // posed.
+  // Each calls judge(row, state of the block, what the filters found) for every row while the row's links are posed.
   template <class Judge>
   void each_state(const Kinematics& kinematics, const double* q, std::size_t n, Query query, Workspace& workspace,
                   Judge judge) const;
@@ -137,7 +136,7 @@ class CheckerCore {
   bool are_boxed(const Workspace& workspace) const;
   Pose posed(std::size_t body, std::size_t state, const Workspace& workspace) const;
   bool collides(std::size_t pair, std::size_t state, Workspace& workspace) const;
-  // The same by the kind of the pair.
+  // The tests behind `collides`, by the kind of the pair.
   using PairTest = bool (CheckerCore::*)(std::size_t pair, std::size_t state, Workspace& workspace) const;
   static const KindTable<PairTest> kPairTests;
   template <bool are_hulls>

@@ -1,4 +1,4 @@
-// The checker's pairs of bodies without a hull that says enough: sets of parts and half-spaces.
+// The checker's tests of pairs whose hulls decide nothing: sets of parts and half-spaces.
 #include "broad_phase/part_clearances.hpp"
 #include "checking/checker_workspace.hpp"
 #include "narrow_phase/pair_kernels.hpp"
@@ -10,7 +10,7 @@ double CheckerCore::inflation(std::size_t pair) const {
   return bodies_[at(pairs_[pair][0])].body->inflation_radius + bodies_[at(pairs_[pair][1])].body->inflation_radius;
 }
 
-// The states of a block are looked up together, in lanes: most of them are asked for most of their pairs.
+// Looks up all states of a block at once, in lanes, because most states ask for most pairs.
 bool CheckerCore::is_clear_of_parts(std::size_t pair, std::size_t state, Workspace& w) const {
   if (w.links.are_of_one_state()) {
     const double margin = inflation(pair) * kRadiusStretch;
@@ -33,7 +33,7 @@ std::uint32_t CheckerCore::clear_states(std::size_t pair, const Workspace& w) co
   return clear;
 }
 
-// The hull of a set of parts says nothing, so that it is not asked.
+// The hull of a set of parts decides nothing, so it is not tested.
 bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w) const {
   const std::size_t body_a = at(pairs_[pair][0]), body_b = at(pairs_[pair][1]);
   if (tuning_.bounds && is_clear_of_parts(pair, state, w)) {

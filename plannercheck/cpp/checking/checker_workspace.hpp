@@ -20,7 +20,7 @@ namespace plannercheck {
 
 inline constexpr std::size_t kPoseStride = 16;  // of posed links that are given: row-major 4x4
 
-// Links' poses in doubles: of a block of states, in lanes, or of one state. Pairs are tested at these.
+// Links' poses in doubles: a block of states in lanes, or one state. Pairs are tested at these poses.
 class LinkPoses {
  public:
   explicit LinkPoses(std::size_t links = 0) : links_(links), lanes_(kBlockGroups * links * 12) {}
@@ -30,7 +30,7 @@ class LinkPoses {
     is_of_one_state_ = false;
     return lanes_.data();
   }
-  // Those of one state, which have to outlive it.
+  // Takes the poses of one state, which have to outlive it.
   void set(const PoseColumns* of_state) { is_of_one_state_ = true, of_state_ = of_state; }
 
   bool are_of_one_state() const { return is_of_one_state_; }
@@ -40,7 +40,7 @@ class LinkPoses {
     if (is_of_one_state_) return of_state_[link];
     const Lanes* const pose = lanes(state / kLanes, link);
     const std::size_t lane = state % kLanes;
-    // Put together in registers: a wide load after narrower stores would wait for them.
+    // Built in registers: a wide load after narrower stores would be a store-forwarding stall.
     PoseColumns out;
     for (std::size_t k = 0; k < 4; ++k) out.column[k] = Double4{pose[k][lane], pose[4 + k][lane], pose[8 + k][lane], 0};
     return out;
@@ -65,8 +65,8 @@ struct Posing {
   BlockConfigurations configurations() const { return {columns.data(), width}; }
 };
 
-// The states of a block, a bit each, in which look-ups say that a body is clear of a set; known once one of them has
-// been asked for.
+// The states of a block, a bit each, in which look-ups say that a body is clear of a set; looked up for the whole block
+// when one state asks.
 struct ClearStates {
   std::uint64_t block = 0;
   std::uint32_t states = 0;

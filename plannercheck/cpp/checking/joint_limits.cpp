@@ -8,7 +8,7 @@
 namespace plannercheck {
 namespace {
 
-constexpr std::size_t kRows = static_cast<std::size_t>(kLanes);  // of any width, these fill lanes
+constexpr std::size_t kRows = static_cast<std::size_t>(kLanes);  // so many rows fill lanes, whatever their width
 
 // The limits of kRows configurations, one after the other.
 std::vector<double> repeated(const std::vector<double>& limits) {

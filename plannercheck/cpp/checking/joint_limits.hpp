@@ -14,14 +14,14 @@ class JointLimits {
  public:
   JointLimits(std::vector<double> lower, std::vector<double> upper);
 
-  // Of one configuration.
+  // Whether one configuration is finite and within the limits.
   bool hold(const double* q) const {
     if (width_ < 2) return width_ == 0 || (lower_[0] <= q[0] && q[0] <= upper_[0]);
     TwoMasks within = within_of_two(q, width_ - 2);
     for (std::size_t i = 0; i + 2 < width_; i += 2) within &= within_of_two(q, i);
     return (within[0] & within[1]) != 0;
   }
-  // Of n configurations, one after the other.
+  // Whether n configurations, one after the other, all are.
   bool hold(const double* q, std::size_t n) const;
 
  private:
@@ -39,7 +39,7 @@ class JointLimits {
   }
 
   std::size_t width_;
-  std::vector<double> lower_, upper_;  // finite, so that no infinite number is within, and so often that lanes are full
+  std::vector<double> lower_, upper_;  // finite, so that infinite numbers are outside; repeated to fill lanes
 };
 
 }  // namespace plannercheck

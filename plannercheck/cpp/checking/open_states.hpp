@@ -15,18 +15,19 @@ namespace plannercheck {
 
 class OpenStates {
  public:
-  // `pairs`: of all bodies; few of them are near in a state, for which there is memory from the start.
+  // `pairs`: how many the checker has. Memory is reserved for a few near pairs a state.
   explicit OpenStates(std::size_t pairs = 0) { pairs_.reserve(kMost * (pairs < kFew ? pairs : kFew)); }
 
   std::size_t size() const { return size_; }
 
-  // Of the row of a set, with the pairs that are near.
+  // Adds a row of the set, with the pairs that are near.
   void add(std::size_t row, const std::vector<std::int32_t>& near) {
     states_[size_++] = {row, pairs_.size()};
     pairs_.insert(pairs_.end(), near.begin(), near.end());
   }
 
-  // Takes up to a block of those added last: their rows, and what was found of them into the block's first states.
+  // Takes up to a block of the states added last: writes their rows, and what was found of them, from the block's first
+  // state on.
   std::size_t take(std::array<std::size_t, kBlockStates>& rows, Found& found) {
     const std::size_t count = size_ < kBlockStates ? size_ : kBlockStates;
     found.begin();
@@ -60,8 +61,8 @@ class OpenStates {
   std::size_t size_ = 0;
   std::array<State, kMost> states_{};
   std::vector<std::int32_t> pairs_;
-  // Of the states posed in floats: those left open. So many decided ones are taken for granted before the first block,
-  // which would tell too much by itself (all measured).
+  // The share of the states posed in floats that stay open. It begins with 256 decided states, so that the first block
+  // does not settle it alone (all measured).
   RecentRate open_{1024, 128, 256, 0};
 };
 

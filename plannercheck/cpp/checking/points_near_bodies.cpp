@@ -72,7 +72,7 @@ std::vector<PointsNearHull> tests_of(const std::vector<PosedPolytope>& bodies) {
   return tests;
 }
 
-// Of points near a solid's hull, those near the solid.
+// Among the points near a solid's hull, the points near the solid itself.
 unsigned near_solid(const PosedPolytope& solid, const PointBlock& block, std::size_t run, unsigned near_hull,
                     PairCounters& counters) {
   unsigned near = 0;
@@ -85,7 +85,7 @@ unsigned near_solid(const PosedPolytope& solid, const PointBlock& block, std::si
   return near;
 }
 
-// Bits of a run's points that are near a body. Within no limit all are.
+// Bits of a run's points that are near a body: all of them if there is no limit.
 unsigned near_body(const PosedPolytope& body, PointsNearHull& test, const PointBlock& block, std::size_t run,
                    PairCounters& counters) {
   if (std::isinf(block.radius(PointBlock::start(run)))) return (1U << block.count(run)) - 1;

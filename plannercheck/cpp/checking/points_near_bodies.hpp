@@ -23,12 +23,12 @@ struct GivenPoints {
 // Writes for each point whether some body is within its radius; touching counts.
 void points_near_bodies(const std::vector<PosedPolytope>& bodies, const GivenPoints& points, std::uint8_t* near);
 
-// The distances of points from groups of bodies, between proved bounds; all of one group follow each other.
+// The distances of points from groups of bodies, between proved bounds.
 struct PointDistances {
   std::vector<double> upper, lower;  // (points, groups) m; 0 if a point is in a body of the group, infinite if beyond
 };
 
-// `group`: of each body, ascending. Radii are how far distances are looked for; beyond them they are infinite.
+// `group`: the group of each body, ascending. A distance beyond a point's radius counts as infinite.
 PointDistances distances_of_points(const std::vector<PosedPolytope>& bodies, const std::vector<std::int32_t>& group,
                                    std::size_t groups, const GivenPoints& points);
 

@@ -9,8 +9,8 @@
 
 namespace plannercheck {
 
-// Of n rows and all links: 3x4 matrices, row-major, and by what a unit vector and the origin may be off. NaN for links
-// that are not needed and for rows that are posed in doubles.
+// By row and link: a row-major 3x4 matrix, and how far a unit vector and the origin may be off. NaN for links that are
+// not needed and for rows that are posed in doubles.
 struct PosedInFloats {
   std::vector<float> poses, errors;
 };

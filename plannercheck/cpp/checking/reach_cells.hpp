@@ -18,7 +18,7 @@ namespace plannercheck {
 // The ball around a body's end in the cells of a cut.
 struct ReachCut {
   std::size_t centres;  // which set of centres
-  double radius;        // of the ball, with the way that its centre goes within a cell, m
+  double radius;        // of the ball, plus how far its centre moves within a cell, m
   double extent;        // how far from the world's origin the ball gets, m
 };
 
@@ -31,9 +31,9 @@ struct ReachObstacle {
 
 class ReachCells {
  public:
-  // `centres`: sets of them, in the order in which cells are looked at; `cuts`: those of all bodies, one body's after
-  // the other's, `first_cut` of which begins each body's. `margin`, `relative`: how far apart, in m and as a part of
-  // all lengths, counts as clear.
+  // `centres`: sets of centres, in the order in which cells are looked at; `cuts`: the cuts of all bodies, body by
+  // body; `first_cut`: where each body's cuts begin. `margin`, `relative`: how far apart counts as clear, in m and as a
+  // part of all lengths.
   ReachCells(const std::vector<std::vector<Vec3>>& centres, std::vector<ReachCut> cuts,
              std::vector<std::size_t> first_cut, double margin, double relative);
 

@@ -20,7 +20,7 @@ void load_rows(Row row_at, std::size_t n, std::size_t width, Lanes* columns) {
     std::array<const double*, kLanes> row;
     for (std::size_t lane = 0; lane < kLanes; ++lane) row[lane] = row_at(std::min(group * kLanes + lane, n - 1));
     for (std::size_t c = 0; c < width; ++c) {
-      Lanes column{};  // put together in a register: a wide load after narrow stores would wait for them
+      Lanes column{};  // built in a register: a wide load after narrow stores would be a store-forwarding stall
       for (std::size_t lane = 0; lane < kLanes; ++lane) column[lane] = row[lane][c];
       columns[group * width + c] = column;
     }

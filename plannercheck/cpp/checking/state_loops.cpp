@@ -12,10 +12,11 @@
 namespace plannercheck {
 namespace {
 
-// So few rows are judged one by one: lanes over states would be mostly empty (measured).
+// Up to so many rows are judged one by one: lanes over states would be mostly empty (measured).
 constexpr std::size_t kSingleRows = 2;
 
-// A pair seldom collides if it does in less than one of so many tests (measured, as what `Workspace` begins with).
+// A pair seldom collides if fewer than one in so many tests finds a collision (measured, as are the rates that
+// `Workspace` begins with).
 constexpr std::uint32_t kSeldom = 8;
 
 }  // namespace
@@ -38,7 +39,7 @@ void CheckerCore::begin_block(std::size_t count, Workspace& w) {
   w.block_groups = (count + kLanes - 1) / kLanes;
 }
 
-// In doubles.
+// Poses the block in doubles.
 void CheckerCore::pose_block(std::size_t count, Workspace& w) const {
   begin_block(count, w);
   Lanes* const links = w.links.block();
@@ -89,7 +90,7 @@ Found& CheckerCore::filter(Poses& poses, Query query, Workspace& w) const {
 
 // ----- verdicts of one state
 
-// Most states are decided, so that this is inlined where they are judged, and no more than this.
+// Only this test is inlined where states are judged, because the filters decide most states.
 inline bool CheckerCore::is_free(Found& found, std::size_t state, Workspace& w) const {
   if ((found.near.states() >> state & 1U) != 0) return no_pair_collides(found.near.of(state), state, w);
   return (found.overlapping >> state & 1U) == 0;
@@ -111,8 +112,7 @@ bool CheckerCore::no_pair_collides(std::vector<std::int32_t>& near, std::size_t 
   return true;
 }
 
-// A test of a pair that seldom collides costs more than it saves where nothing but time depends on it: the pair is left
-// out, but now and then.
+// Here a missed collision costs only time, so a pair that seldom collides is left out, except now and then.
 bool CheckerCore::is_found_colliding(Found& found, std::size_t state, Workspace& w) const {
   bool collided = (found.overlapping & 1U << state) != 0;  // then no pair is near
   for (const std::int32_t pair : found.near.of(state)) {

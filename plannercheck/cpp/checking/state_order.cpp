@@ -8,13 +8,14 @@
 namespace plannercheck {
 namespace {
 
-// Fewer rows are not worth their order, nor are those of which one of kAlike follows a row of its own cell. The first
-// kFineColumns numbers of many rows are cut more finely: a cell has a block or more of rows (all measured).
+// Rows keep their order if they are fewer than kFewRows, or if one in kAlike follows a row of its own cell. From
+// kManyRows on, the first kFineColumns numbers are cut more finely; a cell still has a block of rows or more (all
+// measured).
 constexpr std::size_t kFewRows = 512, kAlike = 8, kManyRows = 8192, kFineColumns = 2;
 // Rough quantiles are enough: sorting more rows would take more than a share of few rows.
 constexpr std::size_t kSampled = 32;
 
-// Row k of the sampled ones, of n: spread evenly, but without a period, which the rows may have themselves.
+// The k-th sampled row of n: spread evenly, but not periodic, since the rows themselves may be.
 std::size_t sampled_row(std::size_t k, std::size_t n) {
   constexpr std::uint64_t kGoldenRatio = 0x9e3779b97f4a7c15;
   return static_cast<std::size_t>((k + 1) * kGoldenRatio >> 48U) * n >> 16U;
@@ -72,7 +73,8 @@ bool StateOrder::are_alike_already(const double* q, std::size_t n, std::size_t w
   return kAlike * alike >= kSampled;
 }
 
-// Parts are passed through upwards and downwards by turns, so that each cell and the next differ in one step.
+// Passes through the parts of a number upwards and downwards by turns, so that each cell differs from the next in one
+// number.
 void StateOrder::find_route() {
   route_.assign(1, 0);
   for (std::size_t k = 0; k < columns_; ++k) {

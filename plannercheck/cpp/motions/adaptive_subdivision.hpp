@@ -30,7 +30,7 @@ inline constexpr int kCut = 3;
 // The shortest interval that is cut, as a part of the motion: in shorter ones doubles have few parameters or none.
 inline constexpr double kShortestInterval = 0x1p-48;
 
-// A proof that needs more planes than this is given up there: pairs that nearly touch on fast curves would fill memory.
+// A proof that needs more planes than this is given up: pairs that nearly touch on fast curves would fill memory.
 inline constexpr std::size_t kMostProofs = std::size_t{1} << 20;
 
 // The smallest first grid on which no point leaves its chords by more than `coarse`, m; `curvature`: a bound of |p''|.
@@ -140,15 +140,15 @@ class AdaptiveSubdivision {
     std::array<double, kGridStates> gaps;
   };
 
-  // A run may replace these: the motion's parameter for one of the grids, what the next grid poses, what settles an
-  // interval, and collisions that are found before any pair is settled.
+  // A run may replace the following: the motion's parameter for a grid's, the choice of what the next grid poses, what
+  // settles an interval, and collisions that are found before any pair is settled.
   double parameter(double t) const { return t; }
   void choose(const std::vector<std::int32_t>&) {}
 
   // Whether one direction keeps the swept bodies apart on an interval: the plane found last, or a descent's.
   bool hulls_settle(PairState& s, std::size_t i) { return plane_settles(s, i) || sweep_settles(s, i); }
 
-  // Whether bodies of which the swept hulls are only bounds keep apart on an interval.
+  // Whether bodies keep apart on an interval although their swept hulls do not.
   bool parts_settle(PairState&, std::size_t) { return false; }
 
   // Whether bounds may prove on the current grid that a near pair collides at a state; and whether they do so, then the
@@ -215,7 +215,7 @@ class AdaptiveSubdivision {
         pairs.push_back(failures[k].pair);
       }
       if (first.refused <= t[interval]) return refuse_at(first.refused, first.pair);
-      // On so short an interval a pair can be left only if the limit of what is refused is between its ends' distances.
+      // On so short an interval a pair stays open only if the distances at its ends are on both sides of the tolerance.
       if (!(t[interval + 1] - t[interval] > kShortestInterval)) {
         return first.pair >= 0 ? refuse_at(first.refused, first.pair) : refuse_at(t[interval], pairs.front());
       }
@@ -268,7 +268,7 @@ class AdaptiveSubdivision {
   // Settles the intervals of a pair or leaves them as failures; false if the pair is within the tolerance.
   bool settle(const Open& found) {
     PairState s = state_of(found);
-    // In order as well: what this teaches about the plane may decide where rounding does.
+    // Called in order as well: it finds a plane, which may decide where rounding does.
     if (ordered_ && found.depth < 0) touching_state(s, found.state);
     for (unsigned open = found.open; open != 0; open &= open - 1) {
       const auto i = static_cast<std::size_t>(__builtin_ctz(open));

@@ -26,21 +26,21 @@
 
 namespace plannercheck {
 
-// What a gate is told, by joint, rad and m.
+// A gate's limits and tolerances, by joint, rad and m.
 struct GateNumbers {
   std::vector<double> lower, upper, velocity, acceleration, brake;
-  std::vector<double> tube;  // of every motion, with what rounding adds, then how far bodies have to stay apart
-  double tolerance;          // what comes nearer than this to that may be refused, m
+  std::vector<double> tube;  // of every motion, rounding included; its last number is how far bodies have to stay apart
+  double tolerance;          // motions on which bodies are nearer than that distance plus this may be refused, m
 };
 
-// Of the times of waypoints, s.
+// The steps between waypoints, s.
 struct ChunkSteps {
   double first, last, least;
 };
 
 enum class ChunkAnswer : int { kFails, kPasses, kPassesButTheStop, kUnknown };
 
-// Judges a straight motion; kImprecise if nothing is known of it.
+// Judges a straight motion; kImprecise if it stays open.
 using MotionJudge = std::function<MotionAnswer(const Segment& motion)>;
 
 // `rows`: the robot's configuration and n waypoints; `dq`: its velocities.

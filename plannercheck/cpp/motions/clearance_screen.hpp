@@ -16,7 +16,7 @@
 
 namespace plannercheck {
 
-// Of the intervals `near` those left open. `beyond`: how much further away than it needs the pair has to be, m.
+// The intervals of `near` that stay open. `beyond`: by how much more than needed the pair has to be apart, m.
 unsigned near_by_clearances(const PartClearances& clearances, const CertifiedPair& pair, const MotionFilters& filters,
                             const MotionGrid& grid, double beyond, unsigned near);
 

@@ -6,8 +6,8 @@
 // no proof can call the motion free, because a proof covers the state as it is posed: the slack of a proof has room for
 // the rounding of that state's numbers and of its pose. So the motion is refused, unless it is so large that its
 // rounding is imprecise, which is looked at as for any other motion. Nothing is concluded from states that are free. So
-// verdicts do not depend on which states are looked at, those that collided most often lately, nor on which of their
-// pairs are.
+// verdicts depend neither on which states are looked at (those that collided most often lately) nor on which of their
+// pairs.
 #include <algorithm>
 #include <array>
 
@@ -17,17 +17,17 @@
 namespace plannercheck {
 namespace {
 
-// Where motions are looked at. They come from planners, which begin where it is free: late states collide more often,
-// but where the ends have been judged before (measured).
+// Where motions are looked at. Planners begin motions at free states, so later states collide more often, unless the
+// ends were judged before (measured).
 constexpr std::array<double, kLooks> kLookAt{0.5, 0.75, 1};
 
-// Fewer states are judged one by one, which costs more than it saves (measured), except before sets of parts: a motion
-// that collides with one is refused late, as no descent tells.
+// Fewer states would be judged one by one, which costs more than it saves (measured). Sets of parts are an exception:
+// no descent finds collisions with them, so such motions are refused late.
 constexpr std::size_t kFewestLooks = 3;
 
-// All places are looked at on the first kTried motions where that is due, to learn how often they collide. If at the
-// likeliest one at least one motion in kFirstWorth does, all are looked at there; then those that are left at another
-// one, by kSecondWorth: a motion that collides saves so many times what a look costs (measured).
+// When it is due, the first kTried motions are looked at in all places, to learn how often they collide there. If at
+// least one in kFirstWorth collides at the likeliest place, all motions are looked at there; the rest then at a second
+// place, by kSecondWorth. A motion found colliding saves so many times the cost of a look (measured).
 constexpr std::size_t kTried = 8;
 constexpr std::uint32_t kFirstWorth = 16, kSecondWorth = 12;
 

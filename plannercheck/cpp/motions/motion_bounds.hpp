@@ -61,10 +61,11 @@ struct MotionChains {
   std::vector<std::int32_t> first_entry;  // per chain, and one past the last
 };
 
-// Of a motion: the rates of all joints, and of a curve bounds of how fast they change; none of a straight motion.
+// Bounds of how fast a joint's rate changes on a curve.
 struct RateChange {
   double turn = 0, slide = 0;
 };
+// The rates of all joints on a motion. `changes`: empty on a straight motion.
 struct Rates {
   std::vector<Rate> joints;
   std::vector<RateChange> changes;
@@ -87,9 +88,9 @@ inline Deviation operator+(Deviation a, Deviation b) { return {a.curvature + b.c
 class ChainBounds {
  public:
   double curvature(std::int32_t chain) const { return curvature_[at(chain + 1)]; }
-  // How far a tube shifts points, and half of what bodies have to stay apart.
+  // How far a tube shifts points, plus half the distance that bodies have to stay apart.
   double shift(std::int32_t chain) const { return tube_ != nullptr ? tube_->speed(chain) : 0; }
-  // The same of a chain from the world, with the half of what obstacles have to stay apart.
+  // For a chain from the world: the obstacles' half of the distance included.
   double shift_from_obstacles(std::int32_t chain) const { return has_tube() ? shift(chain) + shift(-1) : 0; }
   Deviation deviation(std::int32_t chain) const { return {curvature(chain), shift(chain)}; }
   // The bounds of a tube, which has to outlive this; null for none.
@@ -121,7 +122,7 @@ class ChainTable {
   void bound(const MotionChains& chains, const Rates& rates, ChainBounds& bounds) const;
   // How far a tube shifts points, given its rates; `room`: how far bodies have to stay apart.
   void bound_tube(const MotionChains& chains, const Rates& rates, double room, ChainBounds& tube) const;
-  // At least the largest bounds of all chains, by the sums over all joints: far from tight, but found at once.
+  // Upper bounds of the largest bounds of all chains, by sums over all joints: far from tight, but fast.
   MotionBound at_most(const Rates& rates) const;
 
  private:

@@ -13,7 +13,7 @@
 namespace plannercheck {
 namespace {
 
-// How far a body's points, centre and sphere lie from the frame that its placement refers to, m.
+// How far a body's points, centre and sphere extend from the frame of its placement, m.
 double size_of(const GeometryObject& object) {
   if (!object.body->traits().is_bounded) {  // of which only the plane enters
     const HalfSpace& h = object.body->as<HalfSpace>();

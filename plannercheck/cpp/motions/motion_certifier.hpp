@@ -69,8 +69,8 @@ class RecentRate;
 
 class MotionCertifier {
  public:
-  // `states`: judges states by the same pairs, those apart that never move relative to each other and are apart; null
-  // for none.
+  // `states`: judges states by the same pairs, less the pairs that never move relative to each other and are apart;
+  // null for none.
   MotionCertifier(MotionModel model, const Tuning& tuning, std::shared_ptr<const CheckerCore> states = nullptr);
 
   struct Workspace;  // incomplete here, since it holds lanes
@@ -83,12 +83,12 @@ class MotionCertifier {
   // The answers of n motions. `kinematic_error`: bounds the error of the computed poses, m.
   void check(const Kinematics& kinematics, const Segments& motions, std::size_t n, double tolerance,
              double kinematic_error, std::uint8_t* answers, Workspace& workspace) const;
-  // The same of pieces with tubes, of which several in a row may be proved by one straight motion (piece_covers.hpp).
+  // The answers of n pieces with tubes. One straight motion may prove several pieces in a row (piece_covers.hpp).
   // `range`: where the kinematic error holds.
   void check_pieces(const Kinematics& kinematics, const Segments& pieces, std::size_t n, double tolerance,
                     double kinematic_error, const PoseRange& range, std::uint8_t* answers, Workspace& workspace) const;
-  // The same in the order of the motion: where it is refused first. With `proofs`, records the proofs of all pairs,
-  // which takes longer since no bounds settle anything.
+  // Checks one motion in its order: where it is refused first. With `proofs`, records the proofs of all pairs, which
+  // takes longer since no bounds settle anything.
   MotionReport explain(const Kinematics& kinematics, const Segment& motion, double tolerance, double kinematic_error,
                        std::vector<MotionProof>* proofs, Workspace& workspace) const;
   // Configurations (n, width) at parameters of a motion.
@@ -118,7 +118,7 @@ class MotionCertifier {
     std::size_t place, first, past;
   };
 
-  // Of `count` motions at once, at most kMotionsAtOnce: whether the states that are judged are free.
+  // Judges states of `count` <= kMotionsAtOnce motions: whether those that are looked at are free.
   void judge_states(const Kinematics& kinematics, const Segments& motions, std::size_t count,
                     Workspace& workspace) const;
   void try_all_looks(const Kinematics& kinematics, const Segments& motions, std::size_t count,

@@ -20,7 +20,7 @@ namespace {
 constexpr double kCoarse = 0.02, kCoarseAtOnce = 0.002;
 constexpr int kIntervalsAtOnce = 7;
 
-// A curve is cut no further, as a part of it.
+// Curves are cut no shorter than this part of their length.
 constexpr double kShortestCut = 1.0 / 64;
 
 int intervals_for(double curvature) {
@@ -86,11 +86,11 @@ class MotionRun : private MotionPairs {
 
   bool is_precise() const { return filters_.slack() <= kRoundingPart * tolerance_; }
 
-  // Of the grid of an interval of the motion, by the bounds that hold there.
+  // How many intervals the grid of a part of the motion needs, by the bounds that hold there.
   int intervals(double length) const { return intervals_for(w_.bounds.largest().curvature * length * length); }
 
-  // An interval of a curve: cut in halves where one grid of few states would be too coarse, since where its speed
-  // changes most, its bounds are those of other parts of it otherwise.
+  // Judges an interval of a curve, in halves where one grid of few states would be too coarse: each half then has
+  // bounds of its own, and not those of the part where the speed changes most.
   bool judge_curve(double from, double to) {
     const double length = to - from;
     if (length < 1) {
@@ -129,7 +129,7 @@ class MotionRun : private MotionPairs {
     posed_ = &w_.all;
   }
 
-  // In order, where a motion is free up to may depend on pairs that the bounds of speed leave out.
+  // In order, `free_until` may depend on pairs that the bounds of speed would leave out.
   void find_candidates() {
     if (tuning_.bounds && !ordered_) {
       certifier_.screen_->find_by_speeds(w_.grid, filters_, w_.bounds, 2 * tolerance_, w_.screen, w_.candidates);

@@ -20,7 +20,7 @@ class MotionCollisions {
  public:
   explicit MotionCollisions(const MotionModel& model);
 
-  // Of a block of the grid's states; links are rounded when they are first asked for.
+  // The data of a block of the grid's states; links are rounded when they are first asked for.
   struct Block {
     RoundedPoses links;
     FloatBlock poses;
@@ -32,7 +32,7 @@ class MotionCollisions {
   };
 
   void begin(const MotionGrid& grid, Workspace& workspace) const;
-  // On that grid; −1 if no collision is found.
+  // A state of that grid; −1 if no collision is found.
   int colliding_state(const NearPair& near, Workspace& workspace) const;
 
  private:

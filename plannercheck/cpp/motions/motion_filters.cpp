@@ -77,7 +77,7 @@ Vec3 out_of_box(Vec3 point, const Pose& pose, Vec3 low, Vec3 high, Vec3 centre, 
   return length > 0 && std::isfinite(length) ? (1 / length) * seen : Vec3{1, 0, 0};
 }
 
-// Of a path's corners in floats: rounding them, and the sum with what they grow by, errs by 2^-24 of the numbers each.
+// The error of a path's corners in floats: rounding them, and adding to them, errs by 2^-24 of the numbers each.
 constexpr double kCornerRounding = 0x1p-22;
 
 }  // namespace

@@ -62,9 +62,9 @@ class MotionFilters {
   // The box around the whole path of a body, given its chain from the world, rounded outwards: the high corner, then
   // the low one with its sign changed.
   Floats box_around_path(std::int32_t body, std::int32_t chain) const;
-  // The same of a ball, given the rows of its centre and its radius, with what a tube shifts it.
+  // The same for a ball, given the rows of its centre, and its radius with the shift by a tube.
   Floats box_around_path(const double* centre, double radius, double curvature) const;
-  // What bounding spheres leave open: on chords, against each other or against the box of a static body.
+  // The intervals that bounding spheres on chords leave open, against each other or against the box of a static body.
   unsigned near(const CertifiedPair& pair) const;
   // The same against a half-space, given by its plane.
   unsigned near_plane(const CertifiedPair& pair, const WorldPlane& plane) const;
@@ -86,7 +86,7 @@ class MotionFilters {
   const ChainBounds& bounds_;
   double slack_ = 0, size_ = 0;
 
-  // All states, in whole lanes. Intervals are looked at from there backwards, so that the states that follow some are
+  // The end of the states, in whole lanes. Loops over intervals go backwards from here, so that the next states are
   // still in registers.
   std::size_t past_blocks() const { return (grid_.intervals() / kStep + 1) * kStep; }
   unsigned chord_meets_box(const CertifiedPair& pair, double apart) const;

@@ -58,7 +58,7 @@ class MotionGrid {
   const Lanes* poses(std::int32_t body, std::size_t first) { return posed(body) + first / kStep * 12; }
   // Writes rows x, y, z of a point of a link, given in the link's frame.
   void pose_point(std::size_t link, Vec3 point, double* rows) const;
-  // The same of a link.
+  // The same for a link.
   const Lanes* link(std::int32_t link, std::size_t first) const { return links_at(first) + at(link) * 12; }
   // All links' at these states, as state_block.hpp has them.
   const Lanes* links_at(std::size_t first) const { return &links_[first / kStep * link_count_ * 12]; }
@@ -73,8 +73,8 @@ class MotionGrid {
   std::size_t intervals_ = 1;
   double step_ = 1;
   std::array<double, kGridRow> t_{};
-  std::vector<std::int32_t> mover_of_;    // a body's place among those on links, of which alone there is data
-  std::vector<Lanes> columns_, centres_;  // rows of numbers: where lanes begin, cache lines do
+  std::vector<std::int32_t> mover_of_;    // a body's place among the bodies on links; others have no data
+  std::vector<Lanes> columns_, centres_;  // rows of numbers, aligned to cache lines
   std::vector<Lanes> links_, poses_;      // poses: by state group, and by mover and state group
   std::vector<Vec3> centre_on_link_;
   std::vector<long> posed_, centred_;  // the grids for which a mover's poses and centre were computed

@@ -71,7 +71,7 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
   const MotionKernels& of(const CertifiedPair& pair) const { return kMotionKernels[pair.kind]; }
   static bool are_hulls(const CertifiedPair& pair) { return pair.kind == Kind::kHull; }
 
-  // Two hulls, as most pairs are, without a call through a pointer where that counts.
+  // Most pairs are two hulls: they need no call through a pointer where time counts.
   unsigned near(std::int32_t index) {
     const CertifiedPair& pair = pairs_[at(index)];
     return are_hulls(pair) ? filters_.near(pair) : (this->*of(pair).near)(index);
@@ -92,7 +92,7 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
   bool proves_clear(PairState& s, std::size_t state) {
     return (this->*of(s.pair).proves_clear)(s, state, tolerance_ + filters_.shift(s.pair) - 2 * filters_.slack());
   }
-  // The proofs that are recorded are of hulls alone.
+  // Recorded proofs prove hulls apart, so parts settle nothing there.
   bool parts_settle(PairState& s, std::size_t i) {
     return !are_hulls(s.pair) && proofs_ == nullptr && (this->*of(s.pair).parts_settle)(s, i);
   }
@@ -125,7 +125,8 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
     return filters_.near_plane(pairs_[at(index)], plane_of(pairs_[at(index)]));
   }
 
-  // By twice the tolerance, as what bounds of speed leave out. Most sets of parts reach around the robot.
+  // Looks up clearances, by twice the tolerance, as bounds of speed do: most sets of parts reach around the robot, so
+  // bounding spheres leave out little.
   unsigned near_parts(std::int32_t index) {
     const unsigned near = filters_.all_intervals();
     if (proofs_ != nullptr || !tuning_.part_trees || !tuning_.bounds) return near;
@@ -142,7 +143,7 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
     return state >= 0 && !refuse_at(w_.grid.parameter(at(state)), near.pair);
   }
 
-  // What boxes leave open of a pair: along the plane found last, and along a direction taken from the boxes.
+  // The intervals that boxes leave open, along the plane found last and along a direction taken from the boxes.
   DirectedPair hulls_open(std::int32_t index, unsigned near) {
     const CertifiedPair& pair = model_.pairs[at(index)];
     const Plane<Vec3>& plane = w_.planes[at(index)];
@@ -155,25 +156,25 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
       }
       if (found.open == 0) return found;
     }
-    // In the middle of what is open the bodies are mostly nearest.
+    // The bodies are mostly nearest in the middle of the open intervals.
     const int first = __builtin_ctz(found.open), last = 32 - __builtin_clz(found.open);
     found.direction = filters_.between(pair, static_cast<std::size_t>((first + last) / 2));
     if (proofs_ == nullptr) filters_.boxes_settle(found, found.direction);
     return found;
   }
 
-  // In no other direction bodies keep away from a half-space, which stands still.
+  // Only its own normal separates a half-space, which stands still, from a body.
   DirectedPair plane_open(std::int32_t index, unsigned near) {
     return {{index, near, 0, 0}, plane_of(model_.pairs[at(index)]).normal};
   }
 
-  // No plane is one of all parts.
+  // No single plane belongs to all parts.
   DirectedPair parts_open(std::int32_t index, unsigned near) {
     if (proofs_ != nullptr) return hulls_open(index, near);
     return {{index, open_parts(index, near), 0, 0}, {}};
   }
 
-  // Of the intervals `near` those left open by one look at all of them together.
+  // The intervals of `near` that stay open after one look at all of them together.
   unsigned open_parts(std::int32_t index, unsigned near) {
     const CertifiedPair& pair = pairs_[at(index)];
     // One interval is looked at when it is settled.
@@ -206,7 +207,7 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
     int looked_at = -1;
     for (unsigned states = left.open | left.open << 1; states != 0; states &= states - 1) {
       const int state = __builtin_ctz(states);
-      // From one state to the next the gap loses at most the way that the bodies go.
+      // From one state to the next, the gap shrinks by at most the distance that the bodies travel.
       if (looked_at >= 0 && gap - way * (state - looked_at) > apart) continue;
       const PosedPair posed = filters_.posed(pair, static_cast<std::size_t>(state));
       ++w_.counters.planes;
@@ -280,7 +281,7 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
     return solids_stay_further(s, &pose, 1, limit + filters_.inflation_radii(s.pair));
   }
 
-  // The same of all parts of a set.
+  // Whether all parts of a set are more than the limit from the other body at a state.
   bool parts_clear(PairState& s, std::size_t state, double limit) {
     const PosedPair pose = filters_.posed(s.pair, state);
     const double further = limit + filters_.inflation_radii(s.pair);
@@ -327,8 +328,8 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
 
   bool nothing_settles(PairState&, std::size_t) { return false; }
 
-  // Whether the bodies go so far on an interval that their dents hardly matter: then triangles tell no more than hulls
-  // (of Talos' torso 0 of 17 intervals of 0.01 to 0.3 radii, by which a motion took 5 percent longer).
+  // Whether the bodies travel so far on an interval that their dents hardly matter: then triangles settle no more than
+  // hulls (for Talos' torso 0 of 17 intervals of 0.01 to 0.3 radii, at 5 percent of a motion's time).
   bool goes_beyond_dents(const PairState& s) const {
     constexpr double kBeyondDents = 0.25;
     return filters_.speed(s.pair) * w_.grid.step() > kBeyondDents * dents(s.pair);
@@ -354,8 +355,8 @@ class MotionPairs : public AdaptiveSubdivision<MotionPairs, SpatialMotions> {
   bool hulls_touch(PairState& s, std::size_t state) {
     const SweptAnswer<Vec3> answer = sweep_at(s, state, filters_.slack() + filters_.inflation_radii(s.pair));
     if (answer.apart) return false;
-    // The descent ends in differences of the hulls around the origin, each of which errs by less than the slack. Dents
-    // move them by what they reach.
+    // The descent ends with differences of the hulls around the origin. Each errs by less than the slack, and dents
+    // move it by at most their depth.
     return answer.inside > filters_.slack() + dents(s.pair) || share_at(s, state);
   }
 
@@ -374,7 +375,7 @@ inline const KindTable<MotionPairs::MotionKernels> MotionPairs::kMotionKernels{
      &MotionPairs::hulls_touch, &MotionPairs::solids_clear, &MotionPairs::solids_settle},
     {&MotionPairs::near_parts, &MotionPairs::parts_open, &MotionPairs::hulls_gap, &MotionPairs::swept_hulls,
      &MotionPairs::share_at, &MotionPairs::parts_clear, &MotionPairs::sets_settle, false},
-    // Of a half-space, no more than the hull of the other body counts.
+    // Against a half-space, only the hull of the other body counts.
     {&MotionPairs::near_plane, &MotionPairs::plane_open, &MotionPairs::height_at, &MotionPairs::swept_over_plane,
      &MotionPairs::share_at, &MotionPairs::hulls_clear, &MotionPairs::nothing_settles}};
 

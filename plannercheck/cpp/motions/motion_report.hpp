@@ -1,4 +1,4 @@
-// What the check of a motion finds and counts, in space (directions are Vec3) and in the plane (PlanarDirection).
+// The result and the counts of a motion's check, in space (directions are Vec3) and in the plane (PlanarDirection).
 #pragma once
 
 #include <cstdint>

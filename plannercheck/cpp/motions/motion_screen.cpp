@@ -18,7 +18,7 @@ constexpr std::size_t kFewObstaclesOnPaths = 1024;
 constexpr double kLongestWay = 0.15;
 constexpr std::size_t kMostPieces = 8;
 
-// Of centres and distances in floats: their numbers err by 2^-24 of themselves.
+// The rounding of centres and distances in floats, whose numbers err by 2^-24 of themselves.
 constexpr double kFloatRounding = 0x1p-22;
 
 // One piece of a motion: the state of the grid nearest to its middle, and the longest part of the motion between that
@@ -227,12 +227,12 @@ double MotionScreen::curvature(const ChainBounds& bounds, ChainRange range) cons
   return most;
 }
 
-// With the half of what obstacles have to stay apart.
+// The shift by a tube, the obstacles' half of the distance included.
 double MotionScreen::shift_from_obstacles(const ChainBounds& bounds, ChainRange range) const {
   return shift(bounds, range) + bounds.shift(-1);
 }
 
-// Boxes around one body take no room, as `find_by_paths` has the same ones.
+// A group of one body takes the box of `find_by_paths`, without room.
 Floats MotionScreen::box_around_path(const MotionFilters& filters, const ChainBounds& bounds, double beyond,
                                      const Workspace& w, const LinkMovers& group) const {
   double radius = balls_[group.ball].radius + (group.movers.size() == 1 ? 0 : beyond);
@@ -306,7 +306,7 @@ std::size_t MotionScreen::find_meeting_paths(double beyond, Workspace& w) const 
 template <bool are_all>
 std::size_t MotionScreen::find_near_balls(const MotionGrid& grid, const ChainBounds& bounds, double room,
                                           std::size_t groups, Workspace& w) const {
-  // Without a branch that can't be foreseen: each place is written, and overwritten unless it is near.
+  // No unpredictable branch: each place is written, and overwritten unless it is near.
   const bool has_tube = bounds.has_tube();
   std::size_t* const taken = w.near.data();
   std::size_t near = 0;

@@ -11,8 +11,8 @@
 // Bodies of one link come first in one sphere around all of them (the fingers of a hand, the pieces of a link), then,
 // if several pairs of two links are left, in boxes along one direction.
 //
-// By paths: boxes around whole paths are compared with boxes of the obstacles, eight at a time, and of links before all
-// else with each other, in floats.
+// By paths: boxes around whole paths are compared with boxes of the obstacles, eight at a time, in floats; before that,
+// boxes around links' paths are compared with each other.
 #pragma once
 
 #include <array>
@@ -58,12 +58,12 @@ class MotionScreen {
     std::vector<unsigned> paired;    // the same for eight obstacles at a time: one bit each
   };
 
-  // Those on one link, and a ball around all of its bodies.
+  // The movers on one link, and a ball around all bodies of the link.
   struct LinkMovers {
     std::size_t ball;
     ChainRange chains;  // from the world, of all bodies of the link that are seen from there
     std::vector<Mover> movers;
-    std::vector<unsigned> paired;  // of any of them
+    std::vector<unsigned> paired;  // obstacles with which any of them has a pair
   };
 
   // The pairs of two links that are seen from one frame: a range of `moving_pairs_`.

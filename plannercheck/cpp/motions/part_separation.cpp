@@ -22,7 +22,7 @@ constexpr double kPartProjection = 0x1p-19;
 // How far radii may be stretched along directions of frames that are off rigid.
 constexpr double kPartStretch = 1 + 2e-6;
 
-// Of a box's half extents along a direction: products and sums of doubles.
+// The rounding of a box's half extents along a direction: products and sums of doubles.
 constexpr double kBoxSums = 1 + 1e-12;
 
 struct Interval {
@@ -175,7 +175,7 @@ class PartSeparation {
     return {middle - size, middle + size};
   }
 
-  // Of the body's box at all poses.
+  // The interval of the body's box over all poses.
   Interval box_interval(Vec3 d) const {
     const Vec3 centre = 0.5 * (body_.low + body_.high), half = body_.high - centre;
     Lanes least = broadcast(kNoLimit), most = -least;
@@ -297,7 +297,7 @@ class PartSeparation {
     const PosedPair& middle = poses_[count_ / 2];
     const Vec3 hint = middle.frame.from_world(middle.a.apply(a.centre) - middle.b.apply(b.centre));
     const double limit = limit_ + part.radius * kPartStretch;
-    if (trees_ && count_ > 2) {  // mostly what parts both ends parts all poses
+    if (trees_ && count_ > 2) {  // mostly, a direction that separates both ends separates all poses
       const std::array<PosedPair, 2> ends{poses_[0], poses_[count_ - 1]};
       const SweptAnswer<Vec3> answer = swept_distance(a, b, ends.data(), 2, limit, hint, counters_);
       if (!answer.apart) return false;

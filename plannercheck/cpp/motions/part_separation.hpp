@@ -12,11 +12,11 @@
 
 namespace plannercheck {
 
-// `count` poses, one at least; those of intervals that follow one another settle them all. The bodies' inflation radii
-// are not counted, the radii of parts are: the limit has to include the former. Of two sets, each part of the smaller
-// one is held against the larger one. False at more than two poses of a set that moves in the frame. Of a solid its
-// hull is taken. Rounding of posed points and of products with directions is some fifty u of their coordinates, as in
-// swept_distance. `trees`: off, each part is tried by a descent of its own.
+// `count` poses, one at least; the ends of successive intervals settle all of these intervals. The radii of parts
+// count, but the bodies' inflation radii do not: the limit has to include them. If both bodies are sets, each part of
+// the smaller set is compared with the larger set. Always false at more than two poses of a set that moves in the
+// frame. A solid counts as its hull. Rounding of posed points and of products with directions is some fifty u of their
+// coordinates, as in swept_distance. `trees`: off, each part is tried by a descent of its own.
 bool parts_further(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit,
                    PairCounters& counters, bool trees = true);
 

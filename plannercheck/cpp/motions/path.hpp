@@ -22,16 +22,16 @@
 
 namespace plannercheck {
 
-// The numbers of a motion: its ends. Of a curve, whose degree is above 1, the control points are in rows from `start`
-// to `end`. `tube`: by how much each number may be off at every parameter, and then how far bodies have to stay apart,
-// m; null for none.
+// The numbers of a motion: its ends. A curve, whose degree is above 1, has its control points in rows from `start` to
+// `end`. `tube`: by how much each number may be off at every parameter, and then how far bodies have to stay apart, m;
+// null for none.
 struct Segment {
   const double *start, *end;
   std::size_t degree = 1;
   const double* tube = nullptr;
 };
 
-// Those of several motions, `stride` numbers from one to the next, and `tube_stride` from one tube to the next.
+// The numbers of several motions, `stride` numbers from one to the next, and `tube_stride` from one tube to the next.
 struct Segments {
   const double *starts, *ends;
   std::size_t stride, degree = 1;
@@ -50,7 +50,7 @@ struct Segments {
 // The highest degree of a curve.
 inline constexpr std::size_t kMostDegree = 31;
 
-// Whether each of n numbers stays between bounds on a motion, its tube included; those of unit vectors are at most 1
+// Whether each of n numbers stays between bounds on a motion, its tube included; numbers of unit vectors are at most 1
 // and do not count.
 inline bool stays_within(const Segment& motion, std::size_t n, const double* low, const double* high) {
   const double* const tube = motion.tube;
@@ -94,7 +94,7 @@ struct Rate {
   double turn = 0, slide = 0, extent = 0;
 };
 
-// Of a number: bounds of its derivative by the parameter, and of its magnitude.
+// Bounds of a number's derivative by the parameter, and of its magnitude.
 struct NumberBound {
   double rate, size;
 };
@@ -107,7 +107,7 @@ class Path {
   // caller chooses the short way. Bounds are those of the whole path. `thin_tubes`: whether a tube as thin as rounding
   // counts as rounding.
   void set(const Segment& motion, bool thin_tubes = true);
-  // Of a curve: from here on bounds are those of an interval.
+  // From here on, bounds hold on this interval of a curve.
   void look_at(double from, double to);
 
   bool is_curve() const { return degree_ > 1; }
@@ -117,17 +117,17 @@ class Path {
   // Configurations at n parameters, column by column: q[column * stride + i].
   void at(const double* t, std::size_t n, std::size_t stride, double* q) const;
 
-  // Of multiplier * q[column] + offset, where no part covers the column.
+  // The bound of multiplier * q[column] + offset, for a column that no part covers.
   NumberBound bound(std::int32_t column, double multiplier, double offset) const {
     if (is_curve()) return bound_of_curve(at_column(column), multiplier, offset);
     const double a = multiplier * q0_[at_column(column)], b = multiplier * q1_[at_column(column)];
     return {std::fabs(b - a), larger(std::fabs(a + offset), std::fabs(b + offset))};
   }
-  // Of a curve: how fast the derivative of multiplier * q[column] changes.
+  // On a curve: how fast the derivative of multiplier * q[column] changes.
   double change(std::int32_t column, double multiplier) const {
     return std::fabs(multiplier) * on_curve_[at_column(column)].change;
   }
-  // Of the part that begins at a column.
+  // The bounds of the part that begins at a column.
   Rate bound(std::int32_t column) const;
   // By how much a number may be off.
   double tube(std::int32_t column) const { return has_tube() ? tube_[at_column(column)] : 0; }
@@ -149,7 +149,7 @@ class Path {
     double angle = 0;  // |turn|
   };
 
-  // Of a number on the interval that is looked at.
+  // The bounds of a number on the current interval.
   struct CurveBound {
     double low, high, rate, change;
   };

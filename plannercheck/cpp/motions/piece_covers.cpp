@@ -66,7 +66,7 @@ void PieceCovers::set_columns(const Segments& pieces, std::size_t first, std::si
   }
 }
 
-// How many of at most `most` pieces a thin tube holds; `found_` is how far these are off. Distances grow about as the
+// How many of at most `most` pieces a thin tube holds; `found_` becomes their deviation. Distances grow about as the
 // square of the length.
 std::size_t PieceCovers::fitting(std::size_t degree, std::size_t first, std::size_t most, std::size_t guess) {
   const auto fits = [&](std::size_t count) {
@@ -90,8 +90,8 @@ std::size_t PieceCovers::fitting(std::size_t degree, std::size_t first, std::siz
   return std::max<std::size_t>(count, 1);
 }
 
-// Of the control points `from` to `to`, each from the place on the straight motion that is nearest to it, so that a
-// robot may speed up and slow down.
+// Measures how far the control points `from` to `to` are off the straight motion, each from the place nearest to it, so
+// that a robot may speed up and slow down.
 void PieceCovers::measure(std::size_t from, std::size_t to, Deviation& out) {
   out.low.resize(width_), out.high.resize(width_), out.width = 0;
   std::fill(places_.begin() + static_cast<std::ptrdiff_t>(from), places_.begin() + static_cast<std::ptrdiff_t>(to) + 1,

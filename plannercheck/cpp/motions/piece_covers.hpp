@@ -1,7 +1,7 @@
 // Straight motions with tubes that each cover several pieces of a trajectory, so that one proof serves all of these.
 //
-// In: pieces. Out: straight motions, and which pieces each covers: those in a row of which each begins where the one
-// before ends, as many as a thin tube holds.
+// In: pieces. Out: straight motions, and which pieces each covers: as many successive pieces as a thin tube holds, each
+// beginning where the one before ends.
 //
 // Proof. Let b[k] be the control points of a piece, c(s) = a + s (e − a) the straight motion, and r a width in each
 // column. If for each k there is an s[k] in [0, 1] with |b[k] − c(s[k])| ≤ r, then at any parameter of the piece, with

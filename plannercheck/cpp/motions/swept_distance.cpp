@@ -11,7 +11,7 @@ constexpr int kDescentRounds = 48;
 // A new difference that is nearer by less than this part is no progress.
 constexpr double kDescentProgress = 1e-12;
 
-// Of a face's normal, and of products with it.
+// The rounding of a face's normal, and of products with it.
 constexpr double kFaceRounding = 32 * 0x1p-53;
 
 struct Difference {

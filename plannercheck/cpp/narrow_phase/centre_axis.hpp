@@ -24,8 +24,8 @@ class CentreAxis {
   // From B to A, in the world.
   Vec3 direction() const { return axis_; }
 
-  // Turns the axis to where the bodies would face each other if they were ellipsoids. Round bodies already do so along
-  // the axis, and small ones are tested faster than turned.
+  // Turns the axis to where the bodies would face each other if they were ellipsoids. Round bodies face each other
+  // along the axis already; bodies of few vertices are tested faster than turned.
   void turn() {
     if (body_a_.body->inner.points.size() + body_b_.body->inner.points.size() <= kFewVertices) return;
     const EquivalentEllipsoid &body_a = body_a_.body->ellipsoid, &body_b = body_b_.body->ellipsoid;
@@ -48,8 +48,8 @@ class CentreAxis {
     return dot(between_centres_, between_centres_) > room * room;
   }
 
-  // The same in lanes: balls are apart if their centres are further apart than this. `radii`: all four; `rounding`: of
-  // both bodies' origin radii and both poses' translations.
+  // As separates_balls, for lanes: balls are apart if their centres are further apart than this. `radii`: the sum of
+  // all four; `rounding`: see below.
   template <class Number>
   static Number room_of_balls(double radii, Number rounding) {
     return radii * (1 + kSlack) + rounding;

@@ -13,7 +13,7 @@ constexpr double kDistanceStretch = 1 + 4e-6, kBallRounding = 64 * 0x1p-53;
 // Two inflation radii added, and their sum added to a depth or taken off a distance: 2u of all.
 constexpr double kRadiusRounding = 4 * 0x1p-53;
 
-// Where doubles end: this part of the larger body's size, and of the distance.
+// The limit of doubles, as a part of the larger body's size, and of the distance.
 constexpr double kDoublesError = 0x1p-48;
 
 double total_inflation_radius(const PosedPolytope& a, const PosedPolytope& b) {
@@ -22,8 +22,9 @@ double total_inflation_radius(const PosedPolytope& a, const PosedPolytope& b) {
 
 Vec3 posed_centre(const PosedPolytope& posed) { return posed.pose.apply(posed.body->centre); }
 
-// Of bodies whose hulls share a point. `hulls`: the descent towards that point, whose upper bound of the distance holds
-// where the depth has no proved lower bound: then the hulls may touch, as far as doubles tell, or be apart by less.
+// The distance of bodies whose hulls share a point. `hulls`: the descent towards that point. Its upper bound of the
+// distance is used if the depth has no proved lower bound: as far as doubles tell, the hulls then touch or are less
+// than this bound apart.
 PairDistance hulls_overlap(const PosedPolytope& body_a, const PosedPolytope& body_b, const HullDistance& hulls,
                            const HullDepth& depth) {
   const double inflation_radius = total_inflation_radius(body_a, body_b);
@@ -43,7 +44,7 @@ PairDistance hulls_overlap(const PosedPolytope& body_a, const PosedPolytope& bod
 PairDistance between_hulls(const PosedPolytope& body_a, const PosedPolytope& body_b, const HullDistance& found,
                            bool overlap) {
   const double inflation_radius = total_inflation_radius(body_a, body_b);
-  // Of each bound by itself: past a limit there is no upper one.
+  // Rounds each bound by itself: past a limit there is no upper bound.
   const auto rounding = [&](double bound) {
     return inflation_radius > 0 ? kRadiusRounding * (inflation_radius + bound) : 0;
   };
@@ -102,7 +103,7 @@ double convex_bound(const PosedPolytope& body_a, const PosedPolytope& body_b, in
 PairDistance convex_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
                              PairCounters& counters, VertexPairs* corners) {
   const DistanceGoal goal = goal_for(body_a, body_b, limit);
-  DistanceGoal of_doubles = goal;  // the last rounds are cheap, and the nearest points are those of the features, then
+  DistanceGoal of_doubles = goal;  // the last rounds are cheap, and then nearest points lie on the nearest features
   of_doubles.relative = kDoublesError;
   const Vec3 hint = posed_centre(body_a) - posed_centre(body_b);
   HullDistance found =
@@ -117,7 +118,7 @@ PairDistance convex_distance(const PosedPolytope& body_a, const PosedPolytope& b
     }
     overlap = share_a_point(body_a, body_b, counters);
   }
-  // Of hulls that touch, a shared point has no use but for radii: these are how deep the bodies are in each other.
+  // For hulls that touch, a shared point matters only with inflation radii: these are then the bodies' depth.
   const bool known = overlap && found.start.count == 4 && goal.inflation_radius == 0;
   const bool in_doubt = !goal.met(found) && !known;
   if (in_doubt) found = hull_distance_double_double(body_a, body_b, found, goal, counters);

@@ -47,19 +47,19 @@ struct PartVisitor {
   double room = 0;  // m
 };
 
-// `limit`: the search ends once the lower bound exceeds it. Of solids that overlap, the depth is that of their hulls.
-// `visit`: is shown the pairs of convex parts (a solid's are its triangles) that are measured, if the bodies are apart:
-// all at least that are no further apart than the bodies and its room.
+// `limit`: the search ends once the lower bound exceeds it. If solids overlap, the depth is that of their hulls. If the
+// bodies are apart, `visit` is shown the pairs of convex parts (a solid's parts are its triangles) that are measured:
+// at least all pairs no further apart than the bodies and its room.
 PairDistance pair_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
                            PairCounters& counters, const PartVisitor* visit = nullptr);
 
-// The same for the hulls of bodies. `corners`: those of a distance found before, to begin with, or none; it becomes
-// those where the descent ended. They change the way to the answer, and so its last digits, or which one of several
-// nearest pairs of points it is.
+// The distance of the bodies' hulls. `corners`: where the descent begins, from an earlier distance, or none; becomes
+// the corners where it ended. Another beginning may change the last digits, or which of several nearest pairs of points
+// is found.
 PairDistance convex_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
                              PairCounters& counters, VertexPairs* corners = nullptr);
 
-// A lower bound after a few steps; for bodies that overlap, that of the balls around them.
+// A lower bound after a few steps; for bodies that overlap, the gap of the balls around them.
 double distance_bound(const PosedPolytope& body_a, const PosedPolytope& body_b, int rounds, PairCounters& counters);
 double convex_bound(const PosedPolytope& body_a, const PosedPolytope& body_b, int rounds, PairCounters& counters);
 

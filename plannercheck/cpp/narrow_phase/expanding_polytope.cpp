@@ -13,7 +13,7 @@ namespace {
 // normal's error over |N|, times |a|: 11.4u |a| E / |N|, and by 9u |a| in products, norm, quotient and rounding a's
 // length.
 constexpr double kPlaneError = 16 * 0x1p-53, kFacetHeightError = 16 * 0x1p-53;
-// The same with N and a·N in double-double, of error e = 2^-102 an operation: 24e |a| E / |N|; the height in doubles
+// As above, with N and a·N in double-double, of error e = 2^-102 an operation: 24e |a| E / |N|; the height in doubles
 // errs by 6u of itself.
 constexpr double kFinePlaneError = 64 * kDoubleDoubleError, kFineHeightError = 16 * 0x1p-53;
 

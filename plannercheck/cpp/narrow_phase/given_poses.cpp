@@ -30,7 +30,7 @@ Double4 next_axis(Double4 v) { return shuffled<1, 2, 0, 3>(v, v); }
 // Four poses, entry by entry. As `is_surely_rigid`, and by the same bounds.
 class FourPoses {
  public:
-  // Of the poses i to i + 3.
+  // Loads the poses i to i + 3.
   FourPoses(const GivenPoses& given, std::size_t i) {
     const double* const from = given.matrices + i * given.step;
     const std::array<const double*, 4> pose{from, from + given.step, from + 2 * given.step, from + 3 * given.step};

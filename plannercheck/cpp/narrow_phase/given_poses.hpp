@@ -12,8 +12,8 @@ namespace plannercheck {
 
 inline constexpr std::size_t kGivenPose = 16;  // numbers of a matrix
 
-// True only if a matrix is finite, ends in 0 0 0 1, is no reflection, and is off rigid by less than `tolerance`,
-// ‖MᵀM − 1‖ in the Frobenius norm. False also where this does not show at once.
+// True only if a matrix is finite, ends in 0 0 0 1, is no reflection, and is off rigid by less than `tolerance`, ‖MᵀM −
+// 1‖ in the Frobenius norm. May be false for rigid matrices as well.
 bool is_surely_rigid(const double* matrix, double tolerance);
 
 // The poses of one body in n pairs: `step` numbers after one another, or the same one n times if that is 0.

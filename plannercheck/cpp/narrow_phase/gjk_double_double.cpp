@@ -16,10 +16,9 @@ constexpr int kDoubleDoubleRounds = 32;  // the start is close to the answer; th
 // e = kDoubleDoubleError; lengths are in the unit of the pair, see below. Checked by
 // tests/error_bounds/gjk_double_double.
 //
-// (a) A difference. Per entry, M_P p and M_R r are three products and two sums (3e |p|, 3e |r|: rows are at most 1 +
-// 2e-6
-//     long), where p and r are exact differences of two doubles: 5.2e as a vector. The origins' difference is exact or
-//     rounded once; two more sums: below 8.2e times the size.
+// (a) A difference. Per entry, M_P p and M_R r are three products and two sums (3e |p|, 3e |r|: rows are at most
+//     1 + 2e-6 long), where p and r are exact differences of two doubles: 5.2e as a vector. The origins' difference is
+//     exact or rounded once; two more sums: below 8.2e times the size.
 // (b) Support. Turning d into a body's frame errs by 3e an entry, 5.2e |d|, which moves the least product by at most
 //     10.4e |d| r. The vertex is extreme exactly along the direction computed. Evaluating d·w errs by 3e |d| |w|, and w
 //     errs by (a). In all: below 22e |d| times the size.
@@ -33,7 +32,7 @@ constexpr double kDifference = 16 * kDoubleDoubleError, kSupport = 64 * kDoubleD
 // angle, the lower bound loses the angle times the bodies' size, and the distance only its square.
 constexpr double kSquareTie = 1 + 0x1p-49;
 constexpr double kSquares = 32 * kDoubleDoubleError;  // of squares, their products and differences: ten operations
-// Of heights and lengths when rounded to doubles, with norms, quotients and sums of weights in doubles: below 8u.
+// The error of heights and lengths rounded to doubles, with norms, quotients and sums of weights in doubles: below 8u.
 constexpr double kHeightRounding = 0x1p-49, kLengthRounding = 0x1p-48;
 
 // The unit is a power of two near the pair's size. Vertices, translations and inflation radii are scaled to it first,

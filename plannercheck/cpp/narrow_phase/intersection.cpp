@@ -31,7 +31,7 @@ Proximity along(Vec3 direction) {
   return start;
 }
 
-// What is left open by bodies with dents, whose hulls meet no deeper than these, or hardly.
+// The verdict where hulls meet no deeper than the bodies' dents, or hardly: the bodies stay open.
 PairVerdict open_verdict() {
   PairVerdict verdict;
   verdict.shared = true;
@@ -47,8 +47,8 @@ PairVerdict within_hull_excess(const PosedPolytope& body_a, const PosedPolytope&
   return found.answer == Answer::kUndecided ? open_verdict() : near_verdict(found, Stage::kNearest);
 }
 
-// Says of a verdict of hulls whether it is that of the bodies. What filters and solvers find is deeper than dents, and
-// what centres and vertices tell holds for bodies with dents as well, which hold both.
+// Decides whether a verdict on hulls also holds for the bodies. Filters and solvers report only overlaps deeper than
+// the dents; centres and vertices belong to dented bodies, too.
 void settle(const PosedPolytope& body_a, const PosedPolytope& body_b, const PairOptions& options,
             PairVerdict& verdict) {
   if (!verdict.shared) return;
@@ -74,8 +74,9 @@ PairVerdict without_polar(const PosedPolytope& body_a, const PosedPolytope& body
   return exact_verdict(body_a, body_b, options.warm_start ? found : along(found.direction));
 }
 
-// In O(log n + log m) steps, whichever the solver: the oracle has a constant number of rounds, after which the walk
-// goes on. What both leave are gaps too small for the polar's bound, or within the inflation radius of separated hulls.
+// Takes O(log n + log m) steps with either solver: the oracle has a constant number of rounds, after which the walk
+// goes on. Both leave open only gaps too small for the polar's bound, and hulls apart by less than their inflation
+// radius.
 Certificate solver_certificate(const PairFrame& frame, std::int32_t lowest, Solver solver, PairCounters& counters) {
   if (solver == Solver::kDoubleOracle) {
     if (const std::optional<Certificate> found = double_oracle(frame, lowest, counters)) return *found;
@@ -93,7 +94,7 @@ PairVerdict solved(const PosedPolytope& body_a, const PosedPolytope& body_b, con
   return without_polar(body_a, body_b, body_b.pose.rotate(certificate.q), options, counters);
 }
 
-// What is kept for the next poses of this pair; null where nothing is.
+// The memory for the next poses of this pair; null if nothing is kept.
 PairMemory* kept(const Polytope& body_b, const PairOptions& options, PairMemory* memory) {
   return options.cached_plane && body_b.has_polar() ? memory : nullptr;
 }

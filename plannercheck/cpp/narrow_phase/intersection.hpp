@@ -14,18 +14,18 @@ namespace plannercheck {
 
 enum class Solver { kDoubleOracle, kWalk, kExact };
 
-// Every optimisation can be turned off; verdicts do not depend on it.
+// Every optimisation can be turned off; verdicts depend on none.
 struct PairOptions {
   Solver solver = Solver::kDoubleOracle;
   bool cached_plane = true;
   bool box_face = true;  // of pairs whose boxes meet
   bool centre_axis = true;
-  bool turned_axis = true;     // whether the axis is turned to where equivalent ellipsoids would face each other
+  bool turned_axis = true;     // whether the axis is turned to where equivalent ellipsoids face each other
   bool nearest_points = true;  // the second filter
   bool double_double = true;   // the third filter; without both, exact arithmetic decides what the solver leaves
   bool warm_start = true;      // whether each stage begins with the vertices where the one before gave up
   bool trees_first = true;     // whether solids whose hulls met last are tested before their hulls
-  bool dents = true;           // whether hulls that meet deeper than the dents of their solids are the last word
+  bool dents = true;           // whether hulls that meet deeper than the dents of their solids decide the pair
   bool part_trees = true;      // of boxes, of sets of parts; off, each part is tested by itself
 };
 
@@ -36,15 +36,15 @@ struct CachedPlane {
   bool valid = false;
 };
 
-// What earlier poses of a pair have shown, which no verdict depends on.
+// What earlier poses of a pair have shown. No verdict depends on it.
 struct PairMemory {
   CachedPlane plane;
 };
 
 struct PairVerdict {
   bool shared = false;  // by the hulls
-  // Whether the bodies share a point if `shared`: false of solids, unless their hulls meet deeper than the solids'
-  // dents. Where they are about as deep in each other, `shared` means that the hulls may meet.
+  // Whether `shared` also holds for the bodies: false for solids, unless their hulls meet deeper than the solids'
+  // dents. If they meet about as deep as the dents, `shared` only means that the hulls may meet.
   bool settles = true;
   Stage stage = Stage::kSolver;
   Certificate certificate;           // up to stage kSolver
@@ -52,7 +52,7 @@ struct PairVerdict {
   std::optional<ExactAnswer> exact;  // stage kExact
 };
 
-// From B to A, in the world, for bodies that are apart: up to rounding, and exactly in the last two stages.
+// A direction from B to A, in the world, for bodies that are apart; exact in the last two stages.
 struct FoundDirection {
   Vec3 rounded;
   std::optional<DyadicVec3> exact;
@@ -62,7 +62,8 @@ FoundDirection direction_found(const PairVerdict& verdict, const PosedPolytope& 
 // The verdict of a certificate that is not undecided; caches its plane.
 PairVerdict certified(const Certificate& certificate, PairMemory* memory);
 
-// The body whose polar is better conditioned B: 0 for `a`, 1 for `b`. Bodies without volume have none.
+// Which body becomes B: the one whose polar is better conditioned; 0 for `a`, 1 for `b`. Bodies without volume have no
+// polar.
 int choose_b(const Polytope& a, const Polytope& b);
 
 // `likely`: most poses of this pair share a point, so such a certificate is sought first. Verdicts do not depend on it.

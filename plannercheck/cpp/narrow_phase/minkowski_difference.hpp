@@ -29,7 +29,7 @@ class MinkowskiDifference {
 
   // No difference is longer, up to rounding.
   double size() const { return size_; }
-  // Of a difference as a vector; of the lowest height along a direction of length 1 up to rounding.
+  // The error of a difference as a vector, and of the lowest height along a direction whose length is 1 up to rounding.
   double difference_error() const { return kDifference * size_ + kDenormalError; }
   double support_error() const { return kSupport * size_ + kDenormalError; }
 

@@ -5,13 +5,13 @@
 
 namespace plannercheck {
 
-// One for each thread; its next call moves the same body. Equal to a prepared one for all tests but those with solids.
+// Each thread has one body, which its next call moves. All tests but those with solids take it as a prepared body.
 const Polytope& ball_at(Vec3 point, double radius);
 
-// The same, also for tests with solids; it allocates.
+// The same body, prepared for tests with solids as well; it allocates.
 const Polytope& ball_with_surface_at(Vec3 point, double radius);
 
-// One at the origin, of radius 0, which stays there.
+// A body of radius 0 at the origin, which never moves.
 const Polytope& point_at_origin();
 
 }  // namespace plannercheck

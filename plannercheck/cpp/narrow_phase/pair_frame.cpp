@@ -37,8 +37,8 @@ namespace {
 constexpr double kPairError = 64 * 0x1p-53;     // (a) without δ, plus the larger of (b) and (c): at most 60u
 constexpr double kMixtureError = 40 * 0x1p-53;  // of each game whose mixture is mixed again
 constexpr double kAxisLength = 1 + 4e-6;        // of a column of M_Rᵀ M_P: both bodies are off rigid by at most 3.6e-6
-// M_Rᵀ M_P is within 1.5 kAxisDefect of a rotation, so that the product of two columns is within 3.1 times as much of
-// the third one.
+// M_Rᵀ M_P is within 1.5 kAxisDefect of a rotation, so the cross product of two columns is within 3.1 times that of the
+// third column.
 constexpr double kEdgeSkew = 5 * kAxisDefect;
 constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six dot products of unit columns
 

@@ -3,7 +3,7 @@
 //
 // The polar describes B's hull R = {x : q·x <= 1 for all polar points q}, in B's frame relative to its centre. A's hull
 // P has the vertices M p + t under the relative pose. In this frame a game decides: v = min over x in P of max over q
-// in conv(polar) of q·x If v > 1, the plane q·x = 1 separates the bodies; if v <= 1, they share the point x (Theorem
+// in conv(polar) of q·x. If v > 1, the plane q·x = 1 separates the bodies; if v <= 1, they share the point x (Theorem
 // "Polarity of polyhedra"; both polars are implicit in the game). Inflated bodies share a point if the distance of
 // their hulls is at most the sum of both inflation radii, in m of the world.
 #pragma once
@@ -21,17 +21,17 @@ struct PosedPolytope {
   Pose pose;
 };
 
-// Whether what the bodies hold is known by their hulls: these are the bodies, or the bodies but for shallow dents.
+// Whether both bodies equal their hulls, but for dents of known depth.
 inline bool equal_their_hulls(const PosedPolytope& a, const PosedPolytope& b) {
   return a.body->dents.are_known() && b.body->dents.are_known();
 }
-// Whether there are such dents.
+// Whether both bodies equal their hulls but for dents, and one has dents.
 inline bool have_dents(const PosedPolytope& a, const PosedPolytope& b) {
   return larger(a.body->dents.deepest, b.body->dents.deepest) > 0 && equal_their_hulls(a, b);
 }
 // Poses stretch lengths by less than this.
 inline constexpr double kDentStretch = 1 + 1e-5;
-// How far points of the bodies' hulls are at most from points of the bodies themselves, in m.
+// How far points of the bodies' hulls may be from the bodies, in m.
 inline double reach_of_dents(const Polytope& a, const Polytope& b) {
   return (a.dents.deepest * a.radius + b.dents.deepest * b.radius) * kDentStretch;
 }
@@ -70,8 +70,8 @@ inline PairCounters& operator+=(PairCounters& sum, const PairCounters& more) {
   return sum;
 }
 
-// What the products of two columns of M_Rᵀ M_P, or one's with itself, are off by at most: both bodies are off rigid by
-// 3.6e-6.
+// By how much the columns of M_Rᵀ M_P may be off orthonormal: the product of two, or of one with itself. Both bodies
+// are off rigid by 3.6e-6.
 inline constexpr double kAxisDefect = 8e-6;
 
 class PairFrame {
@@ -93,8 +93,8 @@ class PairFrame {
   // An upper bound of ‖M_RᵀM_R − 1‖.
   double defect() const { return defect_; }
 
-  // How far a coordinate of A may be off in this frame, with room for a few operations on it; and how much more
-  // for each m that A reaches further from its frame's origin.
+  // The error of a coordinate of A in this frame, with room for a few operations on it; and its growth for each m that
+  // A extends further from its frame's origin.
   double pose_error() const { return pose_error_; }
   double pose_error_growth() const;
 
@@ -118,7 +118,7 @@ class PairFrame {
   // Whether R contains x, such a mixture of A vertices. `value`: the largest q·x over polar points, by `extreme`.
   bool contains(double value, long mixtures = 0) const { return value < 1 - error(mixtures); }
 
-  // Whether a point of both hulls has to be past the dents of both bodies to tell anything.
+  // Whether a point of both hulls decides only if it is past the dents of both bodies.
   bool has_dents() const { return has_dents_; }
   // The point of A's hull nearest to x, towards A's centre, that is past A's dents.
   Vec3 past_dents_of_a(Vec3 x) const;

@@ -51,8 +51,8 @@ PairDistance sets_distance(const PosedPolytope& body_a, const PosedPolytope& bod
   return parts_distance(body_a, body_b, limit, least, counters, true, visit);
 }
 
-// That of the hulls is a lower bound; where the bodies share a point, it is minus a depth that separates them, and they
-// may be in each other by less.
+// The hulls' distance is a lower bound of the bodies'. If the bodies share a point, it is minus a depth that separates
+// them; the least such depth may be smaller.
 template <Contact contact, auto distance>
 PairDistance past_hulls(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit, PairCounters& counters,
                         const PartVisitor* visit) {

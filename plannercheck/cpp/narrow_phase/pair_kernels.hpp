@@ -11,7 +11,7 @@
 namespace plannercheck {
 
 struct PairKernel {
-  // Whether two bodies share a point. `b` B, see choose_b; verdicts do not depend on it.
+  // Whether two bodies share a point. `b` should be B, see choose_b; verdicts do not depend on it.
   bool (*share)(const PosedPolytope& a, const PosedPolytope& b, const PairOptions& options, PairCounters& counters);
   // What they share. `guess`: where the pair met last; it only saves time.
   SolidContact (*contact)(const PosedPolytope& a, const PosedPolytope& b, const SolidContact& guess,

@@ -15,7 +15,8 @@
 
 namespace plannercheck {
 
-// Of any two bodies. All pieces that overlap are looked at, which pair_distance does not take the time for.
+// The signed distance of any two bodies. Looks at all pieces that overlap, for which pair_distance does not take the
+// time.
 PairDistance signed_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, PairCounters& counters);
 
 }  // namespace plannercheck

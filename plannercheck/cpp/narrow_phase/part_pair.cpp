@@ -21,7 +21,7 @@ constexpr double kPartGapRounding = 1 - 1e-5;
 // The sides of a node's box in its set's frame err by less than these parts of the set's middle, and of a unit.
 constexpr double kNodeMiddleError = 0x1p-50, kNodeUnitError = 0x1p-48;
 
-// Filled again for each part: a part is tested a million times a second.
+// Reused for each part, because a million parts are tested a second.
 struct PartBodies {
   PartBody a, b;
 };
@@ -51,7 +51,7 @@ class BallsOfLeaves {
  public:
   BallsOfLeaves(const PosedPolytope& set, const PosedPolytope& body) : set_(set), hull_(body, set.pose) {}
 
-  // Those of a leaf's balls, a bit each, that share a point with the hull.
+  // The balls of a leaf that share a point with the hull, a bit each.
   unsigned met(std::size_t leaf, PairCounters& counters) {
     static_assert(kPartsInLeaf == kMostPoints);
     const PartSet& parts = set_.body->as<PartSet>();
@@ -107,7 +107,7 @@ std::int32_t place_met(const PosedPolytope& set, const PosedPolytope& body, cons
   return met;
 }
 
-// The same without the tree, and without what is inside of the body: each part by the test of pairs.
+// As place_met, but without the tree and the body's inner shapes: each part takes the test of pairs.
 std::int32_t first_place_met(const PosedPolytope& set, const PosedPolytope& body, PairCounters& counters) {
   const PartSet& parts = set.body->as<PartSet>();
   PartBody& filled = part_bodies().a;
@@ -215,7 +215,7 @@ class PartsDistance {
         counters_(counters),
         visit_(visit) {}
 
-  // `A` is the set or the body: the way in which directions and points are given.
+  // `set_is_a`: whether A is the set, which decides how directions and points are given.
   PairDistance run(bool set_is_a, bool trees = true) {
     set_is_a_ = set_is_a;
     if (!trees) {
@@ -291,7 +291,7 @@ class PartsDistance {
   }
 };
 
-// Of two sets: the least over the parts of the first one, one after another.
+// The least distance of two sets: over the parts of the first set, one after another.
 PairDistance sets_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
                            PairCounters& counters, bool trees, const PartVisitor* visit) {
   const PartSet& parts = body_a.body->as<PartSet>();

@@ -23,8 +23,8 @@ struct PartContact {
 PartContact parts_contact(const PosedPolytope& a, const PosedPolytope& b, const PartContact& guess,
                           PairCounters& counters, bool trees = true);
 
-// Of two bodies that share no point. `limit`, `visit`: as for pair_distance. `least`: a lower bound that is known.
-// `trees`: as for parts_contact.
+// The distance of two bodies that share no point. `limit`, `visit`: as for pair_distance. `least`: a lower bound that
+// is known. `trees`: as for parts_contact.
 PairDistance parts_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit, double least,
                             PairCounters& counters, bool trees = true, const PartVisitor* visit = nullptr);
 

@@ -17,21 +17,21 @@
 
 namespace plannercheck {
 
-// Children of a node that may be near, and by how much boxes are apart along the axes, in the tree's units; negative
-// for those that are near.
+// Children of a node that may be near, and the gaps of all boxes along the axes, in the tree's units; negative where
+// boxes are near.
 struct NearParts {
   unsigned bits;
   Floats gap;
 
-  // One of the least gap.
+  // A child with the least gap.
   unsigned deepest() const {
     return static_cast<unsigned>(__builtin_ctz(plannercheck::bits(gap == Floats{} - largest(-gap)) | 1U << kChildren)) %
            kChildren;
   }
 };
 
-// Between the frames of a body and of a set, whose poses are rigid up to 3.6e-6, whence the room: the transposed
-// rotation is taken for the inverse one.
+// Maps between the frames of a body and of a set. Their poses are rigid up to 3.6e-6 and the transpose serves as the
+// inverse, so `error` has room for both.
 class RigidTurn {
  public:
   RigidTurn(const Pose& body, const Pose& set);
@@ -48,7 +48,7 @@ class RigidTurn {
   }
   double entry(std::size_t in_set, std::size_t in_body) const { return m_[3 * in_set + in_body]; }
   Vec3 in_body() const { return in_body_; }  // the set's origin
-  // How far a place may be off, |.|_1 of which is at most `reach` before.
+  // The error of a mapped point whose |.|_1 is at most `reach` before.
   double error(double reach) const;
 
  private:
@@ -93,12 +93,12 @@ class PartWalk {
     }
   }
 
-  // Leaves out, from the next node on, what is beyond the body along a direction of its frame, in place of the oldest
-  // such one.
+  // From the next node on, leaves out boxes beyond the body along this direction of its frame, in place of the oldest
+  // such direction.
   void leave_out_beyond(Vec3 way, PairCounters& counters) { way_ = way, counters_ = &counters; }
 
   NearParts near(const PartNode& node) const;
-  // The same children; gaps count only where there are any.
+  // The same children; gaps are set only if a child may be near.
   NearParts near_children(const PartNode& node) const;
   // The parts of a leaf, one bit each.
   unsigned near_in_leaf(std::size_t leaf) const;

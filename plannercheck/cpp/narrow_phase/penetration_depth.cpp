@@ -16,14 +16,14 @@ namespace {
 // neither overflow nor underflow.
 constexpr double kSmallestUnscaled = 0x1p-100, kLargestUnscaled = 0x1p100;
 
-// Of the size: a vertex is beyond a plane, or differences span another dimension, by more than rounding. Nothing but
+// A vertex is beyond a plane, and differences span another dimension, only by more than this part of the size. Only
 // time depends on it.
 constexpr double kTie = 8 * 0x1p-53;
 // The bounds meet if they are within so many of the errors of both.
 constexpr double kClosed = 4;
-// Faces whose normals differ by less are of one plane.
+// Faces whose normals differ by less count as one plane.
 constexpr double kSamePlane = 1e-6;
-// Of a normal's length, and of the difference of two.
+// The error of a normal's length, and of the difference of two normals.
 constexpr double kUnitRounding = 16 * 0x1p-53;
 // Rounds of doubles, of which each adds a corner, and of exact hulls, which are built anew in each.
 constexpr int kMostRounds = 20000, kMostExactRounds = 400;

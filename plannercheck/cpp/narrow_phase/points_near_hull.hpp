@@ -25,11 +25,11 @@ class PointsNearHull {
                 PairCounters& counters);
 
   // A direction of the body's frame, of any length, along which points of the last call may be beyond the body: the
-  // last that kept one away, or the way from the centre to the first point.
+  // last direction that kept a point away, or from the centre to the first point.
   Vec3 beyond() const { return beyond_; }
 
-  // Those that a ball and a box around the body do not leave out, in a few operations. A ball around points that holds
-  // their radii, too, stands for all of them.
+  // The bits of the points that a ball and a box around the body leave open, in a few operations. A ball around several
+  // points and their radii may stand for all of them.
   unsigned maybe_near(const double* x, const double* y, const double* z, const double* radii, int count) const;
 
  private:
@@ -55,7 +55,7 @@ class PointsNearHull {
   bool is_near(Vec3 point, double radius, PairCounters& counters);
 };
 
-// The same for points of one call.
+// PointsNearHull::near, for a single call.
 unsigned points_near_hull(const PosedPolytope& body, const Pose& frame, const double* x, const double* y,
                           const double* z, const double* radii, int count, PairCounters& counters);
 

@@ -3,14 +3,15 @@
 namespace plannercheck {
 namespace {
 
-// Of M⁻¹ (p − t), times the magnitude of p and t together, y: the difference errs by u|y|. Entries of the adjugate err
-// by 4u, its products with y and their sums by 3u of at most √3 |y|: 18u|y|. The determinant is 1 up to 6e-6 and errs
-// by 13u, its reciprocal and the product with that by one more each: 26u|y|. What p errs by, 5u (a product, three
-// sums, and rounding of the magnitude), is turned: at most √3 times that, 9u.
+// The error of M⁻¹ (p − t), as a part of y, the magnitude of p and t together: the difference errs by u|y|. Entries of
+// the adjugate err by 4u, its products with y and their sums by 3u of at most √3 |y|: 18u|y|. The determinant is 1 up
+// to 6e-6 and errs by 13u, its reciprocal and the product with that by one more each: 26u|y|. What p errs by, 5u (a
+// product, three sums, and rounding of the magnitude), is turned: at most √3 times that, 9u.
 constexpr double kInverseError = 64 * kRoundoff;
 
-// Of a relative pose, times |p|_1 + |t_a − t_b|_1: its columns are M⁻¹ times vectors, each coordinate of which errs by
-// 26u of the vector's length, as above, and its shift by u more for the difference; products and sums add 4u.
+// The error of a relative pose, as a part of |p|_1 + |t_a − t_b|_1: its columns are M⁻¹ times vectors, each coordinate
+// of which errs by 26u of the vector's length, as above, and its shift by u more for the difference; products and sums
+// add 4u.
 constexpr double kRelativeError = 48 * kRoundoff;
 
 }  // namespace

@@ -48,7 +48,7 @@ Vec3 of_vertex(const PosedPolytope& inner, std::int32_t vertex) {
   return nearest_point(apply_exactly(inner.pose, point), Dyadic(1.0));
 }
 
-// Of a body that is no set: at its deepest vertex, or between that and the plane.
+// For a body that is no set: its deepest vertex, or a point between that vertex and the plane.
 Vec3 of_half_space(const PosedPolytope& half_space, const PosedPolytope& body) {
   const auto plane = posed_plane<Dyadic, DyadicVec3>(half_space.body->as<HalfSpace>(), half_space.pose);
   const DyadicVec3 shift(half_space.pose.translation());

@@ -42,7 +42,7 @@ class ContactSearch {
     return hulls_share_ == false ? SolidContact{} : nested();
   }
 
-  // The same for bodies of whose hulls nothing is known, which are tested if the trees do not soon tell.
+  // The same if it is not known whether the hulls meet: they are tested if the trees do not decide soon.
   SolidContact run(const SolidContact& guess, HullTest& hulls, int patience) {
     hulls_ = &hulls, patience_ = patience;
     return run(guess);

@@ -50,7 +50,7 @@ SolidContact triangles_contact(const PosedPolytope& a, const PosedPolytope& b, c
 class HullTest {
  public:
   virtual bool share() = 0;
-  // Whether that was the last word on the bodies, see PairVerdict.
+  // Whether that decided the bodies as well, see PairVerdict.
   virtual bool settled() const = 0;
 
  protected:

@@ -27,7 +27,7 @@ inline std::int32_t extreme(const Levels& levels, Vec3 u, QueryCounters& counter
   return extreme(levels, u.x, u.y, u.z, counters);
 }
 
-// The same from any vertex v: up through the rings to a vertex that is extreme at the level where it appears, then
+// As `extreme`, from any vertex v: up through the rings to a vertex that is extreme at the level where it appears, then
 // down. Each ring leads to a coarser level, so this is O(log n) from any vertex.
 std::int32_t extreme_from(const Levels& levels, std::int32_t v, Vec3 u, QueryCounters& counters);
 

@@ -5,7 +5,7 @@
 namespace plannercheck {
 namespace {
 
-// Of a number that is rounded to a float.
+// The error of a number that is rounded to a float, as a part of it.
 constexpr double kRoundedToFloat = 0x1p-24;
 
 // Directions are longer than 1 by less than this, an error in each coordinate is √3 at most, and bounds are rounded.

@@ -47,11 +47,11 @@ class TreeMap {
   float scale_, room_;
 };
 
-// Of sums of a few products of floats.
+// The rounding of sums of a few products of floats.
 inline constexpr float kFloatSums = 0x1p-20F;
 
-// Of all half extents and the way between middles: what axes are not orthonormal by, in the tree that they come from
-// (kAxisError) and by poses that are not rigid (2^-17), and kFloatSums for products and sums.
+// The error as a part of all half extents and of the way between middles: axes are off orthonormal in their tree
+// (kAxisError) and by poses that are not rigid (2^-17); kFloatSums is for products and sums.
 inline constexpr float kLaneError = 0x1p-12F;
 static_assert(kLaneError >= kAxisError + 0x1p-17F + 4 * kFloatSums);
 
@@ -99,16 +99,16 @@ struct Meeting {
   return gap;
 }
 
-// The same along directions at right angles to an axis of each, but for the room times kEdgeRoom. With w the way, u and
-// v the axes, R = u · v, and j1, j2 those after j: (w · u_j2) R_j1i − (w · u_j1) R_j2i = w · D for D = v_i × d_j and
-// d_j = u_j2 × u_j1, whatever the axes are (Lagrange). So w · D is at most Σ h_k |u_k · D| + Σ g_l |v_l · D| + |D| |e|.
+// The largest gap along directions at right angles to an axis of each box, but for the room times kEdgeRoom. With w the
+// way, u and v the axes, R = u · v, and j1, j2 those after j: (w · u_j2) R_j1i − (w · u_j1) R_j2i = w · D for D = v_i ×
+// d_j and d_j = u_j2 × u_j1, whatever the axes are (Lagrange). So w · D is at most Σ h_k |u_k · D| + Σ g_l |v_l · D| +
+// |D| |e|.
 // - u_k · D is given by the same formula with u_k for w: for orthonormal axes 0, −R_j2i and R_j1i, from which it is off
 //   by √2 ε at most, ε = kAxisError;
-// - v_i · D is 0, and v_l · D = d_j · (v_l × v_i), which is ± u_j · v_k with k the third one, but for what d_j is off
-// −u_j
-//   by, √2 ε, and v_l × v_i off ± v_k by, 2.1 ε' with ε' = ε + 2^-17: a part along both of √2 ε', one across of 1.5 ε'.
-// That is √2 ε of all h and 3.7 ε of g; products and sums round by less than 2 kFloatSums of w, h and g. The room has 2
-// ε of each.
+// - v_i · D is 0, and v_l · D = d_j · (v_l × v_i), which is ± u_j · v_k with k the third axis, but for two errors: d_j
+//   is off −u_j by √2 ε, and v_l × v_i is off ± v_k by 2.1 ε' with ε' = ε + 2^-17 (along both √2 ε', across 1.5 ε').
+// In all, √2 ε of all h and 3.7 ε of g; products and sums round by less than 2 kFloatSums of w, h and g. The room has
+// 2 ε of each.
 inline constexpr float kEdgeRoom = 3;
 static_assert(kEdgeRoom * kLaneError >= 1.42F * kAxisError + 2.1F * (kAxisError + 0x1p-17F) + 2 * kFloatSums);
 

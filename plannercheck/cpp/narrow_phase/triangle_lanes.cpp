@@ -6,7 +6,7 @@
 namespace plannercheck {
 namespace {
 
-// Of sums, products and roots of positive numbers, a few of them one after another.
+// Rounds up the result of a few sums, products and roots of positive numbers.
 constexpr double kLaneRoundedUp = 1 + 16 * kRoundoff;
 
 struct LaneVec {
@@ -30,7 +30,8 @@ SignBits signs(Lanes volume, double bound) { return {bits(volume > bound), bits(
 
 typedef std::array<LaneVec, 3> LaneCorners;
 
-// Of one triangle's corners by sides of the other's plane: those edges whose ends are surely on one side pass it by.
+// The edges of a triangle, by the sides of the other triangle's plane: an edge whose ends are surely on one side passes
+// it by.
 struct EdgeSides {
   std::array<unsigned, 3> same, crosses;
 };
@@ -45,7 +46,7 @@ EdgeSides edge_sides(const std::array<SignBits, 3>& s) {
   return out;
 }
 
-// Adds what an edge tells whose line passes the other triangle's edges with these signs.
+// Adds the answer of one edge: `a`, `b`, `c` say how its line passes the other triangle's edges.
 void take_edge(const SignBits& a, const SignBits& b, const SignBits& c, unsigned same, unsigned crosses,
                TriangleLanes& out) {
   const unsigned above = a.above | b.above | c.above, below = a.below | b.below | c.below;
@@ -84,7 +85,7 @@ TriangleLanes against(const TriangleCorners& t, const LaneCorners& c, double bou
     left &= ~((of_t[0].above & of_t[1].above & of_t[2].above) | (of_t[0].below & of_t[1].below & of_t[2].below));
     if (left == 0) return {};
   }
-  // Of edge i of the triangle with edge j of each of the others.
+  // The volume of edge i of the triangle with edge j of each other triangle.
   std::array<std::array<SignBits, 3>, 3> volume;
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3 from = t[i], way = t[i == 2 ? 0 : i + 1] - from;

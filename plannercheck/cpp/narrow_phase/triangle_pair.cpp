@@ -5,7 +5,7 @@
 namespace plannercheck {
 namespace {
 
-// Of a volume det(b − a, c − a, d − a) whose exact coordinates are within e of the given ones and whose differences are
+// The error of a volume det(b − a, c − a, d − a). The given coordinates are within e of the exact ones, differences are
 // at most L in size: a difference errs by r = 2e + uL, so that a product of three errs by 3L²r (1 + r/L)², six of them
 // by 18 L² r = 36 L² e + 18u L³ up to a part in a million; multiplying and adding up rounds six products of L³ at most
 // six times each, 36u L³.

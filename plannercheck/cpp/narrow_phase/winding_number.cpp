@@ -11,9 +11,9 @@
 namespace plannercheck {
 namespace {
 
-// Of signs whose point errs by e in each coordinate and whose differences are at most L in size. A difference errs by
-// e + uL. In the plane: four such errors, each times L, and 4u L² of rounding. In space only one column errs by e, the
-// others by uL: each of six products errs by L² (e + 3uL), and rounding adds 6 · 6u L³.
+// The errors behind signs. The point errs by e in each coordinate, differences are at most L in size and err by e + uL.
+// In the plane: four such errors, each times L, and 4u L² of rounding. In space only one column errs by e, the others
+// by uL: each of six products errs by L² (e + 3uL), and rounding adds 6 · 6u L³.
 constexpr double kTurnOfError = 6, kTurnOfRounding = 12 * kRoundoff;
 constexpr double kHeightOfError = 8, kHeightOfRounding = 64 * kRoundoff;
 
@@ -44,7 +44,7 @@ class FramedPoint {
   Vec3 rounded() const { return rounded_; }
   double error() const { return error_; }
 
-  // Of the turn from a to b around the point, seen from above.
+  // The sign of the turn from a to b around the point, seen from above.
   int turn(Vec3 a, Vec3 b) {
     const double ax = a.x - rounded_.x, ay = a.y - rounded_.y, bx = b.x - rounded_.x, by = b.y - rounded_.y;
     const double size = larger(larger(std::fabs(ax), std::fabs(ay)), larger(std::fabs(bx), std::fabs(by)));

@@ -30,6 +30,7 @@ from plannercheck.common.checked_yaml import check_keys, error_context, mapping,
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.motion_paths import MotionPath, check_path
+from plannercheck.common.package_data import why_no_file
 from plannercheck.common.unique_keys import object_of
 from plannercheck.robots.configurations import ConfigurationMap
 from plannercheck.robots.description import RobotDescription, description_of
@@ -181,7 +182,7 @@ def _turned(found: PathFile, robot: AnyRobot, spread: ConfigurationMap | None, p
 def _check_exists(path: Path) -> None:
     """Raises if there is nothing at a path; pipes pass."""
     if not os.path.exists(path):  # noqa: PTH110  # Path.exists raises where one may not look
-        raise PlannercheckError(f"path file {str(path)!r} does not exist")
+        raise PlannercheckError(f"path file {str(path)!r} {why_no_file(path)}")
 
 
 def _check_text(path: Path) -> None:
