@@ -89,8 +89,7 @@ def closing(points: Floats, edges: Ints64) -> tuple[Ints, Caps]:
 
 def _edges(triangles: Ints | Ints64) -> Ints64:
     """Directed edges (3 m, 2) of triangles (m, 3)."""
-    found: Ints64 = triangles.astype(np.int64)[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    return found
+    return triangles.astype(np.int64)[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
 
 
 def _uncancelled(edges: Ints64) -> Ints64:
@@ -141,8 +140,7 @@ def _in_units_of_seam(points: Floats) -> Floats:
     """Points (n, 3) from the lowest corner of their box on, at most 1 / SEAM; no size of a mesh overflows."""
     extent = np.ptp(points / 2, axis=0).max(initial=0.0)
     halves: Floats = points / 2 - (points / 2).min(axis=0, initial=np.inf)
-    units: Floats = np.minimum(halves / extent, 1.0) / SEAM if extent else np.zeros_like(points)
-    return units
+    return np.minimum(halves / extent, 1.0) / SEAM if extent else np.zeros_like(points)
 
 
 def _seam_triangles(edges: Ints64, joined: Ints64) -> Ints64:
@@ -187,8 +185,7 @@ def _first_of_plain_loops(edges: Ints64) -> Ints64:
     for _ in range(count.bit_length()):  # twice as many vertices ahead each time
         first, meets_branch = np.minimum(first, first[onward]), meets_branch | meets_branch[onward]
         onward = onward[onward]
-    found: Ints64 = np.where(meets_branch[tail], -1, vertices[first[tail]])
-    return found
+    return np.where(meets_branch[tail], -1, vertices[first[tail]])
 
 
 def _loops_of_branches(edges: Ints64, points: Floats) -> Iterator[list[int]]:

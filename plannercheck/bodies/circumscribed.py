@@ -59,6 +59,14 @@ def without_volume(ring: NDArray[np.float64], length: float) -> NDArray[np.float
     return np.column_stack([ring, np.zeros(len(ring))]) if ring.any() else segment(length)
 
 
+def sphere_points(count: int) -> NDArray[np.float64]:
+    """(count, 3) unit vectors spread evenly, on a spiral."""
+    number = np.arange(count)
+    height = 1 - (2 * number + 1) / count
+    angle, radius = np.pi * (3 - np.sqrt(5)) * number, np.sqrt(1 - height**2)
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
+
+
 def ring_around(radius: float, excess: float) -> NDArray[np.float64]:
     """Corners (k, 2) of a regular polygon around a circle, counter-clockwise, k a multiple of 4."""
     smallest = math.pi / math.acos((1 + 2 * ROUNDING_MARGIN) / (1 + excess))

@@ -84,7 +84,7 @@ def objects_of_collada(content: bytes) -> tuple[list[RawObject], ColladaAxes]:
         if tag(each) and tag(each) not in _OTHERS:
             raise PlannercheckError(f"{_named(scene)} has <{shortened(tag(each))}>, which Collada does not have there")
     stack: list[tuple[Element, Floats, tuple[int, ...]]]
-    stack = [(node, np.eye(4), (id(node),)) for node in reversed(_nodes(scene))]
+    stack = [(node, np.eye(4), (id(node),)) for node in reversed(children(scene, "node"))]
     while stack:
         node, outer, path = stack.pop()
         count += 1
@@ -93,7 +93,7 @@ def objects_of_collada(content: bytes) -> tuple[list[RawObject], ColladaAxes]:
                 f"has more than {_MOST_NODES} nodes in its scene, or {_DEEPEST} inside of each other"
             )
         pose = composed(outer, _pose(node))
-        below = _nodes(node)
+        below = children(node, "node")
         for each in node:
             kind = tag(each)
             if kind == "instance_geometry":
@@ -162,11 +162,6 @@ def _target(instance: Element, known: Named, kind: str) -> Element:
         count = f"{len(targets)} <{kind}> of this id: make ids unique" if targets else f"no such <{kind}>"
         raise PlannercheckError(f"<{tag(instance)}> names {shortened(url)!r}, but the file has {count}")
     return targets[0]
-
-
-def _nodes(element: Element) -> list[Element]:
-    """The nodes directly below a node or a scene."""
-    return children(element, "node")
 
 
 def _instance(

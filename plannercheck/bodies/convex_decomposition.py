@@ -104,16 +104,12 @@ def made_pieces(mesh: TriangleMesh, options: Decomposition, name: str, remesh: i
 
 def known_pieces(mesh: TriangleMesh, options: Decomposition) -> Pieces | None:
     """The pieces that are shipped for a mesh, or cached; None if CoACD has to make them."""
-    if _makes_usual_pieces(options) and (pieces := shipped_pieces(mesh)) is not None:
+    makes_usual_pieces = options == Decomposition(links=options.links, time_limit=options.time_limit)
+    if makes_usual_pieces and (pieces := shipped_pieces(mesh)) is not None:
         return pieces
     cache = _cache_file(mesh, options)
     data = None if cache is None else read_cached(cache)
     return None if data is None else unpacked(data)
-
-
-def _makes_usual_pieces(options: Decomposition) -> bool:
-    """Whether a mesh's pieces are those of the default options."""
-    return options == Decomposition(links=options.links, time_limit=options.time_limit)
 
 
 def _coacd(mesh: TriangleMesh, options: Decomposition, name: str, remesh: int | None) -> list[Floats]:

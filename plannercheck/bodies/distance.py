@@ -12,9 +12,8 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.given_bodies import GivenBody, given_polytope
+from plannercheck.bodies.given_bodies import GivenBody, given_polytope, queries
 from plannercheck.bodies.kinds import are_bounded
-from plannercheck.bodies.pair_queries import queries
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 from plannercheck.common.public_names import set_module

@@ -12,11 +12,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.bodies.integers import on_one_scale
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Bools, Floats, Ints64
 from plannercheck.common.arrays import distinct
@@ -26,7 +25,6 @@ from plannercheck.common.arrays import distinct
 _SIDE_ERROR = 24 * 2.0**-53
 # Products that underflow err by less than this: coordinates are below 1e50 m.
 _UNDERFLOW = 1e-200
-_MANTISSA_BITS = 53
 # Corners against facets that are held at once.
 _MOST_SIGNS = 1 << 22
 
@@ -132,19 +130,9 @@ def _are_within(parts: Parts, facets: Floats) -> Bools:
 
 def _beyond_exactly(weights: Ints64, triangles: Floats, whole: int, facets: Floats) -> Bools:
     """(k,) whether points, weights (k, 3) of triangles (k, 3, 3), are beyond the planes of facets (k, 3, 3)."""
-    numbers = _integers(np.stack([triangles, facets]))
+    numbers = on_one_scale(np.stack([triangles, facets]))
     corners, (a, b, c) = numbers[0], (numbers[1][:, k] for k in range(3))
     point = sum(weights[:, k, None].astype(object) * corners[:, k] for k in range(3)) - whole * a
     (ux, uy, uz), (vx, vy, vz), (px, py, pz) = (b - a).T, (c - a).T, point.T
     value = px * (uy * vz - uz * vy) + py * (uz * vx - ux * vz) + pz * (ux * vy - uy * vx)
     return np.asarray(value > 0, dtype=bool)
-
-
-def _integers(values: Floats) -> NDArray[Any]:
-    """Doubles as Python's integers, times one power of two."""
-    fractions, exponents = np.frexp(values)
-    mantissas = np.ldexp(fractions, _MANTISSA_BITS).astype(np.int64)
-    lowest = int(exponents.min(where=mantissas != 0, initial=int(exponents.max())))
-    shifts = np.where(mantissas == 0, 0, exponents - lowest)
-    whole: NDArray[Any] = mantissas.astype(object) << shifts.astype(object)
-    return whole

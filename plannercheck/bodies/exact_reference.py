@@ -193,7 +193,7 @@ def _rounds(p: IntegerHull, r: IntegerHull) -> Iterator[_State]:
     simplex, weights, direction = [furthest], [1], furthest.point
     while True:
         if any(direction):
-            furthest = _furthest_difference(p, r, direction)
+            furthest = _difference(p, r, p.lowest(direction), r.lowest(negated(direction)))
         yield _State(simplex, weights, direction, furthest)
         simplex, weights, direction = _nearest(simplex, furthest)
 
@@ -206,10 +206,6 @@ def _exceeds(difference: _Difference, direction: Integers, inflation_radius: int
 
 def _difference(p: IntegerHull, r: IntegerHull, vertex_p: int, vertex_r: int) -> _Difference:
     return _Difference(vertex_p, vertex_r, minus(p.point(vertex_p), r.point(vertex_r)))
-
-
-def _furthest_difference(p: IntegerHull, r: IntegerHull, direction: Integers) -> _Difference:
-    return _difference(p, r, p.lowest(direction), r.lowest(negated(direction)))
 
 
 def _nearest(simplex: Differences, new: _Difference) -> tuple[Differences, list[int], Integers]:

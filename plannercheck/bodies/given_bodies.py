@@ -5,7 +5,7 @@ In: any of these, with a pose or many. Out: a prepared `Polytope` and its poses 
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,13 +13,18 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.given_shapes import GivenShape, given_shape, in_frame, is_geometry, points_given
 from plannercheck.bodies.placed import Placed
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import checked_pose, checked_poses, inflated_hull
+from plannercheck.bodies.shapes import RIGID_TOLERANCE, checked_pose, checked_poses, inflated_hull
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import error_context
+from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 
 # What a query on a pair takes as one of its bodies.
 GivenBody: TypeAlias = Polytope | Placed | GivenShape
+
+# Queries on a pair in one call of the core, which checks bodies and poses itself: the answer for `Polytope` and
+# `Placed` with poses in NumPy arrays of doubles that are surely rigid, else None: then arguments are converted here.
+queries: Any = core.PairQueries(Polytope, Placed, RIGID_TOLERANCE)
 
 
 def given_polytope(value: GivenBody, pose: ArrayLike | None, name: str) -> tuple[Polytope, Floats]:

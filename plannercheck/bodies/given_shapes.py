@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.ellipsoids import Ellipsoid
 from plannercheck.bodies.half_spaces import HalfSpace
-from plannercheck.bodies.meshes import hull_of_triangles
 from plannercheck.bodies.shapes import (
     Box,
     Capsule,
@@ -29,8 +28,8 @@ from plannercheck.bodies.shapes import (
     inflated_hull,
 )
 from plannercheck.bodies.triangle_meshes import triangles_of_coal
-from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import unmasked
+from plannercheck.common.array_types import Floats, Ints64
+from plannercheck.common.arrays import distinct, unmasked
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, shortened
@@ -229,3 +228,15 @@ def _box(size: ArrayLike) -> Box:
 
 
 _READERS: dict[str, Callable[[Any], PlacedShape]] = {"trimesh": _of_trimesh, "coal": _of_coal, "fcl": _of_fcl}
+
+
+def hull_of_triangles(points: Floats, triangles: Ints64) -> Hull:
+    """The hull of the points (n, 3), m, that triangles (m, 3) use, or of all points if there are no triangles.
+
+    Raises:
+        PlannercheckError: If an index is beyond the points, or there is no hull.
+    """
+    used = distinct(triangles)
+    if len(used) and not (used[0] >= 0 and used[-1] < len(points)):
+        raise PlannercheckError(f"triangles use vertices {used[0]} to {used[-1]}, but there are {len(points)} vertices")
+    return Hull(points[used] if len(used) else points)

@@ -12,9 +12,9 @@ import numpy as np
 
 from plannercheck.bodies.certificates import Certificate, SharedPoint, separation, shared_point_at
 from plannercheck.bodies.exact_planes import Bodies, CertifiedBody, PosedBody, in_integers
-from plannercheck.bodies.integers import IntegerHull
+from plannercheck.bodies.integers import IntegerHull, dot
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.posed_half_spaces import PosedHalfSpace, Vector, dot
+from plannercheck.bodies.posed_half_spaces import PosedHalfSpace, Vector
 from plannercheck.common.array_types import Floats
 
 

@@ -10,11 +10,13 @@ bound; signs that the bound leaves open are computed in integers.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.core_polytopes import core_polytope
+from plannercheck.bodies.integers import on_one_scale
 from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
 
 # The determinant of orient3d in doubles errs by at most (7 + 56 u) u times its permanent, u = 2^-53 (Shewchuk,
@@ -24,7 +26,6 @@ _ORIENTATION_ERROR = 8 * 2.0**-53
 _UNDERFLOW = 2.0**-1000
 # A volume is summed from products of three numbers: their roundings, and those of the sum, a term each.
 _VOLUME_ERROR = 2.0**-52
-_MANTISSA_BITS = 53
 _CORNERS = 3
 
 # Triangles and facets that are compared at first, and at most at once: a concave mesh is mostly known by a few.
@@ -100,7 +101,6 @@ class _Signs:
         self.count = len(points)
         self._points = points
         self._scaled = np.ldexp(points, -int(np.frexp(np.abs(points).max())[1]))
-        self._whole: NDArray[np.object_] | None = None
 
     def in_plane(self, triangles: Ints, facets: Ints) -> Bools:
         """(k,) whether triangles (k, 3) lie in the planes of facets (k, 3)."""
@@ -142,16 +142,9 @@ class _Signs:
         exact = int(_determinant(a, b, c).sum())
         return (exact > 0) - (exact < 0)
 
-    @property
+    @cached_property
     def _integers(self) -> NDArray[np.object_]:
-        """The points (n, 3) as Python's integers, times one power of two."""
-        if self._whole is None:
-            fractions, exponents = np.frexp(self._points)
-            mantissas = np.ldexp(fractions, _MANTISSA_BITS).astype(np.int64)
-            lowest = int(exponents.min(where=mantissas != 0, initial=int(exponents.max())))
-            shifts = np.where(mantissas == 0, 0, exponents - lowest)
-            self._whole = mantissas.astype(object) << shifts.astype(object)
-        return self._whole
+        return on_one_scale(self._points)
 
 
 def _determinant(a: NDArray, b: NDArray, c: NDArray, sign: int = -1) -> NDArray:  # type: ignore[type-arg]

@@ -2,15 +2,20 @@
 
 In: a mesh. Out: a sentence if the hull is more than twice as large as the closed mesh, or fills the room between
 objects that are apart; else nothing. The hull of the farthest points along some directions is inside the hull,
-so that its volume is a lower bound.
+so that its volume is a lower bound. Or the largest distance of the hull's surface from the mesh and its inside, at
+points spread evenly over the surface.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from plannercheck.bodies.circumscribed import sphere_points
 from plannercheck.bodies.core_polytopes import core_polytope
+from plannercheck.bodies.distance import distance
 from plannercheck.bodies.mesh_files import MeshFile
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.solids import Solid
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import distinct
@@ -22,6 +27,9 @@ LARGE = 2.0
 _DIRECTIONS = 64
 
 _SPACE = 3  # dimensions of a body that has volume
+
+# Points of a hull's surface whose distance from the mesh is measured.
+_SURFACE_POINTS = 300
 
 
 def excess_words(mesh: MeshFile) -> str:
@@ -56,11 +64,7 @@ def _enclosed(points: Floats, triangles: Ints64) -> float:
 
 def _least_hull_volume(points: Floats) -> float:
     """A lower bound of the hull's volume, m³."""
-    number = np.arange(_DIRECTIONS)
-    height = 1 - (2 * number + 1) / _DIRECTIONS
-    angle, radius = np.pi * (3 - np.sqrt(5)) * number, np.sqrt(1 - height**2)
-    directions = np.stack([radius * np.cos(angle), radius * np.sin(angle), height])
-    farthest = points[distinct((points @ directions).argmax(axis=0))]
+    farthest = points[distinct((points @ sphere_points(_DIRECTIONS).T).argmax(axis=0))]
     hull = core_polytope(farthest)
     return _enclosed(farthest, hull.source()[hull.triangles()].astype(np.int64)) if hull.dimension == _SPACE else 0.0
 
@@ -73,3 +77,15 @@ def _are_apart(objects: list[Floats]) -> bool:
     for _ in objects:
         reached = np.any(meet[reached], axis=0)
     return not reached.all()
+
+
+def largest_filling(polytope: Polytope, mesh: TriangleMesh, seed: int = 0) -> float:
+    """How far a hull's surface is from a mesh, or the triangles of an open one, at most, m, as random points show."""
+    corners = polytope.vertices[np.asarray(polytope.faces)]
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    generator = np.random.default_rng(seed)
+    chosen = corners[generator.choice(len(corners), _SURFACE_POINTS, p=areas / areas.sum())]
+    weights = generator.dirichlet(np.ones(3), _SURFACE_POINTS)
+    solid = Polytope(mesh.points).of_solid(Solid(mesh.points, mesh.triangles, "triangles"))
+    points = np.einsum("nk,nki->ni", weights, chosen)
+    return max(distance(Polytope(each[None]), solid).distance for each in points)

@@ -11,6 +11,8 @@ these. So a query needs one rounded product a vertex and a handful of exact prod
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.common.errors import PlannercheckError
 
 Integers = tuple[int, int, int]
+Exact = TypeVar("Exact", int, Fraction)
 
 _MANTISSA_BITS = 53
 # A rounded product of three terms with a rounded direction errs by at most 5 · 2^-53 of the sum of |g_k v_k|,
@@ -40,7 +43,7 @@ class IntegerHull:
         self._mantissas, exponents = _mantissas_and_exponents(points)
         vertex_unit = _smallest_exponent(self._mantissas, exponents)
         self._shifts = np.where(self._mantissas == 0, 0, exponents - vertex_unit)
-        self._scaled = np.ldexp(points, -_largest_exponent(points))
+        self._scaled = np.ldexp(points, -int(np.frexp(np.abs(points).max())[1]))
         self._reach = np.abs(self._scaled).max(axis=0)
         rows, matrix_unit = _integer_rows(matrix[:3])
         self._linear = [row[:3] for row in rows]
@@ -107,6 +110,16 @@ def _checked(values: ArrayLike, name: str, shape: tuple[int | None, int]) -> NDA
     return array
 
 
+def on_one_scale(values: NDArray[np.float64]) -> NDArray[Any]:
+    """Doubles as Python's integers, times one power of two."""
+    fractions, exponents = np.frexp(values)
+    mantissas = np.ldexp(fractions, _MANTISSA_BITS).astype(np.int64)
+    lowest = int(exponents.min(where=mantissas != 0, initial=int(exponents.max())))
+    shifts = np.where(mantissas == 0, 0, exponents - lowest)
+    whole: NDArray[Any] = mantissas.astype(object) << shifts.astype(object)
+    return whole
+
+
 def _checked_inflation_radius(inflation_radius: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """An inflation radius's mantissa and exponent."""
     if not 0 <= inflation_radius < np.inf:
@@ -124,10 +137,6 @@ def _mantissas_and_exponents(values: NDArray[np.float64]) -> tuple[NDArray[np.in
 
 def _smallest_exponent(mantissas: NDArray[np.int64], exponents: NDArray[np.int64]) -> int:
     return int(exponents.min(where=mantissas != 0, initial=0))
-
-
-def _largest_exponent(values: NDArray[np.float64]) -> int:
-    return int(np.frexp(np.abs(values).max())[1])
 
 
 def _integer_rows(values: NDArray[np.float64]) -> tuple[list[list[int]], int]:
@@ -159,12 +168,12 @@ def _rounded(direction: Integers) -> NDArray[np.float64]:
     return np.ldexp(leading, [excess - bits for excess in excesses])
 
 
-def dot(a: Sequence[int], b: Sequence[int]) -> int:
+def dot(a: Sequence[Exact], b: Sequence[Exact]) -> Exact:
     """The product a·b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def cross(a: Integers, b: Integers) -> Integers:
+def cross(a: Sequence[Exact], b: Sequence[Exact]) -> tuple[Exact, Exact, Exact]:
     """The product a × b."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 

@@ -14,10 +14,9 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.certificates import Certificate, UnprovedVerdictError, mixed_point, separation
 from plannercheck.bodies.exact_planes import Bodies, Point, direction_of
-from plannercheck.bodies.given_bodies import GivenBody, are_poses, given_polytope, given_polytope_at_poses
+from plannercheck.bodies.given_bodies import GivenBody, are_poses, given_polytope, given_polytope_at_poses, queries
 from plannercheck.bodies.half_space_certificates import certified_body, certify_half_space
 from plannercheck.bodies.kinds import Kind, are_bounded, have_parts, pair_kind
-from plannercheck.bodies.pair_queries import queries
 from plannercheck.bodies.part_certificates import PartSeparation, certify_parts
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import POSED_TOLERANCE, checked_pose

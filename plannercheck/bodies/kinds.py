@@ -88,5 +88,4 @@ def pair_kind(p: _Body, r: _Body) -> Kind:
 
 def kind_of_shape(shape: Any) -> Kind:
     """The kind of a shape's body; most become hulls."""
-    kind: Kind = getattr(shape, "body_kind", "hull")
-    return kind
+    return getattr(shape, "body_kind", "hull")

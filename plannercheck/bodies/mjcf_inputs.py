@@ -59,7 +59,7 @@ def _key(path: Path, fields: str) -> str | None:
     digest = hashlib.sha256(_VERSION + f"{importlib.metadata.version('mujoco')}\n{fields}\n".encode())
     for place in sorted(places):
         name = os.fsencode(os.path.relpath(place, path.parent))
-        content = _content(place)
+        content = place.read_bytes() if place.is_file() else None
         state = b"none" if content is None else hashlib.sha256(content).digest()
         digest.update(len(name).to_bytes(8, "little") + name + state)
     return digest.hexdigest()
@@ -99,7 +99,3 @@ def _candidates(name: str, bases: set[Path], folders: set[str]) -> Iterator[Path
     base_name = name.replace("\\", "/").rpartition("/")[2]
     for base, folder, own in product(bases, folders, {name, base_name}):
         yield base / folder / own  # an absolute part stands for all before it
-
-
-def _content(place: Path) -> bytes | None:
-    return place.read_bytes() if place.is_file() else None

@@ -149,7 +149,6 @@ def _faces(said: _Statements, points: int) -> tuple[Ints64, Ints64]:
 
 
 def _bad_face(said: _Statements) -> PlannercheckError:
-    """The error for the first face that is none."""
     for line, rest in zip(said.face_lines, said.faces, strict=True):
         corners = integers_of(_ATTRIBUTES.sub(b"", rest))
         if corners is None or len(corners) != len(rest.split()) or len(corners) < _LEAST:

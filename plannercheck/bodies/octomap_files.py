@@ -209,7 +209,6 @@ def _binary_nodes(data: bytes) -> _Nodes:
 
 
 def _full_nodes(data: bytes, filling: int) -> _Nodes:
-    """Nodes of a full tree."""
     row = np.dtype(
         [("log_odds", "<f4"), ("filling", f"V{filling}"), ("children", "u1")]
         if filling

@@ -220,23 +220,25 @@ def _of_leaves(leaves: OctomapLeaves, unknown: Unknown, threshold: float) -> Oct
 
 def _whole_numbers(values: ArrayLike, what: str) -> Ints64:
     """Whole numbers that 64 bits hold."""
-    try:
-        array = np.asarray(unmasked(values))
-    except (TypeError, ValueError, OverflowError):
-        array = np.zeros(1)
+    array = _array_of(values)
     if array.size and (array.dtype.kind not in "iu" or array.max() > np.iinfo(np.int64).max):
         raise PlannercheckError(f"{what} must be whole numbers, not {shown_array(values)}")
     return array.astype(np.int64)
 
 
 def _truth_values(values: ArrayLike) -> Bools:
-    try:
-        array = np.asarray(unmasked(values))
-    except (TypeError, ValueError, OverflowError):
-        array = np.zeros(1)
+    array = _array_of(values)
     if array.size and (array.dtype.kind not in "biu" or not ((array == 0) | (array == 1)).all()):
         raise PlannercheckError(f"occupied must be truth values, not {shown_array(values)}")
     return array.astype(np.bool_)
+
+
+def _array_of(values: ArrayLike) -> NDArray[Any]:
+    """An array; of no whole number if the values make none."""
+    try:
+        return np.asarray(unmasked(values))
+    except (TypeError, ValueError, OverflowError):
+        return np.zeros(1)
 
 
 def _one_each(values: NDArray[Any], count: int, what: str) -> NDArray[Any]:

@@ -215,7 +215,7 @@ def certify_parts(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats, cert
         p: A body.
         r: Another body; at least one of both is a set of parts.
         pose_p: Pose (4, 4) of the first body in the world, m.
-        pose_r: That of the second body.
+        pose_r: The pose of the second body.
         certify: Gives the certificate of two bodies that are no sets.
 
     Returns:

@@ -49,7 +49,7 @@ def repaired(mesh: TriangleMesh, pieces: Sequence[Floats], slack: float) -> Piec
     Raises:
         PlannercheckError: If they can't be made to hold the mesh, since they are flat.
     """
-    planes = [_planes(Polytope(points)) for points in pieces]
+    planes = [facet_planes(Polytope(points)) for points in pieces]
     owned: list[list[Parts]] = [[] for _ in pieces]
     added: list[list[Floats]] = [[] for _ in pieces]
     excess = growth = 0.0
@@ -92,7 +92,7 @@ def _holding(points: Floats, owned: Sequence[Parts]) -> Floats:
     )
 
 
-def _planes(polytope: Polytope) -> tuple[Floats, Floats]:
+def facet_planes(polytope: Polytope) -> tuple[Floats, Floats]:
     """Outward unit normals (f, 3) and offsets (f,), m, of a hull's triangles; none without volume."""
     a, b, c = (polytope.vertices[polytope.faces[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)

@@ -162,7 +162,7 @@ class Polytope:
 
         Args:
             shape: One of our shapes.
-            inflation_radius: Of a set of parts or a half-space, m.
+            inflation_radius: Inflation radius of a set of parts or a half-space, m.
             hull: Makes the hull of any other shape, with its inflation radius; not needed for those two.
         """
         return _ROWS[kind_of_shape(shape)].of_shape(shape, inflation_radius, hull)
@@ -277,7 +277,6 @@ def _body_of_parts(kind: str, arrays: tuple[Any, ...], inflation_radius: float) 
 
 
 def _body_of_half_space(normal: tuple[float, float, float], offset: float, inflation_radius: float) -> Polytope:
-    """A pickled body of a half-space."""
     return Polytope.of_half_space(HalfSpace(normal, offset), inflation_radius)
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from plannercheck.bodies.integers import cross, dot
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays
 
@@ -58,16 +59,6 @@ class PosedHalfSpace(OwnsArrays):
         """Whether a point is within the radius of the half-space."""
         normal, height = self.plane()[0], self.height(point)
         return height <= 0 or height**2 <= Fraction(self.inflation_radius) ** 2 * dot(normal, normal)
-
-
-def dot(a: Vector, b: Vector) -> Fraction:
-    """The product of two vectors."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def cross(a: Vector, b: Vector) -> Vector:
-    """The vector product."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def _vector(row: list[float]) -> Vector:

@@ -25,6 +25,7 @@ from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import distinct, distinct_rows
 from plannercheck.common.core import core
+from plannercheck.common.transforms import at_places
 
 # The bound is at most this many times the furthest point that was found, or this part of the mesh's size further.
 _RELATIVE, _FINE = 1.2, 4e-3
@@ -96,14 +97,15 @@ class SolidDistances:
         points, triangles = solid.used
         # A triangle that occurs twice opens the mesh: the solid is then its triangles alone.
         surface = Solid(points, np.concatenate([triangles, triangles[:1]]), "triangles")
-        self._point, self._solid, self._surface = Polytope(np.zeros((1, 3))), _prepared(solid), _prepared(surface)
+        self._point = Polytope(np.zeros((1, 3)))
+        self._solid, self._surface = prepared_solid(solid), prepared_solid(surface)
         self.size = float(np.ptp(points, axis=0).max())
 
     def apart(self, points: Floats) -> Floats:
         """How far points (n, 3) are from the solid, about; 0 if and only if they are in it."""
         found = np.zeros(len(points))
         if len(points):
-            is_off = ~np.asarray(intersects(self._point, self._solid, _poses(points)))
+            is_off = ~np.asarray(intersects(self._point, self._solid, at_places(points)))
             found[is_off] = self._distances(points[is_off], self._solid)[1]
         return found
 
@@ -117,19 +119,14 @@ class SolidDistances:
         if not len(points):
             return (np.zeros(0),) * 3
         rows: tuple[NDArray[Any], ...] = core.distance_batch(
-            self._point.core, _poses(points), body.core, np.eye(4)[None]
+            self._point.core, at_places(points), body.core, np.eye(4)[None]
         )
         return rows
 
 
-def _prepared(solid: Solid) -> Polytope:
+def prepared_solid(solid: Solid) -> Polytope:
+    """A solid, prepared on the hull of its points."""
     return Polytope(solid.used[0]).of_solid(solid)
-
-
-def _poses(points: Floats) -> Floats:
-    poses = np.tile(np.eye(4), (len(points), 1, 1))
-    poses[:, :3, 3] = points
-    return poses
 
 
 def _samples(pieces: Sequence[Floats]) -> Floats:

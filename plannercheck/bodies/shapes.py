@@ -37,6 +37,7 @@ from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.sizes import array_of, length, numbers
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Faces
+from plannercheck.common.arrays import read_only
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
@@ -206,7 +207,7 @@ class Hull:
         if len(bad):
             row = int(bad[0])
             raise PlannercheckError(f"hull vertices: row {row} is {vertices[row].tolist()}, coordinates must be finite")
-        object.__setattr__(self, "vertices", _frozen(vertices))
+        object.__setattr__(self, "vertices", read_only(vertices))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """The points (n, 3) in m as given; faces are None, since the hull has to be computed."""
@@ -274,10 +275,10 @@ def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOL
     `what` is posed, e.g. "body 'shelf'", for errors; `tolerance` is the largest ||M^T M - 1|| of its rotation.
     """
     if pose is None:
-        return _frozen(identity())
+        return read_only(identity())
     if core.is_surely_rigid(pose, tolerance):  # most of all, and no subclass of arrays; what follows takes 10 µs
-        return _frozen(np.array(pose, dtype=np.float64))
-    return _frozen(_checked_matrix(pose, what, tolerance))
+        return read_only(np.array(pose, dtype=np.float64))
+    return read_only(_checked_matrix(pose, what, tolerance))
 
 
 def _checked_matrix(pose: ArrayLike, what: str, tolerance: float) -> Points:
@@ -311,8 +312,3 @@ def _check_rotation(rotation: Points, what: str, tolerance: float) -> None:
         raise PlannercheckError(f"pose of {what} is not rigid: |M^T M - 1| is {error:.3g}, accepted is {tolerance:g}")
     if np.linalg.det(rotation) < 0:
         raise PlannercheckError(f"pose of {what} is a reflection: det M is -1, a rotation has +1")
-
-
-def _frozen(array: Points) -> Points:
-    array.setflags(write=False)
-    return array

@@ -55,7 +55,7 @@ class SolidSeparation:
         patches: Planes between patches of both, which together cover every triangle of one with every triangle of the
             other.
         bodies: The surfaces of both bodies; their triangles are in the order that patches count.
-        inflation_radii: Of both bodies, m.
+        inflation_radii: The inflation radii of both bodies, m.
     """
 
     gap: float

@@ -164,7 +164,6 @@ def _corners_of_words(words: list[bytes], content: bytes, begin: int) -> list[by
 
 
 def _bad_facet(content: bytes, begin: int, words: list[bytes]) -> PlannercheckError:
-    """The error for the first facet that is none."""
     for number, at in enumerate(range(0, len(words), _LENGTH)):
         facet = words[at : at + _LENGTH]
         numbers = [facet[place] for place in _NUMBERS if place < len(facet)]

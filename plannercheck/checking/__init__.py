@@ -7,6 +7,6 @@ limits, by the bounds of `reach_bounds`; `apart_cells` proves for which values o
 and `state_checker` answers; its other base classes are in `checker_base` (names and certificates, in space and in the
 plane), `clearance`, `point_queries` and `carrying_checker`. `padding` and `settings` hold its arguments, and
 `touching_pairs` its warnings. `left_out_pairs` lists all places where a pair may be left out, and `collision_matrix`
-proposes pairs to leave out. `hull_fidelity` measures how far hulls are from meshes. `protocols` says what checkers in
+proposes pairs to leave out. `protocols` says what checkers in
 space and in the plane have in common.
 """

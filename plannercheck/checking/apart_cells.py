@@ -106,7 +106,7 @@ def pairs_in_cells(
     near = _near(chains, sampled(), pairs)
     found: list[PairsInCells] = []
     for cut, rows in by_cut.items():
-        rows = [k for k in rows if _have_hulls(*map(polytopes, pairs[k].tolist()))]
+        rows = [k for k in rows if all(polytopes(body).traits.has_hull for body in pairs[k].tolist())]
         if _in_a_block(near[rows]).sum() < _WORTH:
             continue
         apart = _apart(chains, cut, [(int(a), int(b)) for a, b in pairs[rows]], polytopes)
@@ -120,10 +120,6 @@ def pairs_in_cells(
 
 def _chunks(rows: Ints64) -> list[Ints64]:
     return [rows[k : k + _MOST_PAIRS] for k in range(0, len(rows), _MOST_PAIRS)]
-
-
-def _have_hulls(*bodies: Polytope) -> bool:
-    return all(body.traits.has_hull for body in bodies)
 
 
 def _in_a_block(part: Floats) -> Floats:

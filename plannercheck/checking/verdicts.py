@@ -29,7 +29,6 @@ class PairCertificate(Protocol):
 
     def verify(self) -> bool:
         """Whether exact arithmetic with all vertices confirms the proof."""
-        ...
 
 
 @dataclass(frozen=True, repr=False)

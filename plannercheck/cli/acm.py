@@ -72,8 +72,8 @@ class AuditRow:
         declared_by: "SRDF" or "YAML".
         link_pairs: Pairs of links with bodies.
         disabled: Pairs that are disabled.
-        colliding: Of them, those that collide in some states; adjacent ones and those that always do are left out.
-        never: Of these, those whose reason is that they never do.
+        colliding: The pairs among them that collide in some states, less adjacent pairs and pairs that always do.
+        never: The pairs among these whose reason is that they never do.
         most: The one that collides most often, and how often.
         colliding_meshes: Of `colliding`, those whose meshes collide; None if they were not asked for.
         most_meshes: As `most`, by meshes.
@@ -222,17 +222,13 @@ def _show_proposal(matrix: CollisionMatrix) -> None:
 
 def _write(matrix: CollisionMatrix, description: RobotDescription, path: Path) -> None:
     if path.suffix in _YAML:
-        text = description_text(description, _group(description), yaml_text(matrix.disabled()), path)
+        joints = None if description.group is None else Robot.from_description(description).joint_names
+        text = description_text(description, joints, yaml_text(matrix.disabled()), path)
     else:
         root = None if description.semantics is None else description.semantics.root
         text = srdf_text(matrix.robot.model.name, matrix.disabled(), root)
     write_atomically(path, lambda aside: aside.write_text(text, encoding="utf-8"))
     print(f"\n{len(matrix.disabled())} disabled pairs written to {path}")
-
-
-def _group(description: RobotDescription) -> tuple[str, ...] | None:
-    """The joints of the robot's group; None if it has none."""
-    return None if description.group is None else Robot.from_description(description).joint_names
 
 
 def _show_audit(matrix: CollisionMatrix, description: RobotDescription, options: argparse.Namespace) -> int:

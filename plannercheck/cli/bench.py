@@ -78,7 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Runs the command."""
-    output.output_folder(options.output)
+    output.make_output_folder(options.output)
     options.measure(options)
     return 0
 

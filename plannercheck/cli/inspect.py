@@ -12,6 +12,7 @@ import numpy as np
 
 from plannercheck import planar
 from plannercheck.bodies.height_fields import HeightField
+from plannercheck.bodies.hull_excess import largest_filling
 from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.pieces import polytope_volume
 from plannercheck.bodies.point_clouds import PointCloud
@@ -19,9 +20,7 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
 from plannercheck.bodies.solids import Solid
 from plannercheck.bodies.triangle_meshes import TriangleMesh
-from plannercheck.checking.hull_fidelity import largest_filling
 from plannercheck.checking.input_hints import always_hint
-from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli.common import (
     add_checker_arguments,
     load_checker,
@@ -100,12 +99,14 @@ def run(options: argparse.Namespace) -> int:
     print()
     if isinstance(checker, Checker):
         files = mesh_files(checker, described(options))
-        _show_bodies(checker, triangle_meshes(files), prepared)
+        meshes = triangle_meshes(files)
+        _show_bodies(checker, meshes, prepared)
         show_meshes(checker, files)
+        if options.fidelity:
+            _show_fidelity(checker, meshes)
+            show_geometries(options)
     else:
         _show_polygons(checker)
-    if options.fidelity:
-        _show_fidelity(checker, options)
     _show_stages(statistics, len(q))
     if not valid and (hint := always_hint(checker, q)):
         warnings.warn(hint, RuntimeWarning, stacklevel=2)
@@ -147,10 +148,8 @@ def _geometry(checker: Checker, body: GeometryObject) -> str:
     return "piece" if is_piece else type(shape).__name__.lower()
 
 
-def _show_fidelity(checker: AnyChecker, options: argparse.Namespace) -> None:
-    """How far hulls are from meshes, and what that refuses."""
-    assert isinstance(checker, Checker)
-    meshes = triangle_meshes(mesh_files(checker, described(options)))
+def _show_fidelity(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
+    """How far hulls are from meshes."""
     rows = []
     for body, polytope in zip(checker.bodies, checker.polytopes, strict=True):
         mesh = meshes.get(body.name)
@@ -164,7 +163,6 @@ def _show_fidelity(checker: AnyChecker, options: argparse.Namespace) -> None:
         print(table(("hull", "link", "hull / mesh volume", "furthest from the mesh, mm"), rows))
     else:
         print("no body is the hull of a mesh, so there is no distance of hulls from meshes to show")
-    show_geometries(options)
 
 
 def _volumes(polytope: Polytope | None, mesh: TriangleMesh | None) -> tuple[str, str, str, str]:
@@ -181,8 +179,7 @@ def _volumes(polytope: Polytope | None, mesh: TriangleMesh | None) -> tuple[str,
     return f"{radius:.3f}", of_hull, f"{1e6 * mesh.volume:.1f}", f"{hull / mesh.volume:.2f}"
 
 
-def _show_polygons(checker: AnyChecker) -> None:
-    assert isinstance(checker, planar.Checker)
+def _show_polygons(checker: planar.Checker) -> None:
     pairs = np.bincount(checker.pairs.ravel(), minlength=len(checker.bodies)).tolist()
     links = checker.robot.link_names
     rows = [

@@ -50,7 +50,6 @@ def show_geometries(options: argparse.Namespace) -> None:
 
 
 def _checker(robot: Robot, options: argparse.Namespace) -> Checker:
-    """The checker that is asked for, of this robot."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # the checker that is shown has said them
         scene = scene_of(options)

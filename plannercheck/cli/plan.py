@@ -11,7 +11,6 @@ from pathlib import Path
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli import plan_problem_sets as problem_sets
 from plannercheck.cli import timed_plans
-from plannercheck.cli.checked_paths import show_checks
 from plannercheck.cli.common import (
     add_checker_arguments,
     check_folder,
@@ -176,8 +175,9 @@ def _run_one(options: argparse.Namespace) -> int:
         print(f"written to {options.output}")
     if not found.solved or not options.verify:
         return 0 if found.solved else 1
-    check = check_path(_in_space(checker), found.path)
-    show_checks([check])
+    assert isinstance(checker, Checker)  # `run`
+    check = check_path(checker, found.path)
+    problem_sets.show_checks([check])
     return 0 if check.passed else 1
 
 
@@ -203,11 +203,6 @@ def _shown_rows(found: Plan) -> list[tuple[int, list[float]]]:
     stride = -(-len(found.path) // _MOST_ROWS)
     shown = sorted({*range(0, len(found.path), stride), len(found.path) - 1})
     return [(k, found.path[k].tolist()) for k in shown]
-
-
-def _in_space(checker: AnyChecker) -> Checker:
-    assert isinstance(checker, Checker)
-    return checker
 
 
 def _columns(checker: AnyChecker) -> list[str]:

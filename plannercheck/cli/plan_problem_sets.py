@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from plannercheck.cli import timed_plans
-from plannercheck.cli.checked_paths import show_checks
 from plannercheck.cli.common import percentage, save_json, table
 from plannercheck.cli.robot_options import robot_of
 from plannercheck.cli.unused_options import check_used
@@ -22,6 +21,8 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl import LONGEST_MOTION
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.motion_bench_maker import load_problems
+from plannercheck.validation.fcl_agreement import merged
+from plannercheck.validation.path_recheck import PathCheck
 from plannercheck.validation.problem_sets import ProblemResult, SetSummary, solve, summary, with_ompl
 
 # Options that say nothing of problem sets, whose problems are in space and are judged as they are.
@@ -131,6 +132,20 @@ def _show_unsolved(results: list[ProblemResult]) -> None:
     if lines:
         print("\nNot solved:")
         print("\n".join(lines))
+
+
+def show_checks(checks: Sequence[PathCheck]) -> None:
+    """Prints the results of checking some paths again, summed."""
+    agreement = merged([check.agreement for check in checks])
+    print(
+        f"\nchecked again: {len(checks)}, {agreement.states} sampled states, "
+        f"{agreement.collisions} colliding pairs; "
+        f"FCL differs on {len(agreement.disagreements)} of {agreement.pairs} pairs "
+        f"({len(agreement.errors_of_fcl)} errors of FCL, {len(agreement.against_us)} against us)\n"
+        f"{sum(check.between for check in checks)} states between the samples: "
+        f"{sum(check.between_colliding for check in checks)} collide, "
+        f"on {sum(check.between_colliding > 0 for check in checks)} paths"
+    )
 
 
 def _as_json(result: ProblemResult) -> dict[str, Any]:

@@ -114,9 +114,16 @@ def _group(text: str, description: RobotDescription) -> Mapping[str, Any]:
     if text in description.robots or (description.robots and text == ALL):
         return {"group": text, "joints": None}
     joints = tuple(name.strip() for name in text.split(",") if name.strip())
-    if len(joints) == 1 and description.semantics is not None and "," not in text:
+    if len(joints) == 1 and description.semantics is not None and "," not in text and not _is_joint(text, description):
         return {"group": text, "joints": None}  # the error lists the SRDF's groups
     return {"group": "group", "joints": joints}
+
+
+def _is_joint(name: str, description: RobotDescription) -> bool:
+    """Whether the URDF has a joint of that name."""
+    return not description.robots and any(
+        joint.get("name") == name for joint in description.file.root.iterfind("joint")
+    )
 
 
 def robot_of(options: argparse.Namespace) -> Robot:

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli.cell_paths import is_of_cell, judge_cell
-from plannercheck.cli.common import check_at_rest, padding_of, planar_checker, scene_of
+from plannercheck.cli.common import check_at_rest, padding_of, planar_checker, scene_of, space_checker
 from plannercheck.cli.proved_paths import PathProof, check_proof_file, proof_file, write_proof
 from plannercheck.cli.robot_options import robot_of
 from plannercheck.cli.told_certificates import certificate_as_json, certificate_in_words
@@ -57,7 +57,8 @@ Judged: TypeAlias = JudgedPath | JudgedTrajectory
 def run(options: argparse.Namespace) -> int:
     """Judges the paths of --path: 0 if all are free and within the limits, else 1."""
     if is_of_cell(options.path):
-        return judge_cell(options, _checker(options))
+        is_plane = is_planar(options.robot, "robots")
+        return judge_cell(options, planar_checker(options) if is_plane else space_checker(options))
     if options.certify:
         for path in options.path:
             check_proof_file(proof_file(path, options.proof), options.path)
@@ -92,15 +93,6 @@ def _judged(checker: AnyChecker, path: Path, file: PathFile, options: argparse.N
     if not options.certify or not verdict.free:
         return JudgedPath(verdict, None)
     return JudgedPath(verdict, write_proof(checker, states, options.tolerance, proof_file(path, options.proof), kind))
-
-
-def _checker(options: argparse.Namespace) -> AnyChecker:
-    """Of the robot as it is."""
-    if is_planar(options.robot, "robots"):
-        return planar_checker(options)
-    scene = scene_of(options)
-    padding = padding_of(options, scene)
-    return Checker(robot_of(options), scene, self_collision=not options.no_self_collision, padding=padding)
 
 
 def _in_space(options: argparse.Namespace) -> list[Judged]:

@@ -96,7 +96,6 @@ def show_table(outcome: Outcome) -> None:
 
 
 def _solids(checker: AnyChecker) -> dict[str, Solid]:
-    """The solids of a checker by name of the body."""
     if not isinstance(checker, Checker):
         return {}
     return {body.name: body.shape for body in checker.bodies if isinstance(body.shape, Solid)}

@@ -69,9 +69,8 @@ def add_trajectory_arguments(parser: argparse.ArgumentParser) -> None:
 
 def is_asked(options: argparse.Namespace) -> bool:
     """Whether files are to be judged as trajectories, whatever is in them."""
-    names = [name.removeprefix("--").replace("-", "_") for name in OPTIONS]
-    given = [getattr(options, name) for name in names]
-    return any(value is not None for value in given)
+    names = (name.removeprefix("--").replace("-", "_") for name in OPTIONS)
+    return any(getattr(options, name) is not None for name in names)
 
 
 @dataclass(frozen=True)

@@ -97,7 +97,6 @@ def _first(paths: Iterable[Path]) -> Path | None:
 
 
 def _packages(name: str, folders: Sequence[Path], above: Sequence[Path]) -> Iterator[Path]:
-    """Packages of that name."""
     yield from (folder for folder in above if _is_named(folder, name))
     for folder in folders:
         yield from _within(folder, name)
@@ -141,7 +140,6 @@ def _children(folder: Path) -> list[Path]:
 
 
 def _is_named(folder: Path, name: str) -> bool:
-    """Whether a folder is the package of that name."""
     try:
         found = _NAME.search((folder / _MANIFEST).read_bytes())
     except OSError:

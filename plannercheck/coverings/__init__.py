@@ -3,5 +3,5 @@
 Read `covering` first (the public `Covering`), then `primitives` (the cover of one link), `regions` (what has to be
 covered), `search` (branch and bound over their parts, which proves or finds the point furthest outside), `audits`,
 `excess` (how far a cover sticks out) and `fitting`. `neighbours` adds what other links' covers hold in every
-configuration. `files` reads and writes models; `curobo_files`, `urdf_files` and `plain_files` are the formats.
+configuration. `curobo_files`, `urdf_files` and `plain_files` are the formats of models.
 """

@@ -7,7 +7,7 @@ until it covers them, fitted to them, and saved.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -17,13 +17,15 @@ import numpy as np
 
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Floats
+from plannercheck.common.atomic_files import write_atomically
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.progress import reported
 from plannercheck.common.public_names import set_module
 from plannercheck.common.real_numbers import check_length
+from plannercheck.coverings import curobo_files, plain_files, urdf_files
 from plannercheck.coverings.audits import Audit, audited
 from plannercheck.coverings.curobo_files import SUFFIXES as CUROBO_SUFFIXES
-from plannercheck.coverings.files import read_model, write_model
 from plannercheck.coverings.fitting import fitted
 from plannercheck.coverings.neighbours import of_neighbours
 from plannercheck.coverings.primitives import Primitives
@@ -31,9 +33,13 @@ from plannercheck.coverings.regions import regions_of
 from plannercheck.coverings.search import TOLERANCE, outside
 from plannercheck.robots.link_geometry import KINDS
 from plannercheck.robots.robot import Robot
+from plannercheck.robots.urdf_file import MJCF_ROOT, UrdfFile
 
 # m: how far the growth of `inflated` may be above the least one.
 _GROWTH_TOLERANCE = 1e-6
+
+_FORMATS = (curobo_files, urdf_files, plain_files)
+_WORDS = "cuRobo's .yml or .xrdf, a .urdf as foam and VAMP have it, or .json"
 
 
 @set_module("plannercheck")
@@ -74,7 +80,7 @@ class Covering:
         """
         path = Path(path)
         source = path if path.suffix in CUROBO_SUFFIXES and path.suffix != ".xrdf" else None
-        return cls(robot, read_model(path, robot.link_names), source=source)
+        return cls(robot, _read_model(path, robot.link_names), source=source)
 
     @classmethod
     def fit(
@@ -190,7 +196,7 @@ class Covering:
         """
         description = self.robot.parts_of_files().description
         file = None if description is None or description.robots else description.file
-        write_model(Path(path), self.links, file, self._source)
+        _write_model(Path(path), self.links, file, self._source)
 
     def _robot(self, robot: Robot | None) -> Robot:
         if robot is None:
@@ -228,3 +234,41 @@ def _bodies_by_link(robot: Robot, geometry: str | None) -> dict[str, list[Geomet
     for body in bodies:
         found[str(body.link)].append(body)
     return found
+
+
+def _read_model(path: Path, link_names: Sequence[str]) -> dict[str, Primitives]:
+    """The primitives of a model by link.
+
+    Raises:
+        PlannercheckError: If the file can't be read, has another format, unknown links or faulty numbers, or is empty.
+    """
+    with error_context(f"sphere model {path}"):
+        reader = next((each for each in _FORMATS if path.suffix in each.SUFFIXES), None)
+        if reader is None:
+            raise PlannercheckError(f"suffix {path.suffix!r} is of no model: these are {_WORDS}")
+        found: dict[str, Primitives] = reader.read(path, link_names)
+        if not any(map(len, found.values())):
+            raise PlannercheckError("it has no spheres, capsules or boxes that count for a link of the robot")
+    return found
+
+
+def _write_model(path: Path, covers: Mapping[str, Primitives], urdf: UrdfFile | None, source: Path | None) -> None:
+    """Writes a model.
+
+    Args:
+        path: Its suffix says the format.
+        covers: Primitives by link.
+        urdf: The robot's file, if it is made of one.
+        source: The file that the model was read from, if any.
+    """
+    if path.suffix in plain_files.SUFFIXES:
+        content = plain_files.model_text(covers)
+    elif path.suffix in (".yml", ".yaml"):
+        content = curobo_files.model_text(covers, source)
+    elif path.suffix in urdf_files.SUFFIXES:
+        if urdf is None or urdf.kind == MJCF_ROOT:
+            raise PlannercheckError(f"file {str(path)!r}: the robot has no URDF to put spheres into: save as .json")
+        content = urdf_files.model_text(covers, urdf)
+    else:
+        raise PlannercheckError(f"file {str(path)!r}: a model is written as .yml, .urdf or .json")
+    write_atomically(path, lambda aside: aside.write_text(content, encoding="utf-8"))

@@ -15,6 +15,7 @@ from itertools import product
 
 import numpy as np
 
+from plannercheck.bodies.circumscribed import sphere_points
 from plannercheck.common.array_types import Floats
 from plannercheck.coverings.primitives import STEEPEST, Primitives
 from plannercheck.coverings.regions import Region, posed
@@ -101,14 +102,6 @@ def surface_points(cover: Primitives, on_sphere: int = _ON_SPHERE) -> tuple[Floa
     values[np.arange(len(points)), owner] = np.inf
     on_surface = values.min(axis=1) >= -cover.error(points)
     return points[on_surface], weights[on_surface]
-
-
-def sphere_points(count: int) -> Floats:
-    """(count, 3) unit vectors spread evenly, on a spiral."""
-    number = np.arange(count)
-    height = 1 - (2 * number + 1) / count
-    angle, radius = np.pi * (3 - np.sqrt(5)) * number, np.sqrt(1 - height**2)
-    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
 
 
 def _on_box(half: Floats) -> tuple[Floats, Floats]:

@@ -41,7 +41,7 @@ _ON_SPHERE = 60
 _REPAIRS, _REST = 20, 2e-4
 # Centres and radii are multiples of this, m.
 _GRID = 2.0**-20
-# Of a wanted excess, what is left for the growth of the proof.
+# The part of a wanted excess that is left for the growth of the proof.
 _RESERVE = 0.9
 
 
@@ -113,7 +113,7 @@ def fitted(bodies: Mapping[str, Sequence[GeometryObject]], spheres: int, excess:
     """
     _check_wanted(len(bodies), spheres, excess)
     links = {name: _Link.of(each) for name, each in bodies.items()}
-    ahead = {name: [_first(link)] for name, link in links.items()}
+    ahead = {name: [_lloyd(link, link.points.mean(axis=0)[None], np.zeros(1))] for name, link in links.items()}
     done: dict[str, Primitives] = {}
     for _ in range(spheres - len(links)):
         if excess is None:
@@ -172,10 +172,6 @@ def _too_wide(
         else:
             wide.append(name)
     return wide
-
-
-def _first(link: _Link) -> _Fit:
-    return _lloyd(link, link.points.mean(axis=0)[None], np.zeros(1))
 
 
 def _split(link: _Link, fit: _Fit) -> _Fit:

@@ -17,6 +17,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from plannercheck.bodies.integers import cross, dot
 from plannercheck.common.array_types import Floats
 
 Point: TypeAlias = tuple[Fraction, Fraction, Fraction]
@@ -129,22 +130,18 @@ class Primitives:
         """Whether a primitive holds the ball of a radius (of a box: 0) about an exact point, exactly."""
         if index >= len(self.radii):
             return self._box_holds(index - len(self.radii), point)
-        a, b = (tuple(map(Fraction, end)) for end in self.ends[index].tolist())
-        along, from_a = [y - x for x, y in zip(a, b, strict=True)], [y - x for x, y in zip(a, point, strict=True)]
-        square, share = _dot(along, along), _dot(along, from_a)
-        share = min(max(share / square, Fraction(0)), Fraction(1)) if square else Fraction(0)
-        apart = [x - share * y for x, y in zip(from_a, along, strict=True)]
+        a, b = ((Fraction(x), Fraction(y), Fraction(z)) for x, y, z in self.ends[index].tolist())
         left = Fraction(float(self.radii[index])) - Fraction(radius)
-        return left >= 0 and _dot(apart, apart) <= left**2
+        return left >= 0 and square_from_segment(a, b, point) <= left**2
 
     def _box_holds(self, index: int, point: Point) -> bool:
         frame = [[Fraction(x) for x in row] for row in self.frames[index].tolist()]
         columns = [[frame[i][k] for i in range(3)] for k in range(3)]
         from_middle = [point[i] - frame[i][3] for i in range(3)]
-        whole = _dot(columns[0], _cross(columns[1], columns[2]))
+        whole = dot(columns[0], cross(columns[1], columns[2]))
         for k, half in enumerate(self.halves[index].tolist()):
-            across = _cross(columns[(k + 1) % 3], columns[(k + 2) % 3])
-            if abs(_dot(from_middle, across)) > Fraction(half) * abs(whole):
+            across = cross(columns[(k + 1) % 3], columns[(k + 2) % 3])
+            if abs(dot(from_middle, across)) > Fraction(half) * abs(whole):
                 return False
         return True
 
@@ -155,9 +152,10 @@ def upwards(lengths: Floats) -> Floats:
     return np.asarray(singles, dtype=np.float64)
 
 
-def _dot(u: Sequence[Fraction], v: Sequence[Fraction]) -> Fraction:
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-
-
-def _cross(u: Sequence[Fraction], v: Sequence[Fraction]) -> list[Fraction]:
-    return [u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3] for k in range(3)]
+def square_from_segment(a: Point, b: Point, point: Point) -> Fraction:
+    """The squared distance of an exact point from a segment, exactly."""
+    along, from_a = [y - x for x, y in zip(a, b, strict=True)], [y - x for x, y in zip(a, point, strict=True)]
+    square = dot(along, along)
+    share = min(max(dot(along, from_a) / square, Fraction(0)), Fraction(1)) if square else Fraction(0)
+    apart = [x - share * y for x, y in zip(from_a, along, strict=True)]
+    return dot(apart, apart)

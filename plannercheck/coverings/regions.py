@@ -16,6 +16,7 @@ from typing import Protocol
 import numpy as np
 
 from plannercheck.bodies.ellipsoids import Ellipsoid
+from plannercheck.bodies.integers import cross, dot
 from plannercheck.bodies.intersection import intersects
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Hull, Sphere
@@ -23,8 +24,9 @@ from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.transforms import at_places
 from plannercheck.coverings.curved_cells import Cells, CylinderCells, capsule_cells
-from plannercheck.coverings.primitives import Point, Primitives
+from plannercheck.coverings.primitives import Point, Primitives, square_from_segment
 
 # Points are moved into curved regions by this part of their size, far more than rounding moves them.
 _INSET = 1e-12
@@ -124,7 +126,7 @@ class SolidRegion:
         if not len(points):
             return np.zeros(0), np.zeros(0)
         touching, upper, lower, *_ = core.distance_batch(
-            self._point.core, _at(points), self._body.core, self.pose[None]
+            self._point.core, at_places(points), self._body.core, self.pose[None]
         )
         is_in = np.asarray(touching) != 0
         return np.where(is_in, 0.0, np.maximum(lower, 0.0)), np.where(is_in, 0.0, upper)
@@ -158,7 +160,7 @@ class SolidRegion:
     def _holds(self, points: Floats) -> Bools:
         if not len(points):
             return np.zeros(0, dtype=bool)
-        return np.asarray(intersects(self._point, self._body, _at(points), self.pose))
+        return np.asarray(intersects(self._point, self._body, at_places(points), self.pose))
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,13 +201,7 @@ class RoundRegion:
 
     def holds(self, point: Point) -> bool:
         """See `Region`."""
-        a, b = self.exact_ends
-        along, from_a = [y - x for x, y in zip(a, b, strict=True)], [y - x for x, y in zip(a, point, strict=True)]
-        square = _inner(along, along)
-        share = _inner(along, from_a) / square if square else Fraction(0)
-        share = min(max(share, Fraction(0)), Fraction(1))
-        off = [y - share * x for x, y in zip(along, from_a, strict=True)]
-        return _inner(off, off) <= Fraction(self.radius) ** 2
+        return square_from_segment(*self.exact_ends, point) <= Fraction(self.radius) ** 2
 
     def is_in_one_of(self, cover: Primitives) -> bool:
         """See `Region`."""
@@ -254,17 +250,15 @@ class CylinderRegion:
         rows = [[Fraction(x) for x in row] for row in self.pose[:3].tolist()]
         from_middle = [x - row[3] for x, row in zip(point, rows, strict=True)]
         u, v, w = ([row[k] for row in rows] for k in range(3))
-        whole = _product(u, v, w)
-        x, y, z = _product(from_middle, v, w), _product(u, from_middle, w), _product(u, v, from_middle)
+        whole = dot(u, cross(v, w))
+        x, y, z = dot(from_middle, cross(v, w)), dot(u, cross(from_middle, w)), dot(u, cross(v, from_middle))
         return x * x + y * y <= (Fraction(self.radius) * whole) ** 2 and z * z <= (Fraction(self.half) * whole) ** 2
 
     def is_in_one_of(self, cover: Primitives) -> bool:
         """See `Region`: of a pose that turns exactly, in a sphere about a point of its axis or a capsule along it."""
         rows = [[Fraction(x) for x in row] for row in self.pose[:3].tolist()]
         u, v, w = ([row[k] for row in rows] for k in range(3))
-        if any(_inner(column, column) != 1 for column in (u, v)) or any(
-            _inner(a, b) for a, b in ((u, v), (u, w), (v, w))
-        ):
+        if any(dot(column, column) != 1 for column in (u, v)) or any(dot(a, b) for a, b in ((u, v), (u, w), (v, w))):
             return False
         ends = [tuple(row[3] + z * row[2] for row in rows) for z in (-Fraction(self.half), Fraction(self.half))]
         return any(_rims_are_in(cover, k, ends, w, self.radius) for k in range(len(cover.radii)))  # type: ignore[arg-type]
@@ -287,10 +281,10 @@ def _rims_are_in(cover: Primitives, index: int, ends: Sequence[Point], axis: Seq
         return radius <= cover.radii[index] and all(thin.holds(0, end) for end in ends)
     for end in ends:
         apart = [x - y for x, y in zip(a, end, strict=True)]
-        along, length = _inner(apart, axis), _inner(axis, axis)
+        along, length = dot(apart, axis), dot(axis, axis)
         if any(length * x != along * y for x, y in zip(apart, axis, strict=True)):
             return False
-        if _inner(apart, apart) + square > greatest**2:
+        if dot(apart, apart) + square > greatest**2:
             return False
     return True
 
@@ -307,18 +301,3 @@ def posed_exactly(own: Sequence[float | Fraction], pose: Floats) -> Point:
         for row in pose[:3].tolist()
     )
     return x, y, z
-
-
-def _at(points: Floats) -> Floats:
-    poses = np.tile(np.eye(4), (len(points), 1, 1))
-    poses[:, :3, 3] = points
-    return poses
-
-
-def _inner(u: Sequence[Fraction], v: Sequence[Fraction]) -> Fraction:
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-
-
-def _product(u: Sequence[Fraction], v: Sequence[Fraction], w: Sequence[Fraction]) -> Fraction:
-    """The determinant of three columns."""
-    return u[0] * (v[1] * w[2] - v[2] * w[1]) - u[1] * (v[0] * w[2] - v[2] * w[0]) + u[2] * (v[0] * w[1] - v[1] * w[0])

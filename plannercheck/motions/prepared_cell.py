@@ -141,7 +141,7 @@ def _bodies(cell: CellInputs) -> Iterator[Section]:
             shapes[id(polytope.core)] = len(distinct)
             distinct.append(polytope)
         of_bodies.append(-1 if polytope is None else shapes[id(polytope.core)])
-    described = [_shape(polytope) for polytope in distinct]
+    described = [_SHAPES[polytope.kind](polytope.core, polytope.core.shape) for polytope in distinct]
     yield Section("shape kinds", np.array([kind for kind, _ in described], dtype=np.int32))
     for _, sections in described:
         yield from sections
@@ -181,11 +181,6 @@ def _own_poses(cell: CellInputs) -> Floats:
     }
     poses = [checked_pose(own.get(id(body)), f"body {body.name!r}")[:3] for body in cell.bodies]
     return np.array(poses, dtype=np.float64).reshape(-1, 12)
-
-
-def _shape(polytope: Polytope) -> tuple[int, list[Section]]:
-    """The kind of a prepared body in files, and its sections."""
-    return _SHAPES[polytope.kind](polytope.core, polytope.core.shape)
 
 
 def _hull(body: core.Polytope, _: None) -> tuple[int, list[Section]]:

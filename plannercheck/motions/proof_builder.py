@@ -249,7 +249,6 @@ def _resting_directions(checker: CertifiedPairs, planes: Sequence[Plane], q: Flo
 
 
 def _entries(empty: Proof, planes: Sequence[Plane], resting: Mapping[int, tuple[float, ...]]) -> tuple[Entry, ...]:
-    """The entries of all pairs."""
     import flint
 
     assert isinstance(empty.model, Model)

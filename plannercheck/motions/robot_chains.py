@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from plannercheck.bodies.shapes import GeometryObject
-from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
+from plannercheck.common.array_types import Floats, Ints, Ints64
 from plannercheck.common.arrays import read_only
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.joint_axes import JointTree
@@ -130,15 +130,12 @@ class RobotChains:
     def _of(self, pairs: Ints64) -> ChosenChains:
         rows = np.empty((len(pairs), 5), dtype=np.int32)
         rows[:, :2] = pairs
-        at_rest = self._are_at_rest(pairs[:, 1])
+        at_rest = np.asarray(self._links[np.minimum(pairs[:, 1], self._own)] < 0)
         rows[at_rest, 2] = rows[at_rest, 4] = -1
         rows[at_rest, 3] = self._chains_from_world(pairs[at_rest, 0])
         rows[~at_rest, 2:] = self._of_own(pairs[~at_rest])
         chosen, rows[:, 3:] = _by_first_use(rows[:, 3:])
         return ChosenChains(read_only(rows), *self._arrays(chosen))
-
-    def _are_at_rest(self, bodies: Ints64) -> Bools:
-        return np.asarray(self._links[np.minimum(bodies, self._own)] < 0)
 
     def _chains_from_world(self, bodies: Ints64) -> Ints:
         """(k,) the chain from the world to each body."""

@@ -17,8 +17,9 @@ import numpy as np
 from plannercheck.common.array_types import Floats
 from plannercheck.ndim.bodies import Polytope
 from plannercheck.ndim.game import play
-from plannercheck.ndim.halfspaces import lengths, optimisation
+from plannercheck.ndim.halfspaces import lengths
 from plannercheck.ndim.poses import Affine, rounded_inverse
+from plannercheck.ndim.qhull import part_of_scipy
 
 # Actives of a linear program: weights and prices above this part of the largest.
 _ACTIVE = 1e-9
@@ -126,7 +127,7 @@ class _Program:
         upper[:, self.d] = 1.0
         equal, right = self._mixtures(len(cost))
         bounds = [(None, None)] * self.d + [(None, self._size())] + [(0, None)] * count
-        answer = optimisation().linprog(
+        answer = part_of_scipy("optimize").linprog(
             cost, A_ub=upper, b_ub=np.concatenate([b for _, b in self.rows]), A_eq=equal, b_eq=right, bounds=bounds
         )
         if answer.x is None:

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
@@ -23,6 +22,7 @@ from plannercheck.ndim.exact import ExactSeparation, Guess, decide
 from plannercheck.ndim.integers import Farkas, matrix_of, solve
 from plannercheck.ndim.posed import ExactRows
 from plannercheck.ndim.poses import LARGEST, identity
+from plannercheck.ndim.qhull import part_of_scipy
 from plannercheck.ndim.rounding import UNDERFLOW, UNIT
 
 # As a part of the body's extent: a smaller Chebyshev radius leaves qhull and polars no room.
@@ -65,19 +65,10 @@ def lengths(normals: Floats) -> Floats:
     return np.where(sizes > 0, sizes, 1.0)
 
 
-def optimisation() -> Any:
-    """scipy.optimize, or an error that says how to get it."""
-    try:
-        import scipy.optimize
-    except ImportError as error:
-        raise PlannercheckError("pc.ndim needs SciPy: pip install 'plannercheck[ndim]'") from error
-    return scipy.optimize
-
-
 def _chebyshev(normals: Floats, offsets: Floats) -> tuple[Floats, float]:
     d = normals.shape[1]
     sizes = np.linalg.norm(normals, axis=1)
-    answer = optimisation().linprog(
+    answer = part_of_scipy("optimize").linprog(
         np.append(np.zeros(d), -1.0), A_ub=np.column_stack([normals, sizes]), b_ub=offsets, bounds=(None, None)
     )
     if answer.x is None:
@@ -120,7 +111,7 @@ def _box(normals: Floats, offsets: Floats, name: str) -> Floats:
 
 def _multipliers(normals: Floats, offsets: Floats, unit: Floats) -> Floats:
     """Multipliers μ ≥ 0 with A'μ about a unit direction and b·μ least; all 0 if the linear program finds none."""
-    answer = optimisation().linprog(-unit, A_ub=normals, b_ub=offsets, bounds=(None, None))
+    answer = part_of_scipy("optimize").linprog(-unit, A_ub=normals, b_ub=offsets, bounds=(None, None))
     return np.zeros(len(offsets)) if answer.status != 0 else np.maximum(-np.asarray(answer.ineqlin.marginals), 0.0)
 
 

@@ -114,7 +114,7 @@ class _Pair:
         self.guess: Guess | None = None
         self.effort = Effort("exact", "exact")
         if method != "exact":
-            self._find(method)
+            self._prove(self._walk() if method == "tree" else "")
 
     @property
     def shapes(self) -> Shapes:
@@ -143,9 +143,6 @@ class _Pair:
         normals = solved(self.pose_r.matrix.T, self.walked.hyperplanes.T).T
         centre = self.pose_r.of(self.R.centre[None])[0]
         return np.column_stack([normals, 1.0 + normals @ centre])
-
-    def _find(self, method: Method) -> None:
-        self._prove(self._walk() if method == "tree" else "")
 
     def _walk(self) -> str:
         """Walks the trees; says why not if a body has none."""

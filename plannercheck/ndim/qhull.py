@@ -6,6 +6,7 @@ vertices. Results are rounded and only guide; verdicts are proved from the given
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,13 +38,12 @@ class Hull(OwnsArrays):
     vertices: Ints
 
 
-def spatial() -> Any:
-    """scipy.spatial, or an error that says how to get it."""
+def part_of_scipy(name: str) -> Any:
+    """A part of SciPy, or an error that says how to get it."""
     try:
-        import scipy.spatial
+        return importlib.import_module(f"scipy.{name}")
     except ImportError as error:
         raise PlannercheckError("pc.ndim needs SciPy: pip install 'plannercheck[ndim]'") from error
-    return scipy.spatial
 
 
 def convex_hull(points: Floats) -> Hull:
@@ -52,7 +52,7 @@ def convex_hull(points: Floats) -> Hull:
         raise FlatError(f"{len(points)} points span no volume in dimension {points.shape[1]}")
     if points.shape[1] == 1:
         return _interval(points[:, 0])
-    library = spatial()
+    library = part_of_scipy("spatial")
     try:
         hull = library.ConvexHull(points)
     except library.QhullError as error:

@@ -1,8 +1,8 @@
 """Planning with OMPL: a checker as the judge of states and motions.
 
 Read `planning` first (`setup` and `plan`), then `joint_space`, `pose_space` with `pose_parts` and `pose_bounds`,
-`planar_space`, `state_numbers` and `projections` (configurations as OMPL has them), `state_validators` and
-`motion_validators` (the checker as OMPL's validators), `prepared_spaces` (all of these together, reused by later
+`planar_space`, `state_numbers` and `projections` (configurations as OMPL has them), `motion_validators` (the checker
+as OMPL's validator), `prepared_spaces` (all of these together with a validator of states, reused by later
 plans), `simple_setup` (checks that OMPL lacks), `searches` with `near_first` (planners at work), `goals`,
 `start_and_goal`, `angle_checkers`, `constrained` (equations that hold along the whole path), `clearance` (an objective)
 and `plans`. OMPL itself is loaded on first use, so that `plans` and `joint_space` can be had without it.

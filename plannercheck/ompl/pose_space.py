@@ -194,7 +194,6 @@ class PoseSpace(CurvedSpace):
 
 
 def _write(state: Any, kind: Kind, position: Floats, turn: Floats) -> None:
-    """Sets the state of one joint."""
     if kind == "free":
         state.setXYZ(*position.tolist())
         _write_quaternion(state.rotation(), turn)

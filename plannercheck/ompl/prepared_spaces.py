@@ -34,7 +34,6 @@ from plannercheck.ompl.planar_space import PlanarSpace
 from plannercheck.ompl.pose_bounds import default_bounds
 from plannercheck.ompl.pose_parts import has_free_bodies
 from plannercheck.ompl.pose_space import PoseSpace
-from plannercheck.ompl.state_validators import ExactStates
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.curves import Curve
 
@@ -160,9 +159,30 @@ def _state_validity(information: Any, checker: AnyChecker, space: Space) -> Any:
     """OMPL's state validity checker; in space it also has clearances."""
     if isinstance(checker, Checker):
         assert isinstance(space, JointSpace | PoseSpace)
-        return ExactStates(information, checker, space)
+        return _ExactStates(information, checker, space)
 
     def is_valid(state: Any) -> bool:
         return checker.is_valid(np.array(space.read(state)))
 
     return core.remembered_failures(is_valid, space.numbers.failure)
+
+
+class _ExactStates(base.StateValidityChecker):  # type: ignore[misc]  # OMPL's bindings are untyped
+    """Judges states, and gives clearances to OMPL's samplers, paths and objectives."""
+
+    def __init__(self, information: Any, checker: Checker, space: JointSpace | PoseSpace) -> None:
+        """Keeps the space, but not the SpaceInformation, which keeps this object."""
+        super().__init__(information)
+        self._checker, self._space = checker, space
+        is_plain = isinstance(space, JointSpace)
+        compiled = checker.state_validity(space.numbers.states, space.numbers.failure) if is_plain else None
+        if compiled is not None:
+            self.__dict__["isValid"] = compiled  # OMPL calls it instead of the method, without a frame of Python
+
+    def isValid(self, state: Any) -> bool:  # noqa: N802  # OMPL's name
+        """Whether a state is free of collision."""
+        return self._checker.is_valid(np.array(self._space.read(state)))
+
+    def clearance(self, state: Any) -> float:
+        """The least distance of all pairs, m; where bodies overlap, the negative of a depth (`Checker.clearance`)."""
+        return self._checker.clearance(np.array(self._space.read(state)))

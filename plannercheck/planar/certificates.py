@@ -101,7 +101,6 @@ def certify(
 
 
 def _in_space(vertices: ArrayLike, pose: ArrayLike | None, name: str) -> PosedBody:
-    """A polygon as a flat body."""
     flat = checked_polygon(vertices, name)
     matrix = np.eye(4)
     planar = checked_poses(pose, f"pose of {name}")[0]

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.array_types import Floats, Ints
-from plannercheck.common.arrays import Configuration, axes, contiguous, named_numbers, read_only, shown_array
+from plannercheck.common.arrays import Configuration, axes, configuration_rows, named_numbers, read_only
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -151,16 +151,7 @@ class Robot:
 
     def check_configurations(self, q: ArrayLike) -> Floats:
         """Configurations (n, nq) or (nq,) as (n, nq) float64 in C order, or an error that says what is wrong."""
-        try:
-            array = contiguous(q)
-        except (TypeError, ValueError, OverflowError):
-            raise PlannercheckError(f"configurations must be numbers (nq,) or (n, nq), not {shown_array(q)}") from None
-        if array.ndim not in (1, 2) or array.shape[-1] != self.nq:
-            raise PlannercheckError(
-                f"configurations must have shape ({self.nq},) or (n, {self.nq}), not {np.shape(q)}; "
-                f"the numbers are {', '.join(self.joint_names)}"
-            )
-        rows = np.atleast_2d(array)  # not reshaped: a robot without joints has configurations of no numbers
+        rows = configuration_rows(q, self.nq, lambda: f"the numbers are {', '.join(self.joint_names)}")
         usable = np.abs(rows) <= _LARGEST_VALUE  # false for NaN
         if not usable.all():
             row = int(np.flatnonzero(~usable.all(axis=1))[0])

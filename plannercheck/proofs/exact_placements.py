@@ -18,7 +18,7 @@ from xml.etree.ElementTree import Element
 
 from flint import arb, arb_mat, ctx, fmpq
 
-from plannercheck.proofs.jets import linear
+from plannercheck.proofs.jets import by_length, linear
 
 # What an origin's sines, cosines, products and normalised quaternion in doubles may be off by; the largest difference
 # in 1,175 URDFs is 12 times 2^-53.
@@ -134,9 +134,7 @@ def placed(
 
 def unit(numbers: Sequence[Fraction]) -> list[Any]:
     """A vector of length 1 in the direction of numbers that are not all 0."""
-    vector = balls(numbers)
-    length = sum((x * x for x in vector), arb(0)).sqrt()
-    return [x / length for x in vector]
+    return by_length(balls(numbers))
 
 
 def _of_angles(angles: Sequence[Any]) -> list[Any]:

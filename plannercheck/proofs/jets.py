@@ -27,6 +27,13 @@ class Jet(NamedTuple):
     second: Any = None
 
 
+def by_length(numbers: Sequence[Any]) -> list[Any]:
+    """Numbers as balls, divided by their length."""
+    balls = [arb(x) for x in numbers]
+    length = sum((x * x for x in balls), arb(0)).sqrt()
+    return [x / length for x in balls]
+
+
 def product(a: Jet, b: Jet) -> Jet:
     """The jet of a product: (A B)' = A' B + A B', (A B)'' = A'' B + 2 A' B' + A B''."""
     crossed = None if a.first is None or b.first is None else a.first * b.first * 2

@@ -20,7 +20,7 @@ from flint import arb, arb_mat
 from plannercheck.common.motion_paths import MotionPath
 from plannercheck.proofs.data import JOINTS, Joint
 from plannercheck.proofs.faults import UnprovedError
-from plannercheck.proofs.jets import Jet, affine, linear, product, times, total
+from plannercheck.proofs.jets import Jet, affine, by_length, linear, product, times, total
 from plannercheck.proofs.polynomials import Values, line, polynomial
 
 Motion = Callable[[Any], Jet]
@@ -90,10 +90,6 @@ def shifted(by: Sequence[Any]) -> Any:
     return arb_mat(4, 4, [1, 0, 0, by[0], 0, 1, 0, by[1], 0, 0, 1, by[2], 0, 0, 0, 1])
 
 
-def _outer(a: Sequence[Any]) -> list[Any]:
-    return [x * y for x in a for y in a]
-
-
 def _cross(a: Sequence[Any]) -> list[Any]:
     """The matrix [a] of a cross product with a."""
     zero = arb(0)
@@ -103,7 +99,7 @@ def _cross(a: Sequence[Any]) -> list[Any]:
 def _parts(axis: Sequence[float]) -> tuple[Any, Any, Any]:
     """The map c (I - a a^T) + s [a] + a a^T: the factors of c and s, and the constant part."""
     a = [arb(part) for part in axis]
-    outer, one = linear(_outer(a)), linear([arb(int(k % 4 == 0)) for k in range(9)])
+    outer, one = linear([x * y for x in a for y in a]), linear([arb(int(k % 4 == 0)) for k in range(9)])
     last = arb_mat(4, 4, [0] * 15 + [1])
     return one - outer, linear(_cross(a)), outer + last
 
@@ -175,10 +171,7 @@ def _shorter_turn(a: Sequence[float], b: Sequence[float]) -> Any:
 
 def _unit(kind: str, q: Sequence[float]) -> list[Any]:
     """The numbers of a joint that are a quaternion, or cosine and sine, normalised."""
-    form = JOINTS[kind]
-    values = [arb(x) for x in q[form.lengths : form.numbers]]
-    length = sum((x * x for x in values), arb(0)).sqrt()
-    return [x / length for x in values]
+    return by_length(q[JOINTS[kind].lengths : JOINTS[kind].numbers])
 
 
 def _rotation(q: Sequence[Any]) -> Any:

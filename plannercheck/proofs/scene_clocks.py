@@ -19,6 +19,7 @@ from flint import arb
 from plannercheck.common.shown_times import shown_seconds, shown_span
 from plannercheck.proofs.data import Motion
 from plannercheck.proofs.faults import UnprovedError
+from plannercheck.proofs.jets import by_length
 
 # How far a motion may reach beyond both times between which objects go straight, s.
 _BEYOND = Fraction(1, 10**9)
@@ -120,20 +121,13 @@ def _turns_off(
     """How far unit vectors are off at both ends."""
     for first, past in course.units:
         for numbers, share in zip((motion.start, motion.end), shares, strict=True):
-            given = _unit(numbers[course.column + first : course.column + past])
-            before, after = (_unit(row[first:past]) for row in step)
+            given = by_length(numbers[course.column + first : course.column + past])
+            before, after = (by_length(row[first:past]) for row in step)
             meant = _slerp(before, after, share)
             off = max(float(abs(a - b).upper()) for a, b in zip(given, meant, strict=True))
             if not off <= _OFF_TURN:
                 raise UnprovedError(f"{course.names} is not turned as in the scene: off by {off:.3g}")
             yield off
-
-
-def _unit(numbers: Sequence[float]) -> list[Any]:
-    """Numbers as balls, by their length."""
-    balls = [arb(x) for x in numbers]
-    length = sum((x * x for x in balls), arb(0)).sqrt()
-    return [x / length for x in balls]
 
 
 def _slerp(a: Sequence[Any], b: Sequence[Any], share: Fraction) -> list[Any]:

@@ -77,7 +77,9 @@ def confirm_shapes(model: Model, content: str | None, files: MeshFiles, prefix: 
     """
     root = ElementTree.parse(files.urdf).getroot() if content is None else ElementTree.fromstring(content)
     links = {f"{prefix}{link.get('name')}": link for link in root.findall("link")}
-    elements = {f"{name}_{k}": (name, each) for name, link in links.items() for k, each in _numbered(link)}
+    elements = {
+        f"{name}_{k}": (name, each) for name, link in links.items() for k, each in enumerate(link.findall("collision"))
+    }
     on_links = [body for body in model.bodies if body.link != WORLD and _link(model, body).startswith(prefix)]
     same, not_read, unknown, most = list[str](), dict[str, list[str]](), list[str](), 0.0
     for body in on_links:
@@ -120,10 +122,6 @@ def _sentences(
 
 def _listed(names: list[str]) -> str:
     return ", ".join(map(repr, names[:5])) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
-
-
-def _numbered(link: Element) -> Iterable[tuple[int, Element]]:
-    return enumerate(link.findall("collision"))
 
 
 def _check_pose(body: PosedBody, element: Element) -> float:

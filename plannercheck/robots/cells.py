@@ -305,6 +305,5 @@ def _named(each: Mapping[str, RobotParts], names: Callable[[RobotParts], tuple[s
 
 
 def _carried(item: SceneObject, name: str) -> SceneObject:
-    """A carried object as the cell names it."""
     touched = tuple(f"{name}/{each}" for each in item.touch_links)
     return replace(item, name=f"{name}/{item.name}", link=f"{name}/{item.link}", touch_links=touched)

@@ -18,7 +18,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.array_types import Floats, Ints
-from plannercheck.common.arrays import OwnsArrays, contiguous, shown_array
+from plannercheck.common.arrays import OwnsArrays, configuration_rows
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.joints import CIRCLE, TURN, kind_of
 from plannercheck.robots.unit_lengths import UnitLengths, unit_lengths
@@ -118,17 +118,7 @@ class ConfigurationMap(OwnsArrays):
 
     def checked(self, q: ArrayLike) -> Floats:
         """Validates configurations (nq,) or (n, nq), rad and m: (n, nq) float64 in C order, n = 1 for a single one."""
-        try:
-            array = contiguous(q)
-        except (TypeError, ValueError, OverflowError):
-            raise PlannercheckError(f"configurations must be numbers (nq,) or (n, nq), not {shown_array(q)}") from None
-        if array.ndim not in (1, 2) or array.shape[-1] != self.width:
-            raise PlannercheckError(
-                f"configurations must have shape ({self.width},) or (n, {self.width}), not {np.shape(q)}; "
-                f"{self.described_columns()}"
-            )
-        # Not reshaped: a robot without joints has configurations of no numbers.
-        rows = array if array.ndim == 2 else array[None]
+        rows = configuration_rows(q, self.width, self.described_columns)
         _check_finite(rows)
         if self.lengths.columns:
             self.lengths.check(rows)

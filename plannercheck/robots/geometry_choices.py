@@ -47,7 +47,6 @@ def _are_pieces_known(mesh: TriangleMesh) -> bool:
 
 
 def _meshes(description: RobotDescription) -> Mapping[str, list[TriangleMesh]]:
-    """The meshes of each link."""
     links = {body.name: str(body.link) for body in of_hulls(description).bodies}
     found: dict[str, list[TriangleMesh]] = {}
     for name, mesh in collision_meshes(description).items():

@@ -117,7 +117,6 @@ def _three(shape: Element, key: str) -> tuple[float, float, float]:
 
 
 def _numbers(shape: Element, key: str, count: int) -> list[float]:
-    """The numbers of an attribute."""
     text = shape.get(key)
     words = [] if text is None else text.split()
     values = [float(word) for word in words if _NUMBER.match(word)]

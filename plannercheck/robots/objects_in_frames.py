@@ -32,29 +32,23 @@ class PoseableRobot(Protocol):
     @property
     def link_names(self) -> tuple[str, ...]:
         """Names of the links."""
-        ...
 
     @property
     def frames(self) -> Sequence[int]:
         """Pinocchio's frames of the links."""
-        ...
 
     @property
     def mimics(self) -> Mapping[str, Mimic]:
         """The joints that follow others, by name."""
-        ...
 
     def link_index(self, name: str) -> int:
         """Index into link_names."""
-        ...
 
     def holding(self, values: Mapping[str, float | Sequence[float]]) -> PoseableRobot:
         """The same robot with joints held at other values."""
-        ...
 
     def link_poses(self, q: Floats) -> Floats:
         """World poses of all links, m."""
-        ...
 
 
 def placed(robot: PoseableRobot, items: Iterable[SceneObject]) -> tuple[SceneObject, ...]:

@@ -337,7 +337,8 @@ class Robot(PosedRobot):
         """The same robot with joints held at other values (or, for joints of the group, with another reference).
 
         Args:
-            values: Values by joint name, rad or m, also beyond limits. Followers not given move with their leaders.
+            values: Values by joint name, rad or m, also beyond limits. Followers not given move with their leaders;
+                those of joints in the group always do, so that another value is an error.
 
         Returns:
             A new robot with the same bodies and group.

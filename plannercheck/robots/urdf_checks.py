@@ -292,7 +292,6 @@ def _check_tree(links: dict[str, Element], joints: dict[str, Element]) -> None:
 
 
 def _end(name: str, joint: Element, tag: str, links: dict[str, Element]) -> str:
-    """The link at one end of a joint."""
     end = joint.find(tag)
     link = None if end is None else end.get("link")
     if link is None:

@@ -250,7 +250,6 @@ class SceneContents(DeclaredStates):
         self._taken(name)
 
     def _taken(self, name: str) -> SceneObject:
-        """Takes an object out of the scene."""
         item = self._table_of(name).pop(name)
         if item.link is not None:
             self.link_padding.pop(name, None)

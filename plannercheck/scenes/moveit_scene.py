@@ -15,14 +15,14 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from plannercheck.bodies.objects import StatedJoints, scene_object
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, number, required, sequence, text
-from plannercheck.common.errors import PlannercheckError
-from plannercheck.scenes.contents import SceneContents
+from plannercheck.common.errors import PlannercheckError, shortened
+from plannercheck.scenes.contents import AllowedCollisions, SceneContents
 from plannercheck.scenes.moveit_attached import attach_from_world, attach_with_shapes, read_attached
 from plannercheck.scenes.moveit_frames import find_frame, scene_frames
-from plannercheck.scenes.moveit_matrix import allowed_collisions
 from plannercheck.scenes.moveit_objects import ObjectMessage, read_object
 from plannercheck.scenes.moveit_octomap import read_octomap_message
 from plannercheck.scenes.moveit_states import check_robot_state, stated_joints
@@ -38,6 +38,8 @@ _TELLING_KEYS = frozenset({"world", "robot_state", "robot_model_name", "allowed_
 # The fields of moveit_msgs/PlanningSceneWorld, and those that identify a moveit_msgs/CollisionObject.
 _WORLD_KEYS = ("collision_objects", "octomap")
 _OBJECT_TELLING_KEYS = frozenset({"id", "primitives", "meshes", "planes"})
+
+_FLAGS = frozenset({bool})
 
 
 def as_planning_scene(document: Node) -> Node | None:
@@ -79,7 +81,7 @@ def read_planning_scene(
     obstacles += [] if octomap is None else [octomap]
     _add_objects(scene, state, obstacles, find_file)
     with error_context("allowed_collision_matrix"):
-        scene.allowed = allowed_collisions(mapping(document.get("allowed_collision_matrix"), "it"))
+        scene.allowed = _allowed_collisions(mapping(document.get("allowed_collision_matrix"), "it"))
 
 
 def _add_objects(scene: SceneContents, state: Node, obstacles: Sequence[ObjectMessage], find_file: FindFile) -> None:
@@ -152,3 +154,38 @@ def _warn_of_diff(document: Node) -> None:
     """Warns if the scene is only what changes in another one."""
     if document.get("is_diff") not in (None, False, 0):
         warnings.warn("the scene is a diff (is_diff): what it changes is not in it, and taken as empty", stacklevel=2)
+
+
+def _allowed_collisions(node: Node) -> AllowedCollisions:
+    """The allowed collision matrix: an entry for each pair of names, defaults for pairs without one."""
+    check_keys(node, ("entry_names", "entry_values", "default_entry_names", "default_entry_values"))
+    names = [text(n, "entry_names") for n in sequence(node.get("entry_names"), "'entry_names'")]
+    rows = [_flags(row) for row in sequence(node.get("entry_values"), "'entry_values'")]
+    if len(set(names)) != len(names) or [len(r) for r in rows] != [len(names)] * len(names):
+        raise PlannercheckError(f"entry_values must be one row and column for each of {len(names)} different names")
+    for i, (row, column) in enumerate(zip(rows, zip(*rows, strict=True), strict=True)):
+        if row[:i] != list(column[:i]):
+            a, b = names[i], next(name for name, one, other in zip(names, row, column, strict=True) if one != other)
+            raise PlannercheckError(f"entry_values of {a!r} with {b!r} and of {b!r} with {a!r} differ")
+    known = [text(n, "default_entry_names") for n in sequence(node.get("default_entry_names"), "they")]
+    defaults = _flags(node.get("default_entry_values"))
+    if len(defaults) != len(known):
+        raise PlannercheckError(f"{len(known)} default_entry_names, but {len(defaults)} default_entry_values")
+    if len(set(known)) != len(known):
+        raise PlannercheckError(f"default_entry_names must differ, but are {shortened(', '.join(known))!r}")
+    entries = {
+        frozenset((name, earlier)): flag
+        for i, name in enumerate(names)
+        for earlier, flag in zip(names[:i], rows[i], strict=False)
+    }
+    return AllowedCollisions(entries, dict(zip(known, defaults, strict=True)))
+
+
+def _flags(value: Any) -> list[bool]:
+    """A row of booleans, bare or in a message's `enabled` field."""
+    row = sequence(value.get("enabled") if isinstance(value, dict) else value, "a row of values")
+    if _FLAGS.issuperset(map(type, row)):
+        return row
+    if not all(flag in (True, False) for flag in row):
+        raise PlannercheckError(f"values must be true or false, not {row}")
+    return [bool(flag) for flag in row]

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.bodies.given_shapes import hull_of_triangles
 from plannercheck.bodies.hull_excess import hull_excess
 from plannercheck.bodies.mesh_files import (
     MeshFile,
@@ -24,7 +25,6 @@ from plannercheck.bodies.mesh_files import (
     read_mesh,
     warn_of_mesh,
 )
-from plannercheck.bodies.meshes import hull_of_triangles
 from plannercheck.bodies.objects import Part
 from plannercheck.bodies.shapes import Hull
 from plannercheck.bodies.solids import OPEN_MESHES, OpenMesh, Solid

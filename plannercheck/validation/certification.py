@@ -129,7 +129,8 @@ class _Certification:
     def __init__(self, checker: Checker) -> None:
         self._checker = checker
         bodies = list(zip(checker.bodies, checker.polytopes, checker.paddings.tolist(), strict=True))
-        self._empty = {k for k, (body, _, _) in enumerate(bodies) if _is_empty(body)}
+        shapes = enumerate(body.shape for body in checker.bodies)
+        self._empty = {k for k, shape in shapes if isinstance(shape, PartSet) and shape.count == 0}
         self._parts = {
             k: given_parts(body.shape, padding)
             for k, (body, polytope, padding) in enumerate(bodies)
@@ -162,22 +163,21 @@ class _Certification:
 
     def _is_proved(self, pair: int, poses: Floats, colliding: bool) -> bool:
         p, r = self._checker.pairs[pair].tolist()
+        both = self._polytope(p), self._polytope(r)
         try:
-            certificate = certify_posed(self._polytope(p), self._polytope(r), poses[p], poses[r])
+            certificate = certify_posed(*both, poses[p], poses[r])
         except UnprovedVerdictError:
             return False
-        if not are_bounded(self._polytope(p), self._polytope(r)):
-            if have_parts(self._polytope(p), self._polytope(r)):
-                return colliding != isinstance(certificate, Separation | PartSeparation) and certificate.verify()
-            assert isinstance(certificate, SharedPoint | Separation)
-            return isinstance(certificate, SharedPoint) == colliding and self._about_given(certificate, p, r).verify()
-        if have_parts(self._polytope(p), self._polytope(r)) and not isinstance(certificate, Separation):
+        bounded = are_bounded(*both)
+        if have_parts(*both) and not bounded:
+            return colliding != isinstance(certificate, Separation | PartSeparation) and certificate.verify()
+        if have_parts(*both) and not isinstance(certificate, Separation):
             parts = (self._parts_or_mesh(p), poses[p]), (self._parts_or_mesh(r), poses[r])
             if isinstance(certificate, PartSeparation):
                 return not colliding and proves_separation_of_parts(certificate, *parts)
             assert not isinstance(certificate, SolidSeparation)
             return colliding and proves_contact_of_parts(certificate, *parts)
-        is_of_solids = self._polytope(p).solid is not None or self._polytope(r).solid is not None
+        is_of_solids = bounded and any(polytope.solid is not None for polytope in both)
         if is_of_solids and not isinstance(certificate, Separation):
             given = (self._mesh(p), poses[p]), (self._mesh(r), poses[r])
             if isinstance(certificate, SolidSeparation):
@@ -249,10 +249,6 @@ class _Certification:
     def _unproved(self, row: int, pair: int, colliding: bool) -> Unproved:
         first, second = (self._checker.bodies[k].name for k in self._checker.pairs[pair].tolist())
         return Unproved(row, first, second, colliding)
-
-
-def _is_empty(body: GeometryObject) -> bool:
-    return isinstance(body.shape, PartSet) and body.shape.count == 0
 
 
 def _given_body(body: GeometryObject, polytope: Polytope, excess: float, padding: float) -> CertifiedBody:

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.fcl_bodies import FclBodies
@@ -154,7 +153,7 @@ class _Comparison:
     def __init__(self, checker: Checker) -> None:
         self._checker = checker
         self._fcl = FclBodies(
-            [_vertices_and_faces(polytope) for polytope in checker.polytopes],
+            [None if polytope is None else (polytope.vertices, polytope.faces) for polytope in checker.polytopes],
             [0.0 if polytope is None else polytope.inflation_radius for polytope in checker.polytopes],
         )
         self._names = [body.name for body in checker.bodies]
@@ -217,7 +216,3 @@ def _is_solid(polytope: Polytope | None) -> bool:
     if polytope is None:
         return False
     return any(kind is not None for kind in (polytope.solid, polytope.parts, polytope.half_space))
-
-
-def _vertices_and_faces(polytope: Polytope | None) -> tuple[Floats, NDArray[np.int32]] | None:
-    return None if polytope is None else (polytope.vertices, polytope.faces)

@@ -13,8 +13,9 @@ from dataclasses import asdict
 import numpy as np
 
 from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.moving import Ride
 from plannercheck.bodies.part_sets import PartSet
-from plannercheck.bodies.shapes import GeometryObject, inflated_hull
+from plannercheck.bodies.shapes import GeometryObject, checked_pose, inflated_hull
 from plannercheck.bodies.solids import Solid
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.version import __version__
@@ -63,12 +64,14 @@ def content_hash(checker: AnyChecker) -> str:
             assert item.moving is not None
             digest.update(repr((item.name, item.moving.path, item.moving.outside)).encode())
             digest.update(item.moving.times.tobytes() + item.moving.poses.tobytes())
+            if item.moving.ride is not None:
+                _add_ride(digest, item.moving.ride)
     return digest.hexdigest()
 
 
 def robot_hash(checker: Checker) -> str:
     """A hash of a robot as a checker has it: its joints, limits and bodies, and the pairs of these that are tested."""
-    robot, count = checker.robot, _robot_bodies(checker)
+    robot, count = checker.robot, len(checker.robot.bodies)
     digest = hashlib.sha256(" ".join(robot.joint_names).encode())
     own = checker.pairs[(checker.pairs < count).all(axis=1)]
     poses = robot.link_poses(robot.random_configurations(_POSED, 0))
@@ -81,7 +84,7 @@ def robot_hash(checker: Checker) -> str:
 
 def scene_hash(checker: Checker) -> str:
     """A hash of a scene as a checker has it: its bodies, the pairs that these are in, and the paddings of all pairs."""
-    count = _robot_bodies(checker)
+    count = len(checker.robot.bodies)
     digest = hashlib.sha256(checker.paddings.tobytes())
     digest.update(np.ascontiguousarray(checker.pairs[(checker.pairs >= count).any(axis=1)]).tobytes())
     _add_names(digest, checker.bodies[count:])
@@ -89,14 +92,18 @@ def scene_hash(checker: Checker) -> str:
     return digest.hexdigest()
 
 
-def _robot_bodies(checker: Checker) -> int:
-    """How many of a checker's bodies, the first ones, are the robot's."""
-    return len(checker.robot.bodies)
-
-
 def _add_names(digest: hashlib._Hash, bodies: Sequence[GeometryObject | PlanarObject]) -> None:
     for body in bodies:
         digest.update(f"{body.name} {body.link}".encode() + np.ascontiguousarray(body.pose).tobytes())
+
+
+def _add_ride(digest: hashlib._Hash, ride: Ride) -> None:
+    """The curve that a robot runs, and where its link, on which an object rides, is for some configurations."""
+    robot, base = ride.robot if isinstance(ride.robot, tuple) else (ride.robot, None)
+    curve, links = ride.trajectory.curve, robot.link_poses(robot.random_configurations(_POSED, 0))
+    digest.update(repr((ride.link, ride.start_time, curve.counts.tolist(), curve.units)).encode())
+    for part in (curve.breaks, *curve.pieces, checked_pose(base, "base"), links[:, robot.link_index(ride.link)]):
+        digest.update(np.ascontiguousarray(part).tobytes())
 
 
 def _add_shapes(digest: hashlib._Hash, bodies: Sequence[GeometryObject], excess: float) -> None:

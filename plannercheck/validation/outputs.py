@@ -157,7 +157,7 @@ def _csv(path: Path, results: Results) -> None:
             rows = arrays["row"].tolist()
             verdicts = list(zip(_reported_pairs(arrays).tolist(), _codes(arrays), strict=True))
             for pair, code in set(verdicts) - set(tails):
-                tails[pair, code] = _line([*_flags(code, results), *_names(pair, results)])
+                tails[pair, code] = _line([*_flags(code, results), *(("", "") if pair < 0 else results.pairs[pair])])
             numbers = _certificate_texts(arrays)
             file.write(
                 "".join(
@@ -201,16 +201,8 @@ def _codes(arrays: Arrays) -> list[int]:
 
 
 def _flags(code: int, results: Results) -> list[str]:
-    flags = [_flag(code >= 2)]
-    return flags if results.judge.limits == "ignore" else [*flags, _flag(code % 2 == 1)]
-
-
-def _flag(value: bool) -> str:
-    return "true" if value else "false"
-
-
-def _names(pair: int, results: Results) -> tuple[str, str]:
-    return ("", "") if pair < 0 else results.pairs[pair]
+    flags = [code >= 2] if results.judge.limits == "ignore" else [code >= 2, code % 2 == 1]
+    return [str(flag).lower() for flag in flags]
 
 
 def _certificate_texts(arrays: Arrays) -> list[str]:

@@ -131,7 +131,7 @@ def drawn_cells(keys: NDArray[Any], sizes: NDArray[Any], resolution: float, orig
     low = keys.min(axis=0).astype(np.int64) // largest * largest  # so that octree cells stay in their lattices
     places, edges = keys - low, sizes.astype(np.int64)
     step, count = resolution, len(keys)
-    while np.max(places + edges[:, None]) > _LARGEST or _squares(edges) > 8 * MOST_DRAWN:
+    while np.max(places + edges[:, None]) > _LARGEST or int((edges * edges).sum()) > 8 * MOST_DRAWN:
         places, edges = _coarser(places, edges)
         step *= 2
     drawn = count if step == resolution else len(places)
@@ -145,11 +145,6 @@ def drawn_cells(keys: NDArray[Any], sizes: NDArray[Any], resolution: float, orig
         drawn=drawn,
         **where,
     )
-
-
-def _squares(edges: NDArray[np.int64]) -> int:
-    """How many squares of one step a side of all cells has."""
-    return int((edges * edges).sum())
 
 
 def _coarser(places: NDArray[np.int64], edges: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

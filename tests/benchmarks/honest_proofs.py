@@ -23,8 +23,8 @@ import numpy as np
 import plannercheck as pc
 from plannercheck.common.array_types import Floats
 from plannercheck.common.package_data import shipped_folder
-from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.campaign import draw
+from plannercheck.evaluation.stress_motions.cases import subject_of
 from plannercheck.evaluation.stress_motions.curve_numbers import numbers_of
 from plannercheck.evaluation.stress_motions.curves import curved
 from plannercheck.evaluation.stress_motions.draws import FAMILIES

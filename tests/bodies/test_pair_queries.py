@@ -9,8 +9,8 @@ from poses import at, random_pose
 
 import plannercheck as pc
 from plannercheck.bodies.distance import pair_bounds, pair_bounds_checked
+from plannercheck.bodies.given_bodies import queries
 from plannercheck.bodies.intersection import intersects_checked
-from plannercheck.bodies.pair_queries import queries
 from plannercheck.bodies.shapes import RIGID_TOLERANCE, _checked_matrix, checked_pose
 from plannercheck.bodies.tuning import pair_options
 from plannercheck.common.core import core

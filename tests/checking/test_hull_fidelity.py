@@ -7,8 +7,8 @@ import pytest
 
 import plannercheck as pc
 from plannercheck.bodies import convex_decomposition
+from plannercheck.bodies.hull_excess import largest_filling
 from plannercheck.bodies.triangle_meshes import TriangleMesh
-from plannercheck.checking.hull_fidelity import largest_filling
 from plannercheck.cli.main import main
 from plannercheck.robots import geometry_choices
 from plannercheck.robots.description import description_of

@@ -35,10 +35,13 @@ def test_every_command_takes_an_srdf_and_a_group(rows, tmp_path, capsys):
     assert main(["bench", "states", *URDF, "--scene", "none", "--states", "20", "--methods", "boxes"]) == 0
 
 
-def test_joints_make_a_group_and_a_root_floats(rows, tmp_path, capsys):
+def test_joints_make_a_group_and_a_root_floats(rows, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     bare = ("--robot", str(PANDA), "--package-dirs", str(SHARE))
     np.save(tmp_path / "two.npy", [[0.1, -0.5]])
     assert main(["validate", *bare, "--group", "panda_joint1,panda_joint2", str(tmp_path / "two.npy")]) in (0, 1)
+    # As `acm --audit --prove` writes it: the SRDF has no such group, and the YAML holds the fingers.
+    assert main(["view", "--robot", "panda", "--group", "panda_finger_joint1", "--q=1e-5", "--html", "v.html"]) == 0
     np.save(tmp_path / "free.npy", [[0, 0, 0, 0, 0, 0, 1, *READY, 0.01]])
     assert main(["validate", *bare, "--floating", "--srdf", str(PANDA_SRDF), str(tmp_path / "free.npy")]) == 0
     capsys.readouterr()

@@ -15,8 +15,7 @@ from plannercheck.bodies import exact_reference as exact
 from plannercheck.cli.main import main
 from plannercheck.evaluation.campaign import tallies
 from plannercheck.evaluation.campaign.campaign import run
-from plannercheck.evaluation.campaign.pair_tables import TRUTH
-from plannercheck.evaluation.campaign.pairs import PairCase, smaller
+from plannercheck.evaluation.campaign.pairs import TRUTH, PairCase, smaller
 from plannercheck.evaluation.campaign.posed_pairs import UNFIT
 from plannercheck.evaluation.campaign.supervised_process import Supervised
 from plannercheck.evaluation.campaign.tallies import EXCEPTION, TIMEOUT, WRONG, Tally, total

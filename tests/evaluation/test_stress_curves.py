@@ -11,8 +11,8 @@ from plannercheck.cli.main import main
 from plannercheck.evaluation.campaign.campaign import run
 from plannercheck.evaluation.campaign.cases import load, save
 from plannercheck.evaluation.campaign.tallies import total
-from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.campaign import campaign, families_of
+from plannercheck.evaluation.stress_motions.cases import subject_of
 from plannercheck.evaluation.stress_motions.curve_numbers import numbers_of
 from plannercheck.evaluation.stress_motions.curves import curved
 from plannercheck.evaluation.stress_motions.draws import tree_draw

@@ -19,9 +19,8 @@ from plannercheck.evaluation.campaign.campaign import run
 from plannercheck.evaluation.campaign.cases import load, save
 from plannercheck.evaluation.campaign.tallies import Tally, total
 from plannercheck.evaluation.stress_motions import campaign as motion_campaign
-from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.campaign import FAMILY_NAMES, campaign
-from plannercheck.evaluation.stress_motions.cases import MotionCase, shrunk
+from plannercheck.evaluation.stress_motions.cases import MotionCase, shrunk, subject_of
 from plannercheck.evaluation.stress_motions.contacts import Closeness, extent_of, random_contact
 from plannercheck.evaluation.stress_motions.draws import tree_draw
 from plannercheck.evaluation.stress_motions.ompl_paths import OMPL_FAMILY

@@ -15,8 +15,8 @@ from plannercheck.evaluation.campaign.campaign import run
 from plannercheck.evaluation.campaign.cases import save
 from plannercheck.evaluation.campaign.tallies import total
 from plannercheck.evaluation.stress_motions.aims import Motions
-from plannercheck.evaluation.stress_motions.any_subject import subject_of
 from plannercheck.evaluation.stress_motions.campaign import campaign
+from plannercheck.evaluation.stress_motions.cases import subject_of
 from plannercheck.evaluation.stress_motions.draws import Draw
 from plannercheck.evaluation.stress_motions.mesh_states import MeshStates
 from plannercheck.evaluation.stress_motions.outcomes import COLLISION, FREE, UNREASONED, Judged

@@ -12,8 +12,7 @@ from plannercheck.cli.main import main
 from plannercheck.evaluation.campaign import posed_pairs
 from plannercheck.evaluation.campaign.campaign import run
 from plannercheck.evaluation.campaign.cases import load, save
-from plannercheck.evaluation.campaign.pair_tables import INSIDE, TRUTH
-from plannercheck.evaluation.campaign.pairs import PairCase, smaller
+from plannercheck.evaluation.campaign.pairs import INSIDE, TRUTH, PairCase, smaller
 from plannercheck.evaluation.campaign.supervised_process import Supervised
 from plannercheck.evaluation.campaign.tallies import EXCEPTION, TIMEOUT, Tally, total
 from plannercheck.evaluation.stress_solids import judges, robot_links

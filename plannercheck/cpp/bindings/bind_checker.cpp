@@ -48,7 +48,7 @@ class BoundChecker : public Pooled<CheckerCore> {
   // The limits that hold for this checker's choice of pairs: what is within may be judged.
   const JointLimits& limits() const { return limits_; }
 
-  // Of one configuration that may be judged.
+  // Judges one configuration that is within these limits.
   bool is_valid(const Kinematics& kinematics, const double* q) {
     std::uint8_t valid = 0;
     with_workspace([&](auto& w) { core().check_states(kinematics, q, 1, &valid, w); });
@@ -134,7 +134,7 @@ nb::object row_validity(nb::object checker, nb::object kinematics, Columns units
   return nb::cpp_function(is_free, plain_floats);
 }
 
-// The same for sets of configurations, an (n, nq) array: an array (n,) of whether each is free, or None.
+// The judge of sets, (n, nq) arrays: returns an array (n,) of whether each configuration is free, or None.
 nb::object set_validity(nb::object checker, nb::object kinematics, Columns units, double tolerance) {
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);

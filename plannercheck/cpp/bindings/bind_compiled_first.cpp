@@ -25,7 +25,7 @@ namespace nb = nanobind;
 namespace plannercheck {
 namespace {
 
-// Of a twin, with those that the descriptor adds.
+// Most arguments of a twin, the descriptor's own included.
 constexpr Py_ssize_t kMostArguments = 4;
 
 struct CompiledFirst {

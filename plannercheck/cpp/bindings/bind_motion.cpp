@@ -123,7 +123,7 @@ KnownMotions known_motions(InputArray<double, -1> low, InputArray<double, -1> hi
       {low.data(), low.data() + low.shape(0)}, {high.data(), high.data() + high.shape(0)}, error, angles, most_turn};
 }
 
-// Of one motion: its MotionAnswer, or kUnknown if it is none of those that are answered here.
+// The MotionAnswer of one motion; kUnknown if Python has to judge it.
 constexpr int kUnknown = 3;
 
 int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const Segment& motion, const KnownMotions& known,
@@ -137,7 +137,7 @@ int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const Segment
   return answer;
 }
 
-// Of n motions: an array (n,) of whether each is free, or None if any of them is none of those that are answered here.
+// An array (n,) of whether each of n motions is free; None if Python has to judge any of them.
 nb::object known_validity(BoundCertifier& bound, const Kinematics& kinematics, const Segments& motions, std::size_t n,
                           const KnownMotions& known, double tolerance, int threads) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -156,7 +156,7 @@ nb::object known_validity(BoundCertifier& bound, const Kinematics& kinematics, c
   return answered ? nb::cast(free) : nb::none();
 }
 
-// The same of curves that stay in a range in which a kinematic error holds.
+// known_validity for curves; the kinematic error holds between `low` and `high`.
 nb::object curve_validity(BoundCertifier& bound, const Kinematics& kinematics, InputArray<double, -1> low,
                           InputArray<double, -1> high, double kinematic_error, ControlPoints points,
                           Configurations tubes, double tolerance, int threads) {
@@ -229,8 +229,8 @@ nb::object motion_row_validity(nb::object certifier, nb::object kinematics, Inpu
                           plain_floats);
 }
 
-// The same for sets of motions, (n, nq) arrays of starts and of ends: an array (n,) of whether each is free, or None if
-// any of them needs more care.
+// The judge of sets of motions, (n, nq) arrays of starts and ends: returns an array (n,) of whether each is free, or
+// None if Python has to judge any of them.
 nb::object motion_set_validity(nb::object certifier, nb::object kinematics, InputArray<double, -1> low,
                                InputArray<double, -1> high, double kinematic_error,
                                const std::vector<std::size_t>& angles) {

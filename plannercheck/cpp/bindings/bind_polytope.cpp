@@ -149,7 +149,8 @@ auto covering_balls_of(const Polytope& body, bool few) {
   return output_array(balls, {balls.size() / 4, std::size_t{4}});
 }
 
-// The same body, whose extreme vertices are found by hierarchies alone: to hold cells of directions against them.
+// A copy without cells of directions, whose extreme vertices are found by hierarchies alone: for tests that compare
+// both.
 std::shared_ptr<Polytope> without_cells(const Polytope& body) {
   auto out = std::make_shared<Polytope>(body);
   for (Hierarchy* const h : {&out->inner, &out->polar}) h->cells = {}, h->top_levels.cells = {};

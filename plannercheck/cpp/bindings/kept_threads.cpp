@@ -66,8 +66,8 @@ class IdleThreads {
  public:
   IdleThreads() { threads_.reserve(most_); }  // later there is nobody whom a lack of memory could be told
 
-  // Of this process: a fork has none of its parent's threads, though maybe its pid, as each may be the first process of
-  // a namespace. Never destroyed, as threads wait on while the process ends.
+  // The idle threads of this process: a fork has none of its parent's threads, but may have its pid, if each is the
+  // first process of a namespace. Never destroyed, because threads still wait while the process ends.
   static IdleThreads& of_this_process() {
     static std::atomic<IdleThreads*> known{nullptr};
     static const int error = pthread_atfork(nullptr, nullptr, [] { known.store(nullptr); });
@@ -78,7 +78,7 @@ class IdleThreads {
     return known.compare_exchange_strong(idle, own.get()) ? *own.release() : *idle;
   }
 
-  // One that inherited the same; none if there is none. Those that inherited something else end.
+  // An idle thread that inherited the same, or null. Threads that inherited something else end.
   std::shared_ptr<KeptThread> take(const Inherited& wanted) {
     const std::lock_guard lock(mutex_);
     while (!threads_.empty()) {

@@ -36,7 +36,7 @@ class CallThreads {
   CallThreads(const CallThreads&) = delete;
   CallThreads& operator=(const CallThreads&) = delete;
 
-  // Those that have started end first, also where the system has no more of them and throws.
+  // Waits for all started threads to end, also when the system has no more threads and throws.
   ~CallThreads() {
     given_up_ = true;
     std::unique_lock lock(mutex_);

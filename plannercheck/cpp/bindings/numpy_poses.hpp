@@ -26,7 +26,7 @@ class NumpyPoses {
 
   bool are_many() const { return are_many_; }
 
-  // Of many.
+  // How many, if `are_many`.
   std::size_t count() const { return count_; }
   const double* rows() const { return static_cast<const double*>(array_.data); }
 

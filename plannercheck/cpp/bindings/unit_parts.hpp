@@ -32,7 +32,7 @@ class UnitParts {
     }
     return true;
   }
-  // Of n configurations of so many numbers each.
+  // As above, for n configurations of `width` numbers.
   bool are_unit(const double* q, std::size_t n, std::size_t width) const {
     if (parts_.empty()) return true;
     for (std::size_t i = 0; i < n; ++i) {

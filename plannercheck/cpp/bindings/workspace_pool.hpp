@@ -46,10 +46,10 @@ class Pooled {
     put_back(std::move(held));
   }
 
-  // An array of a value for each of n rows, without the GIL: work(first row, how many, their values, workspace).
-  // Several threads take shares of the rows that are left, two thirds of what each has to do, which get smaller: sets
-  // are judged faster where they are larger, and a thread that starts late, or whose core has other work, leaves the
-  // others more. Of two, one half as fast as the other still ends with it.
+  // An array of a value for each of n rows, without the GIL: work(first row, how many, their values, workspace). Each
+  // thread takes two thirds of its part of the rows that are left, again and again: larger shares are judged faster,
+  // and a thread that starts late, or whose core has other work, takes less. A thread half as fast as the other still
+  // ends with it.
   template <class Value, class Work>
   auto of_rows(std::size_t n, int threads, Work work) {
     std::vector<Value> values(n);
@@ -76,7 +76,7 @@ class Pooled {
     return output_array(values, {n});
   }
 
-  // The same row by row: of(row, workspace) returns its value.
+  // of_rows, row by row: of(row, workspace) returns a row's value.
   template <class Value, class Of>
   auto of_each_row(std::size_t n, int threads, Of of) {
     return of_rows<Value>(n, threads, [&](std::size_t first, std::size_t count, Value* values, Workspace& w) {

@@ -15,11 +15,10 @@ struct Polytope;
 
 inline constexpr std::size_t kMostCoveringBalls = 6;
 
-// Around the hull, without the inflation radius.
+// Balls that hold the hull together, without the inflation radius.
 std::vector<SmallBall> covering_balls(const Polytope& body);
 
-// The same for filters that look at each ball of each body: two or three balls if that makes them far smaller, else
-// one.
+// Fewer balls, for filters that look at each ball of each body: two or three if that makes them far smaller, else one.
 std::vector<SmallBall> few_covering_balls(const Polytope& body);
 
 }  // namespace plannercheck

@@ -25,7 +25,7 @@ std::array<Number, 9> cofactors(const std::array<Number, 9>& m) {
           minor(6, 7, 0, 1), minor(1, 2, 4, 5), minor(2, 0, 5, 3), minor(0, 1, 3, 4)};
 }
 
-// Of {y : normal · (y − t) <= offset}, which a half-space is under a pose M, t: normal · adj(M), which is normal · M⁻¹
+// A half-space under a pose M, t is {y : normal · (y − t) <= offset}. The numbers here: normal · adj(M) = normal · M⁻¹
 // det M, and offset det M. Exact for exact numbers.
 template <class Number, class Vector>
 struct PlaneInWorld {

@@ -16,8 +16,8 @@ namespace {
 // Solids with deeper dents are better known by the balls and boxes inside of them.
 constexpr double kDeepestDent = 1.0 / 16;
 
-// Of q·y, in parts of the largest |q| times the largest |y|: polar points err by 4u, y by 1u, the product by 3u, and
-// the difference from 1 and the sum with this bound by 1u each of at most 2.
+// The error of q·y, as a part of the largest |q| times the largest |y|: polar points err by 4u, y by 1u, the product by
+// 3u, and the difference from 1 and the sum with this bound by 1u each of at most 2.
 constexpr double kDentError = 32 * 0x1p-53;
 
 // So many facets at most are looked at one by one, if their dents are deeper than this.

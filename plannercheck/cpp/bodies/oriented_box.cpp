@@ -7,8 +7,8 @@
 namespace plannercheck {
 namespace {
 
-// Of coordinates up to 1 along axes, in doubles: differences and powers of two err by 2^-50 where points are taken to
-// the units, the axes' inverse by less than 32u, and products and sums with it by 16u.
+// The error of coordinates up to 1 along axes, in doubles: differences and powers of two err by 2^-50 where points are
+// taken to the units, the axes' inverse by less than 32u, and products and sums with it by 16u.
 constexpr double kFitError = 0x1p-46;
 
 // Own axes have to make a box so much smaller: else the frame's do as well.
@@ -142,7 +142,7 @@ void SurfaceMoments::add(const SurfaceMoments& other) {
   for (std::size_t k = 0; k < second.size(); ++k) second[k] += other.second[k];
 }
 
-// Of a triangle with the middle m: area / 12 (9 m mᵀ + a aᵀ + b bᵀ + c cᵀ).
+// The moments of a triangle with the middle m: area / 12 (9 m mᵀ + a aᵀ + b bᵀ + c cᵀ).
 SurfaceMoments moments_of(Vec3 a, Vec3 b, Vec3 c) {
   SurfaceMoments out;
   out.area = 0.5 * norm(cross(b - a, c - a));

@@ -45,7 +45,7 @@ inline constexpr float kShortUnit = 1.0F / 32767;
 // which is the product of their squares less that of their product, by 1.07e-4.
 inline constexpr float kAxisError = 0x1p-13F;
 
-// Of numbers, or of lanes of them; each step is rounded, so that both are the same.
+// For numbers or lanes of numbers. Each step is rounded, so that both give the same bits.
 template <class Real>
 std::array<Real, 3> third_axis(const std::array<Real, 3>& a, const std::array<Real, 3>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};

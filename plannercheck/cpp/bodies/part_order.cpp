@@ -15,7 +15,7 @@ typedef std::int32_t Four __attribute__((vector_size(16)));  // a part, with its
 
 // Parts of a node are sorted at once if they are no more than these, whose ranks are counted.
 constexpr std::size_t kSmallNode = kChildren * kPartsInLeaf;
-// Of a part in a small node: its number there, below its place along an axis.
+// The key of a part in a small node has its number there in the lowest bits, below its place along an axis.
 constexpr int kNumberBits = 6;
 static_assert(1 << kNumberBits == kSmallNode && kPlaceBits + kNumberBits < 32);
 
@@ -127,8 +127,8 @@ class TreeOrder {
     }
   }
 
-  // Parts before a bin, in it and after it. Each is written to all three places, of which the next one overwrites two:
-  // no branch has to be foreseen. Those in the bin are kept from the spare room's end on.
+  // Splits parts into those before a bin, in it and after it. Each part is written to all three places, and the next
+  // part overwrites two: there is no branch to mispredict. Parts in the bin are kept from the end of the spare room on.
   void put_bin(std::size_t from, std::size_t to, std::size_t axis, std::int32_t low, int shift, std::int32_t bin) {
     PlacedPart *before = parts_.data() + from, *after = spare_.data(), *inside = spare_.data() + spare_.size();
     PlacedPart* const end = inside;

@@ -36,7 +36,7 @@ inline constexpr int kPolytopeFormat = 11;
 
 struct HalfSpace;
 
-// What a body is. Tables of what a pair of bodies needs have a row for each kind: that of the later of both.
+// What a body is. A KindTable has a row for each kind of pair: the later kind of both bodies.
 enum class Kind : std::uint8_t { kHull, kSolid, kPartSet, kHalfSpace };
 template <class Row>
 class KindTable {
@@ -52,7 +52,7 @@ class KindTable {
 // What follows from a body's kind: all that filters and searches ask for.
 struct KindTraits {
   bool is_convex, is_bounded;
-  bool has_parts;  // which are tested one by one: the hull is a box that says nothing
+  bool has_parts;  // tested one by one; the hull is only a box around them
 
   bool fills_hull() const { return is_convex && is_bounded; }
 };
@@ -81,8 +81,8 @@ struct Polytope {
   LazyValue<std::vector<SmallBall>> lazy_few_covering_balls;
   LazyValue<Solid> lazy_surface;  // only tests with solids need it
   HullDents dents;                // of a solid or a set; not in files
-  // By kind: nothing more than the hull; a solid, of which all above is the hull; a set of parts, around which it is a
-  // box; a half-space, for which it is a cube that holds everything. Not in files.
+  // By kind: nothing more than the hull; a solid, whose hull is all above; a set of parts, for which all above is a box
+  // around it; a half-space, for which all above is a cube that holds everything. Not in files.
   std::variant<std::monostate, std::shared_ptr<const Solid>, std::shared_ptr<const PartSet>,
                std::shared_ptr<const HalfSpace>>
       shape;
@@ -98,15 +98,15 @@ struct Polytope {
   const InnerShapes& inner_shapes() const {
     return lazy_inner_shapes.get([this] { return find_inner_shapes(*this); });
   }
-  // Around the hull, without the inflation radius.
+  // A ball around the hull, without the inflation radius.
   const SmallBall& small_ball() const {
     return lazy_small_ball.get([this] { return plannercheck::small_ball(inner.points, 0.5 * (low + high)); });
   }
-  // The same by several balls.
+  // Several balls that hold the hull together.
   const std::vector<SmallBall>& covering_balls() const {
     return lazy_covering_balls.get([this] { return plannercheck::covering_balls(*this); });
   }
-  // The same by two or three balls at most.
+  // Two or three such balls at most.
   const std::vector<SmallBall>& few_covering_balls() const {
     return lazy_few_covering_balls.get([this] { return plannercheck::few_covering_balls(*this); });
   }
@@ -135,7 +135,7 @@ inline Kind kind_of(const Polytope& a, const Polytope& b) { return std::max(a.ki
 
 Polytope prepare_polytope(const ConvexMesh& mesh);
 
-// The same body, whose set is the solid's; the body has to be the solid's hull.
+// A solid as a body, from the prepared body of its hull.
 Polytope with_solid(const Polytope& hull, std::shared_ptr<const Solid> solid);
 
 // A set of parts as a body, with an inflation radius.

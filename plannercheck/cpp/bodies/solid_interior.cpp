@@ -16,9 +16,9 @@
 namespace plannercheck {
 namespace {
 
-// Of a corner's place along a direction, less that of a box or point, in parts of the solid's size |x| + |y| + |z|:
-// differences of coordinates, at most 2 of that, err by u, the direction by 4u, products and sums by 4u. Half extents
-// and the sum with them add 4u.
+// The error of a corner's place along a direction, less the place of a box or point, as a part of the solid's size |x|
+// + |y| + |z|: differences of coordinates, at most twice the size, err by u, the direction by 4u, products and sums by
+// 4u. Half extents and the sum with them add 4u.
 constexpr double kPlaneAlongError = 64 * 0x1p-53;
 
 // Places in floats of the tree's units, and squares of distances there, err by less than this part.

@@ -148,7 +148,7 @@ class Ordering {
     return best;
   }
 
-  // Of cuts between bins of equal width, each moved to the next whole step.
+  // The best of the cuts between bins of equal width, each moved to the next whole step.
   Cut best_of_some(IndexRange range, int axis, std::size_t step) const {
     double low = kUnbounded, high = -kUnbounded;
     for (const std::int32_t* i = range.first; i != range.last; ++i)

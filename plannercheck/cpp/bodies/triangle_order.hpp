@@ -17,8 +17,8 @@ namespace plannercheck {
 
 struct TriangleOrder {
   std::vector<std::int32_t> order;
-  // Of each node whose triangles are more than a leaf holds: how many children it has, and how many triangles each of
-  // them. A node comes before what is below it, and that before the node's next neighbour.
+  // For each node with more triangles than a leaf holds: how many children it has, then how many triangles each child
+  // has. A node comes before all nodes below it, and these before the node's next neighbour.
   std::vector<std::size_t> children;
 };
 

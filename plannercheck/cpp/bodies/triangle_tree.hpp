@@ -36,11 +36,11 @@ struct alignas(64) TriangleNode {
   std::int32_t first = 0;  // child: a node or a triangle; the others follow it
   std::int32_t leaf = -1;  // its triangles' place among the tree's leaves; −1: nodes
   std::uint32_t children = 0;
-  // Of a leaf: all corners are within `reach` of this in each coordinate, in the tree's units.
+  // For a leaf: all corners are within `reach` of this point in each coordinate, in the tree's units.
   std::array<float, 3> middle{};
   float reach = 0;
 
-  // Of child k: a node, or the complement of a triangle's place.
+  // Child k: a node, or the complement of a triangle's place.
   std::int32_t child(std::size_t k) const {
     const std::int32_t index = first + static_cast<std::int32_t>(k);
     return leaf >= 0 ? ~index : index;
@@ -80,7 +80,7 @@ struct TriangleTree {
   std::vector<TriangleNode> nodes;     // the root's first
   std::vector<EightTriangles> leaves;  // all full but the last one
 
-  // Of a triangle by its place.
+  // The corners of a triangle by its place.
   std::array<Vec3, 3> corners(std::int32_t triangle) const {
     const auto index = static_cast<std::size_t>(triangle);
     return leaves[index / kTreeWidth].corners(index % kTreeWidth);

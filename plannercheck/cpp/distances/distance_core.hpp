@@ -82,8 +82,8 @@ class DistanceCore {
   // Appends a row for each pair that is nearer than the limit, in any order. `tangent`: null for no gradients, as for
   // posed links.
   void measure(const GivenStates& states, const Tangent* tangent, DistanceTable& out, Workspace& workspace) const;
-  // The same of the nearest pairs of each state, `count` of them, whatever the limit. `rounds`: 0 for distances, else
-  // the descent's steps for lower bounds in their place.
+  // Appends a row for each of the `count` nearest pairs of each state, whatever the limit. `rounds`: 0 for distances;
+  // else lower bounds, by so many steps of the descent.
   void nearest(const GivenStates& states, const Tangent* tangent, std::size_t count, int rounds, DistanceTable& out,
                Workspace& workspace) const;
 

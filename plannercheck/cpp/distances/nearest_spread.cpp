@@ -52,7 +52,7 @@ class ConvexPair {
     return face(b_, edges, -found_.direction, turn, most);
   }
 
-  // Of bodies apart, one vertex of A says all, and sets of more than two vertices, that they are more.
+  // For bodies apart, a single vertex of A decides, and of more than two vertices only that they are more matters.
   double spread(const HullEdges& edges_a, const HullEdges& edges_b, double turn) const {
     const std::size_t most = overlap_ ? kAllVertices : 2;
     const VertexSet face_a = face_of_a(edges_a, turn, most);
@@ -106,7 +106,7 @@ class ConvexPair {
   static Vec3 edge(const PosedPolytope& posed, const VertexSet& face) {
     return unit(vertex(posed, face[1]) - vertex(posed, face[0]));
   }
-  // Of two directions of either sense.
+  // The distance of two directions, whatever their signs.
   static double apart(Vec3 d, Vec3 e) { return smaller(norm(d - e), norm(d + e)); }
 
   // How far a point is from a vertex or an edge's line, beyond rounding.

@@ -39,14 +39,14 @@ double normal_turn(const PosedPolytope& body_a, const PosedPolytope& body_b, con
 struct HullEdges {
   std::vector<std::int32_t> starts, ends;
 };
-// Of a part of a set or a triangle, from each vertex to each other one.
+// For a part of a set or a triangle: edges from each vertex to each other vertex.
 HullEdges edges_of(const Polytope& body);
 
 // A and B are convex. `found`: their distance; its direction proves the lower bound.
 double nearest_spread(const PosedPolytope& body_a, const HullEdges& edges_a, const PosedPolytope& body_b,
                       const HullEdges& edges_b, const PairDistance& found, PairCounters& counters);
 
-// The same of bodies apart whose parts are added: those at least that are no further apart than the bodies.
+// The spread of bodies apart, from pairs of their parts: add at least all that are no further apart than the bodies.
 class NearestParts {
  public:
   void add(const PosedPolytope& body_a, const HullEdges& edges_a, const PosedPolytope& body_b, const HullEdges& edges_b,

@@ -141,14 +141,14 @@ bool is_one_of(const Rows& bodies, std::int32_t body) {
   return std::find(bodies.begin(), bodies.end(), body) != bodies.end();
 }
 
-// Of each pair of the new cell its row in the old one; or −1, and its chains.
+// The pairs of the new cell: the row in the old cell, or −1 and the pair's chains.
 struct NewPairs {
   std::vector<std::array<std::int32_t, 2>> pairs;
   Rows old_rows;
   std::vector<CertifiedPair> chains;
 };
 
-// Of each row of the cell its place among a table's pairs, or −1.
+// The place of each of the cell's rows among a table's pairs, or −1.
 Rows places_in(const ChainedTable& table, std::size_t rows) {
   Rows place(rows, -1);
   for (std::size_t k = 0; k < table.rows.size(); ++k) place[at(table.rows[k])] = static_cast<std::int32_t>(k);

@@ -33,7 +33,7 @@ class CellFile {
   std::span<const double> doubles(const char* name, std::size_t columns = 1);
   std::span<const std::int32_t> integers(const char* name, std::size_t columns = 1);
   std::span<const std::uint8_t> bytes(const char* name, std::size_t columns = 1);
-  // Of as many columns as it has: numbers or bytes.
+  // A section with any count of columns: numbers or bytes.
   struct Table {
     std::span<const double> numbers;
     std::span<const std::uint8_t> bytes;
@@ -47,7 +47,7 @@ class CellFile {
   std::string text(const char* name);
   // Texts that a zero ends each.
   std::vector<std::string> texts(const char* name);
-  // Of all sections, in their order.
+  // The names of all sections, in their order.
   std::vector<std::string> names() const;
   // There is no more.
   void end() const;

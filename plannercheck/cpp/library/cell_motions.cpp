@@ -78,7 +78,7 @@ MotionChains read_chains(CellFile& file, const std::vector<JointDrive>& joints) 
   return out;
 }
 
-// `rows`: the pairs of the table. Those that move relative to each other are the chained ones, in their order.
+// `rows`: the pairs of the table. The chained pairs are the ones that move relative to each other, in this order.
 ChainedTable read_table(CellFile& file, const PreparedCell& cell, const std::vector<std::int32_t>& rows) {
   ChainedTable out;
   const auto pairs = file.integers("chained pairs", 5), from_world = file.integers("from world", 2);

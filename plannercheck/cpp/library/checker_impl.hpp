@@ -105,7 +105,7 @@ struct Checker::Impl {
     return within || !cell->has_limits ? Table::kWithinLimits : Table::kAll;
   }
 
-  // The same of a motion to an end, as given and as `turned`.
+  // The pairs that judge a motion; its end as given, and `end` less whole turns.
   Table table_of_motion(const double* start, const double* given, const double* end, std::size_t row) const {
     bool within = true;
     for (const double* const q : {start, given, end})

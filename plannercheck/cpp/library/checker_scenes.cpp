@@ -9,7 +9,7 @@
 namespace plannercheck {
 namespace {
 
-// Of a hull (plannercheck/bodies/shapes.py).
+// A hull needs so many points (plannercheck/bodies/shapes.py).
 constexpr std::size_t kFewestPoints = 4;
 
 Edit edit_of(Edit::Kind kind, const std::string& name, Checker::Pose pose) {

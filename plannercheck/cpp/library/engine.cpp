@@ -224,7 +224,7 @@ class LevelEngine final : public Engine {
     return last_limit_;
   }
 
-  // The same where no pair is left out within the limits.
+  // The compiled table: one serves for both if no pair is left out within the limits.
   const CompiledTable& compiled(Table table) const {
     return table == Table::kAll && cell_->has_limits ? all_ : within_limits_;
   }

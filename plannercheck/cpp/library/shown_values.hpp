@@ -27,7 +27,7 @@ inline std::string shown(double x) {
   return is_fixed && out.find('.') == std::string::npos ? out + ".0" : out;
 }
 
-// The same with so many digits.
+// The number with so many digits.
 inline std::string rounded(double x, int digits) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.*g", digits, x);

@@ -207,7 +207,7 @@ inline LaneIndices gathered_bytes(const unsigned char* from, LaneIndices index) 
 #endif
 }
 
-// The same of 16-bit numbers, by their indices, for lanes of any number; one after each is read as well.
+// Gathers 16-bit numbers by their indices, for any count of lanes; also reads the number after each.
 template <class Indices>
 inline Indices gathered_shorts(const unsigned short* from, Indices index) {
 #if defined(__AVX512F__)
@@ -270,7 +270,7 @@ inline unsigned bits_above(Vector a, Vector b) {
 #endif
 }
 
-// The same of several comparisons: whether any of them holds in lane k.
+// The bits of several comparisons: whether any of them holds in lane k.
 template <FloatVector Vector>
 class BitsOfAny {
  public:

@@ -51,7 +51,7 @@ inline std::array<Number, 9> turn_about_axis(const double* axis, Number cos, Num
   return {u * axis[0] + cos, xy - z, xz + y, xy + z, v * axis[1] + cos, yz - x, xz - y, yz + x, w * axis[2] + cos};
 }
 
-// Of a quaternion x, y, z, w, which is not normalised.
+// The rotation of a quaternion x, y, z, w, which is not normalised.
 template <class Number>
 inline std::array<Number, 9> turn_of_quaternion(const Number* q) {
   const Number x2 = 2.0 * q[0], y2 = 2.0 * q[1], z2 = 2.0 * q[2];

@@ -41,7 +41,7 @@ struct LanePose {
   }
 };
 
-// The same number in all lanes: of zeros, only the positive one comes through.
+// The same pose in all lanes; −0 becomes 0.
 inline LanePose lane_pose(const Rigid& pose) {
   LanePose out;
 #pragma GCC unroll 12

@@ -33,7 +33,7 @@ struct PoseColumns {
     column[to] = cos * b - sin * a;
   }
 
-  // The same by rows.
+  // The pose by rows.
   Pose by_rows() const {
     const Double4 low = shuffled<0, 4, 1, 5>(column[0], column[1]), high = shuffled<0, 4, 1, 5>(column[2], column[3]);
     const Double4 third = shuffled<2, 6, 3, 7>(column[0], column[1]), last = shuffled<2, 6, 3, 7>(column[2], column[3]);

@@ -44,7 +44,7 @@ class StatePoser {
   static constexpr int kAngleLanes = kLanes < kDouble4Lanes ? kLanes : kDouble4Lanes;
   typedef double AngleLanes __attribute__((vector_size(kAngleLanes * 8)));
 
-  // Of as many joints as there are lanes: each a number of the configuration times a factor, and an offset.
+  // The angles of as many joints as there are lanes: a number of the configuration times a factor, plus an offset.
   struct Angles {
     std::array<std::int32_t, kAngleLanes> column{};
     AngleLanes multiplier{}, offset{};

@@ -143,10 +143,6 @@ def _ours(shape_of: Callable[[Floats], PartSet], checker: Checker, points: Float
     return shape.core, update
 
 
-def _balls(points: Floats) -> PartSet:
-    return PointCloud(points, RADII)
-
-
 def _cells(points: Floats) -> PartSet:
     return Octree.from_cells(distinct_rows(np.floor(points / (2 * RADIUS)).astype(np.int32))[0], 2 * RADIUS)
 
@@ -178,7 +174,7 @@ def _vamp(checker: Checker, points: Floats) -> tuple[Any, Callable[[], object]]:
 
 
 HOLDERS: dict[str, Holder] = {
-    "plannercheck, balls": partial(_ours, _balls),
+    "plannercheck, balls": partial(_ours, lambda points: PointCloud(points, RADII)),
     "plannercheck, cells": partial(_ours, _cells),
     "coal's octree": _coal,
     "python-fcl's octree": _fcl,

@@ -20,7 +20,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.drake_checker import drake_model
 from plannercheck.evaluation.bench.other_libraries import coal_geometry_data, coal_geometry_model
-from plannercheck.evaluation.bench.timing import Contender, TimedRow, Work, measured
+from plannercheck.evaluation.bench.timing import Contender, TimedRow, Work, available, measured
 from plannercheck.motions.checker import Checker
 
 LIMIT = 0.1  # m
@@ -81,10 +81,8 @@ def _of_states(
     }
     errors: dict[str, float] = {}
     for name, (make, of) in peers.items():
-        try:
-            work = make(checker, of)
-        except (PlannercheckError, ImportError) as error:
-            skipped(f"{name} is left out: {error}")
+        work = available(name, partial(make, checker, of), skipped)
+        if work is None:
             continue
         works[name] = Contender([work], len(of))
         if name in _COAL_TOLERANCES:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from plannercheck.bodies.piece_repair import facet_planes
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats
 
@@ -38,20 +39,10 @@ def furthest_of_balls(centres: Floats, radii: Floats, body: Polytope) -> float:
 
 def heights(points: Floats, body: Polytope) -> Floats:
     """For each of points (n, 3) the greatest signed distance from a facet's plane, (n,), m: at most 0 inside."""
-    normals, offsets = planes(body)
+    normals, offsets = facet_planes(body)
     step = max(1, _BLOCK // len(normals))
     blocks = [points[k : k + step] @ normals.T - offsets for k in range(0, len(points), step)]
     return np.concatenate([block.max(axis=1) for block in blocks]) if blocks else np.zeros(0)
-
-
-def planes(body: Polytope) -> tuple[Floats, Floats]:
-    """Unit outward normals (m, 3) and offsets (m,), m, of a body's triangles; degenerate ones are left out."""
-    a, b, c = (body.vertices[body.faces[:, k]] for k in range(3))
-    normals = np.cross(b - a, c - a)
-    lengths = np.linalg.norm(normals, axis=1)
-    sound = lengths > 0
-    normals = normals[sound] / lengths[sound, None]
-    return normals, np.einsum("ij,ij->i", normals, a[sound])
 
 
 def _to_triangles(points: Floats, corners: Floats) -> Floats:

@@ -11,15 +11,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from plannercheck.common.array_types import Bools, Floats
-from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.pair_peers import Judge, coal_at_best
 from plannercheck.evaluation.bench.pairs import OURS, in_batch
 from plannercheck.evaluation.bench.solid_checkers import is_nested, posed_pair, with_hulls
-from plannercheck.evaluation.bench.timing import Contender, measured
+from plannercheck.evaluation.bench.timing import Contender, available, measured
 from plannercheck.motions.checker import Checker
 
 # How many times coal's time over ours is asked for.
@@ -111,11 +111,7 @@ def _queries(
     if bodies[0] is None or bodies[1] is None or not len(states) or not (bodies[0].solid or bodies[1].solid):
         return []
     both = bodies[0], bodies[1]
-    try:
-        make = coal_at_best(both)
-    except (PlannercheckError, ImportError) as error:
-        skipped(f"coal is left out: {error}")
-        make = None
+    make = available("coal", partial(coal_at_best, both), skipped)
     posed = np.ascontiguousarray(poses[states, a]), np.ascontiguousarray(poses[states, b])
     truth = in_batch(both, posed, OURS[0])()
     no_poses = np.zeros((0, 4, 4)), np.zeros((0, 4, 4))

@@ -17,6 +17,7 @@ import numpy as np
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.isolated_process import run_isolated_lines
+from plannercheck.common.transforms import at_places
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
@@ -105,8 +106,7 @@ def _boxes(count: int, are_near: bool, seed: int) -> tuple[Floats, Floats]:
     side = _SIDE * (count / 1000) ** 0.5
     low = [-_REACH] * 3 if are_near else [-side, -side, _HEIGHTS[0]]
     high = [_REACH] * 3 if are_near else [side, side, _HEIGHTS[1]]
-    poses = np.tile(np.eye(4), (count, 1, 1))
-    poses[:, :3, 3] = rng.uniform(low, high, (count, 3))
+    poses = at_places(rng.uniform(low, high, (count, 3)))
     return rng.uniform(*_EDGES, (count, 3)) * (0.1 if are_near else 1.0), poses
 
 

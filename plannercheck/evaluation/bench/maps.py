@@ -124,8 +124,7 @@ def _places(heights: Floats, count: int, rng: np.random.Generator) -> Floats:
 def _under(heights: Floats, places: Floats) -> Floats:
     """(n,) how high the ground is under places (n, 3) over points of it, m."""
     i, j = np.round(places[:, :2] / _STEP).astype(int).T
-    under: Floats = heights[i, j]
-    return under
+    return np.asarray(heights[i, j])
 
 
 def _leaning(count: int, rng: np.random.Generator) -> Floats:

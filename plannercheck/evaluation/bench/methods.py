@@ -87,7 +87,8 @@ def methods(checker: Checker, kinds: Iterable[Kind] | None = None) -> Iterator[M
         raise PlannercheckError(f"{', '.join(refused)}: these are compared on hulls, solids with {', '.join(known)}")
     yield from _exact(checker)
     if solids:
-        yield _hulls(checker)
+        note = "check_states on the hulls of solids"  # which fill what solids leave empty
+        yield Method("plannercheck, hulls", "hulls", note, partial(with_hulls, checker), _unknown, _by_batch)
     for kind in chosen:
         match kind:
             case "inner" | "outer":
@@ -101,14 +102,15 @@ def methods(checker: Checker, kinds: Iterable[Kind] | None = None) -> Iterator[M
             case "coal":
                 yield from _coal(checker)
             case "fcl":
-                yield _fcl(checker)
+                note, build = "loop in Python over the pairs whose boxes meet", partial(other_libraries.fcl, checker)
+                yield Method("python-fcl", "fcl", note, build, _unknown, _by_call, _FCL_STATES)
             case "vamp":
                 yield from _vamp(checker)
 
 
 def _exact(checker: Checker) -> Iterator[Method]:
     build = partial(substituted, checker, {})
-    batch = Method("plannercheck, batch", "exact", "check_states", build, _none_off, _by_batch)
+    batch = Method("plannercheck, batch", "exact", "check_states", build, partial(_stated, 0.0), _by_batch)
     yield batch
     yield replace(
         batch,
@@ -136,16 +138,6 @@ def _exact(checker: Checker) -> Iterator[Method]:
             prepare=lambda built, q: _ompl_states(space, q),
             states=_ONE_BY_ONE_STATES,
         )
-
-
-def _hulls(checker: Checker) -> Method:
-    """The hulls of all solids, which fill what these leave empty."""
-    note = "check_states on the hulls of solids"
-    return Method("plannercheck, hulls", "hulls", note, partial(with_hulls, checker), _unknown, _by_batch)
-
-
-def _none_off(built: Any) -> float:
-    return 0.0
 
 
 def _by_batch(built: Any, q: Any) -> Bools:
@@ -252,11 +244,6 @@ def _coal(checker: Checker) -> Iterator[Method]:
         prepare=CoalAtBest.states,
         described=lambda built: str(built.note),
     )
-
-
-def _fcl(checker: Checker) -> Method:
-    note = "loop in Python over the pairs whose boxes meet"
-    return Method("python-fcl", "fcl", note, partial(other_libraries.fcl, checker), _unknown, _by_call, _FCL_STATES)
 
 
 def _vamp(checker: Checker) -> Iterator[Method]:

@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from plannercheck.common.array_types import Bools
-from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.motion_methods import METHODS, MotionMethod, Ready
 from plannercheck.evaluation.bench.motion_sets import MotionSet
-from plannercheck.evaluation.bench.timing import Contender, TimedRow, Times, measured
+from plannercheck.evaluation.bench.timing import Contender, TimedRow, Times, available, measured
 
 
 @dataclass(frozen=True)
@@ -55,12 +55,8 @@ def measure(
     counts: dict[str, list[int]] = {}
     for method in methods:
         cases = motions.cases if method.most is None else motions.first(method.most)
-        try:
-            ready[method.name] = method.ready(cases)
-        except (PlannercheckError, ImportError) as error:
-            skipped(f"{method.name} is left out: {error}")
-        else:
-            counts[method.name] = [len(case.starts) for case in cases]
+        if (made := available(method.name, partial(method.ready, cases), skipped)) is not None:
+            ready[method.name], counts[method.name] = made, [len(case.starts) for case in cases]
     contenders = {name: Contender(found.works, sum(counts[name]), found.overheads) for name, found in ready.items()}
     times = measured(contenders, rounds)
     truth = [case.checker.check_motions(case.starts, case.ends) for case in motions.cases]

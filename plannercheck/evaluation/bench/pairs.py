@@ -9,8 +9,9 @@ loop with coal's best settings. FCL and MuJoCo are called from Python.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -18,9 +19,8 @@ from plannercheck.bodies.intersection import intersects
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.tuning import Method, pair_options
 from plannercheck.common.core import core
-from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.pair_peers import COAL, PEERS, Bodies, Judge, JudgeMaker, Posed
-from plannercheck.evaluation.bench.timing import Contender, measured
+from plannercheck.evaluation.bench.timing import Contender, available, measured
 from plannercheck.evaluation.stress.body_families import family
 from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses
 
@@ -80,10 +80,12 @@ def measure(
         bodies = Polytope(first), Polytope(second)
         solids = [Solid("round", p.vertices, np.asarray(p.faces, dtype=np.int64)) for p in bodies]
         rng = np.random.default_rng(vertices)
-        shapes = _Shapes(bodies, skipped)
+        at = f" at {len(bodies[0].vertices)} vertices"
+        ready = ((name, available(name, partial(make, bodies), skipped, at)) for name, make in PEERS)
+        peers = {name: make for name, make in ready if make is not None}
         for gap in GAPS:
             wished = np.full(pairs, gap * min(solid.size for solid in solids))
-            rows += _measured(bodies, shapes, contact_poses(solids[0], solids[1], wished, rng), gap, rounds)
+            rows += _measured(bodies, peers, contact_poses(solids[0], solids[1], wished, rng), gap, rounds)
     return rows
 
 
@@ -93,22 +95,10 @@ def growth(rows: Sequence[PairRow], method: str, smallest: int = 150) -> float |
     return near[max(near)] / near[smallest] if smallest in near and max(near) > smallest else None
 
 
-class _Shapes:
-    """The two bodies in other libraries, where these are installed and take them."""
-
-    def __init__(self, bodies: Bodies, skipped: Callable[[str], None]) -> None:
-        self.judges: dict[str, JudgeMaker] = {}
-        for name, make in PEERS:
-            try:
-                self.judges[name] = make(bodies)
-            except (PlannercheckError, ImportError) as error:
-                skipped(f"{name} is left out at {len(bodies[0].vertices)} vertices: {error}")
-
-
-def _measured(bodies: Bodies, shapes: _Shapes, posed: Posed, gap: float, rounds: int) -> list[PairRow]:
+def _measured(bodies: Bodies, peers: Mapping[str, JudgeMaker], posed: Posed, gap: float, rounds: int) -> list[PairRow]:
     judges = {f"plannercheck, {method}": in_batch(bodies, posed, method) for method in OURS}
     judges |= {FROM_PYTHON: _from_python(bodies, posed), IN_ONE_CALL: _in_one_call(bodies, posed)}
-    judges |= {name: make(posed) for name, make in shapes.judges.items()}
+    judges |= {name: make(posed) for name, make in peers.items()}
     truth = in_batch(bodies, posed, "exact")()
     wrong = {name: int((judge() != truth).sum()) for name, judge in judges.items()}
     pairs, vertices = len(truth), len(bodies[0].vertices)

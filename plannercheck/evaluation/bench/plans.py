@@ -20,6 +20,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.planners import PLANNERS, Found, Planner, Settings
 from plannercheck.evaluation.bench.problems import Task
+from plannercheck.evaluation.bench.solid_checkers import posed_pair
 from plannercheck.evaluation.bench.timing import in_turns
 from plannercheck.motions.checker import Checker
 
@@ -175,11 +176,5 @@ def _deepest_state(checker: Checker, path: Floats, refused: Sequence[int]) -> Fl
 
 def _deepest_pair(checker: Checker, q: Floats) -> float:
     """The greatest depth of a pair at a configuration, m."""
-    poses = checker.body_poses(q[None])[0]
-    depths = []
-    for a, b in checker.pairs[checker.colliding_pairs(q[None])[0]].tolist():
-        p, r = checker.polytopes[a], checker.polytopes[b]
-        assert p is not None
-        assert r is not None
-        depths.append(depth(p, r, poses[a], poses[b]).depth)
-    return float(max(depths))
+    (poses,), (colliding,) = checker.body_poses(q[None]), checker.colliding_pairs(q[None])
+    return max(depth(*posed_pair(checker, k, poses)).depth for k in np.flatnonzero(colliding).tolist())

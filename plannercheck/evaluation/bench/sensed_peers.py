@@ -38,7 +38,8 @@ def coal_map(shape: PartSet) -> tuple[Any, Floats]:
         case PointCloud():
             return coal.makeOctree(np.asfortranarray(shape.points), _diameter(shape)), np.eye(4)
         case LatticeCells():
-            _check_lattice(shape)
+            if np.any(shape.origin):
+                raise PlannercheckError("octrees of other libraries have their lattice at the origin")
             centres = (_small_cells(shape) + 0.5) * shape.resolution
             return coal.makeOctree(np.asfortranarray(centres), shape.resolution), np.eye(4)
         case HeightField():
@@ -77,11 +78,6 @@ def _diameter(cloud: PointCloud) -> float:
     if np.ptp(cloud.radius) > 0:
         raise PlannercheckError("an octree has cells of one size: balls need one radius")
     return 2 * float(cloud.radius[0])
-
-
-def _check_lattice(shape: LatticeCells) -> None:
-    if np.any(shape.origin):
-        raise PlannercheckError("octrees of other libraries have their lattice at the origin")
 
 
 def _small_cells(shape: LatticeCells) -> NDArray[np.int64]:

@@ -16,14 +16,15 @@ from itertools import product
 import numpy as np
 
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.protrusion import prepared_solid
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench.build_cost import Built, built
+from plannercheck.evaluation.bench.build_cost import built
 from plannercheck.evaluation.bench.compiled_coal_loop import library
 from plannercheck.evaluation.bench.pair_peers import COAL_AT_BEST, Bodies, Judge, Posed, coal_at_best
 from plannercheck.evaluation.bench.pairs import OURS, in_batch
-from plannercheck.evaluation.bench.timing import Contender, TimedRow, measured
+from plannercheck.evaluation.bench.timing import Contender, TimedRow, available, measured
 from plannercheck.evaluation.stress.contact_poses import identities, random_directions, turns_onto
 from plannercheck.evaluation.stress_solids.solid_families import Family, screw, torus
 
@@ -85,13 +86,10 @@ def measure(
     for shape, size in product(shapes, sizes):
         surface = SHAPES[shape](size, np.random.default_rng(_SEED))
         solid = Solid(surface.points, surface.triangles, "triangles")
-        ours, hull = built(partial(_prepared, solid)), built(partial(Polytope, solid.used[0]))
+        ours, hull = built(partial(prepared_solid, solid)), built(partial(Polytope, solid.used[0]))
         bodies = ours.value, ours.value
-        coal: Built[Callable[[Posed], Judge]] | None = None
-        try:
-            coal = built(partial(coal_at_best, bodies))
-        except (PlannercheckError, ImportError) as error:
-            skipped(f"{COAL_AT_BEST} is left out at {size} triangles: {error}")
+        building = partial(built, partial(coal_at_best, bodies))
+        coal = available(COAL_AT_BEST, building, skipped, f" at {size} triangles")
         costs: dict[str, _Cost] = {OURS_NAME: (ours.busy, hull.busy, ours.value.nbytes)}
         if coal is not None:
             costs[COAL_AT_BEST] = (coal.busy, None, coal.resident)
@@ -102,10 +100,6 @@ def measure(
                 judges[COAL_AT_BEST] = coal.value(posed)
             rows += _timed(shape, len(solid.triangles), gap, judges, costs, rounds)
     return rows
-
-
-def _prepared(solid: Solid) -> Polytope:
-    return Polytope(solid.used[0]).of_solid(solid)
 
 
 def growth(rows: Sequence[SolidSizeRow], shape: str, gap: float, method: str) -> float | None:

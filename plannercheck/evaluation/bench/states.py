@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
@@ -108,7 +108,12 @@ def measure(
     ready = [found for method in methods if (found := _ready(method, q, skipped)) is not None]
     times = measured({item.method.name: Contender(item.works, item.states, item.overheads) for item in ready}, rounds)
     truth = checker.check_states(q)
-    inside = _OnlyInside(checker, q) if has_solids(checker) else None
+
+    @cache
+    def is_nested(state: int) -> bool:
+        return bool(nested_pairs(checker, q[state])[1].all())
+
+    inside = is_nested if has_solids(checker) else None
     return [_row(checker, which, item, truth, inside, times) for item in ready]
 
 
@@ -136,29 +141,12 @@ def _parts(rows: Floats, seconds: float) -> list[Floats]:
     return np.array_split(rows, int(np.clip(round(seconds / _PART), 1, min(_MOST_PARTS, len(rows)))))
 
 
-class _OnlyInside:
-    """In which states bodies collide only by one being inside the other; each state is looked at once."""
-
-    def __init__(self, checker: Checker, q: Floats) -> None:
-        self._checker, self._q = checker, q
-        self._found: dict[int, bool] = {}
-
-    def share(self, states: Bools) -> float:
-        """The part of states (n,), the first of the configurations, that are marked and such ones."""
-        return sum(map(self._of, np.flatnonzero(states).tolist())) / len(states)
-
-    def _of(self, state: int) -> bool:
-        if state not in self._found:
-            self._found[state] = bool(nested_pairs(self._checker, self._q[state])[1].all())
-        return self._found[state]
-
-
 def _row(
     checker: Checker,
     which: str,
     item: _Ready,
     truth: Bools,
-    inside: _OnlyInside | None,
+    is_nested: Callable[[int], bool] | None,
     times: Times,
 ) -> StateRow:
     right = truth[: item.states]
@@ -174,7 +162,7 @@ def _row(
         float(right.mean()),
         float(missed.mean()),
         float((~item.verdicts & right).mean()),
-        None if inside is None else inside.share(missed),
+        None if is_nested is None else sum(map(is_nested, np.flatnonzero(missed).tolist())) / len(missed),
         item.error,
         item.resident,
         item.preparation,

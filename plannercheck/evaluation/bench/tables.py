@@ -12,14 +12,13 @@ from plannercheck.common.errors import PlannercheckError
 _MANY = 100
 
 
-def output_folder(path: Path | None) -> Path | None:
+def make_output_folder(path: Path | None) -> None:
     """Makes the folder that results go to."""
     if path is not None:
         try:
             path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise PlannercheckError(f"folder {str(path)!r} can't be made: {error.strerror or error}") from None
-    return path
 
 
 def ratio(value: float | None, noise: float) -> str:

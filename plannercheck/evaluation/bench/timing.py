@@ -13,12 +13,14 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from plannercheck.common.array_types import Bools, Floats
+from plannercheck.common.errors import PlannercheckError
 
+Made = TypeVar("Made")
 Work = Callable[[], object]
 Contenders = Mapping[str, Work | Sequence[Work]]
 
@@ -93,6 +95,15 @@ def measured(contenders: Mapping[str, Contender], rounds: int) -> Times:
     }
     twice = {name: sorted(halves[name].sum(axis=1).tolist()) for name in contenders}
     return Times(seconds, {name: high / low for name, (low, high) in twice.items()})
+
+
+def available(name: str, make: Callable[[], Made], skipped: Callable[[str], None], at: str = "") -> Made | None:
+    """What `make` makes of a contender; None where its library is missing or refuses: `skipped` is told so."""
+    try:
+        return make()
+    except (PlannercheckError, ImportError) as error:
+        skipped(f"{name} is left out{at}: {error}")
+        return None
 
 
 def in_turns(names: Iterable[str], rounds: int) -> Iterator[str]:

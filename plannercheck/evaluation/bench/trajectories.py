@@ -17,7 +17,7 @@ from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench import other_libraries
 from plannercheck.evaluation.bench.drake_checker import drake
-from plannercheck.evaluation.bench.timing import Contender, TimedRow, measured
+from plannercheck.evaluation.bench.timing import Contender, TimedRow, available, measured
 from plannercheck.motions.checker import Checker
 from plannercheck.trajectories.trajectory import Trajectory
 
@@ -89,11 +89,8 @@ def measure(
     }
     counts = dict.fromkeys(works, n)
     for name, make in (("coal", other_libraries.coal), ("drake", drake)):
-        try:
-            works[f"3,001 samples, {name}"] = [partial(by_samples, make(checker), samples[:_FEW])]
-        except (PlannercheckError, ImportError) as error:
-            skipped(f"{name} is left out: {error}")
-        else:
+        if (judge := available(name, partial(make, checker), skipped)) is not None:
+            works[f"3,001 samples, {name}"] = [partial(by_samples, judge, samples[:_FEW])]
             counts[f"3,001 samples, {name}"] = min(_FEW, n)
     times = measured({name: Contender(work, counts[name]) for name, work in works.items()}, rounds)
     return [

@@ -24,37 +24,29 @@ class Campaign(Protocol[Case]):
     @property
     def name(self) -> str:
         """By which files of cases tell their campaign."""
-        ...
 
     @property
     def unit(self) -> str:
         """What is counted: pairs or motions."""
-        ...
 
     @property
     def is_of_one_use(self) -> bool:
         """Whether no one meets its bodies again, so that the cache of bodies is left alone."""
-        ...
 
     def judge(self, number: int, tally: Tally[Case]) -> None:
         """Makes the `number`-th draw, and counts all outcomes on it."""
-        ...
 
     def lines(self, tally: Tally[Case]) -> list[str]:
         """The tables."""
-        ...
 
     def case_of(self, document: dict[str, Any]) -> Case:
         """The case of a document."""
-        ...
 
     def faults(self, case: Case) -> dict[str, str]:
         """What is wrong with a case, by contestant or kind."""
-        ...
 
     def shrunk(self, case: Case) -> Case:
         """A smaller case that still fails; the same if it does not fail."""
-        ...
 
 
 def run(

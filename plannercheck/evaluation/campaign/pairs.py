@@ -6,45 +6,50 @@ In: how pairs are drawn, decided by the oracle and asked of the core; peers. Out
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.campaign.cases import shrink
-from plannercheck.evaluation.campaign.pair_tables import ASKED, RIGHT, TRUTH, pair_lines
-from plannercheck.evaluation.campaign.posed_pairs import ANY_OFFSET, UNFIT, Outcome, PosedPairs, limited
+from plannercheck.evaluation.campaign.posed_pairs import ANY_OFFSET, UNFIT, HasPolytope, Outcome, PosedPairs, limited
 from plannercheck.evaluation.campaign.supervised_process import Peer, Supervised, loaded
-from plannercheck.evaluation.campaign.tallies import KEPT, WRONG, Entry, Tally
+from plannercheck.evaluation.campaign.tallies import (
+    EXCEPTION,
+    FAILURES,
+    KEPT,
+    TIMEOUT,
+    WRONG,
+    Column,
+    Entry,
+    Tally,
+    table,
+)
 
 if TYPE_CHECKING:
     from typing import Self
 
+# Who decides the truth. Its outcomes are ASKED or what it notes, INSIDE: a part of one body is inside the other.
+TRUTH, ASKED, INSIDE = "truth", "asked", "inside"
+_RIGHT = "right"
 
-class CaseBody(Protocol):
+
+class CaseBody(HasPolytope, Protocol):
     """A body that can be kept, and made smaller."""
-
-    @property
-    def polytope(self) -> Polytope:
-        """The core's body."""
-        ...
 
     @property
     def parts(self) -> int:
         """How many parts it has that a smaller one may do without."""
-        ...
 
     def some(self, rows: list[int]) -> Self:
         """The body of some of its parts."""
-        ...
 
     def document(self) -> dict[str, Any]:
         """Its numbers."""
-        ...
 
 
 AnyBody = TypeVar("AnyBody", bound=CaseBody)
@@ -161,7 +166,7 @@ class PairCampaign(Generic[AnyBody]):
         """The tables."""
         peers = [loaded(peer).name for peer in self.peers]
         more = [] if self.more_lines is None else self.more_lines(tally, peers)
-        return pair_lines(tally, self.families, self.offsets, peers, more)
+        return _pair_lines(tally, self.families, self.offsets, peers, more)
 
     def case_of(self, document: dict[str, Any]) -> PairCase[AnyBody]:
         """The case of a document."""
@@ -204,9 +209,9 @@ def _counted(
     """Counts a contestant's outcomes; places and entries of those that are failures."""
     failed = []
     for k, (key, outcome) in enumerate(zip(keys, outcomes, strict=True)):
-        entry = Entry(who, RIGHT if outcome is key[2] else _named(outcome), *key)
+        entry = Entry(who, _RIGHT if outcome is key[2] else _named(outcome), *key)
         tally.counts[entry] += 1
-        if entry.outcome not in (RIGHT, UNFIT):
+        if entry.outcome not in (_RIGHT, UNFIT):
             failed.append((k, entry))
     return failed
 
@@ -220,3 +225,49 @@ def _spent(tally: Tally[Any], what: str, began: float) -> float:
     now = time.perf_counter()
     tally.seconds[what] += now - began
     return now
+
+
+def _pair_lines(
+    tally: Tally[Any], families: Sequence[str], offsets: Sequence[str], peers: Sequence[str], more: Sequence[str]
+) -> list[str]:
+    """All tables of a run's counts as lines of text: of these families, offsets and peers, and then `more` lines."""
+    asked = [entry for entry in tally.counts if entry.who == TRUTH]
+    pairs, sharing = (sum(tally.counts[e] for e in asked if e.shared or not only) for only in (False, True))
+    each = Counter[str]()
+    for entry, count in tally.counts.items():
+        each[entry.who] += count * (entry.outcome != UNFIT)
+    ours = [f"{who} {each[who]}" for who in tally.seconds if each[who] and who not in (TRUTH, *peers)]
+    columns = _columns(tally, peers)
+    out = [f"{pairs} pairs of {tally.draws} draws, {sharing} of them share a point; ours: {', '.join(ours)}", ""]
+    out += table("family", lambda entry: entry.family, families, columns)
+    out += ["", *table("offset", lambda entry: entry.offset, offsets, columns), *more]
+    out += ["", "time: " + ", ".join(f"{what} {spent:.0f} s" for what, spent in tally.seconds.items())]
+    return out + [f"broken: {message}" for message in tally.broken]
+
+
+def _columns(tally: Tally[Any], peers: Sequence[str]) -> list[Column]:
+    """Pairs, our failures, and wrong verdicts of the peers with how many they were asked."""
+    counts = tally.counts
+    found = [
+        Column("pairs", counts, lambda entry: entry.who == TRUTH),
+        Column("sharing", counts, lambda entry: entry.who == TRUTH and entry.shared),
+    ]
+    if any(entry.outcome == INSIDE for entry in counts):
+        found.append(Column("inside", counts, lambda entry: entry.outcome == INSIDE))
+    for head, kind in zip(("wrong", "except.", "timeouts"), FAILURES, strict=True):
+        found.append(Column(head, tally.faults, lambda entry, kind=kind: entry.outcome == kind))  # type: ignore[misc]
+    for peer in peers:
+        found += _of_peer(tally, peer)
+    return found
+
+
+def _of_peer(tally: Tally[Any], peer: str) -> list[Column]:
+    def is_wrong(entry: Entry) -> bool:
+        return entry.who == peer and entry.outcome == WRONG
+
+    return [
+        Column(f"{peer} missed", tally.counts, lambda entry: is_wrong(entry) and entry.shared),
+        Column(f"{peer} false", tally.counts, lambda entry: is_wrong(entry) and not entry.shared),
+        Column(f"{peer} exc.", tally.counts, lambda e: e.who == peer and e.outcome in (EXCEPTION, TIMEOUT)),
+        Column("asked", tally.counts, lambda entry: entry.who == peer and entry.outcome != UNFIT),
+    ]

@@ -33,7 +33,6 @@ class Peer(Protocol[Drawn]):
 
     def outcomes(self, drawn: Drawn, first: int = 0) -> Iterator[Outcome]:
         """Its verdicts from a pair on, EXCEPTION where it throws, UNFIT where it has no shape for a body."""
-        ...
 
 
 @cache

@@ -51,8 +51,7 @@ class DepthCamera:
         """
         seen = depth > 0
         local = self.directions[seen] * depth[seen][:, None]
-        points: Floats = local @ pose[:3, :3].T + pose[:3, 3]
-        return points
+        return local @ pose[:3, :3].T + pose[:3, 3]
 
 
 def looking(eye: ArrayLike, target: ArrayLike) -> Floats:

@@ -43,16 +43,15 @@ def robot_bodies(robot: Robot, q: Floats) -> Placed:
     return [(body, poses[robot.link_index(str(body.link))] @ body.pose) for body in robot.bodies]
 
 
-def camera_poses(eyes: Sequence[Sequence[float]] = EYES, target: Sequence[float] = TARGET) -> list[Floats]:
-    """Poses (4, 4) of cameras at points that look at a target, m."""
-    return [looking(eye, target) for eye in eyes]
+def camera_poses() -> list[Floats]:
+    """Poses (4, 4) of the cameras, m."""
+    return [looking(eye, TARGET) for eye in EYES]
 
 
 def cloud(
     bodies: Placed,
     count: int,
     seed: int,
-    poses: Sequence[Floats] | None = None,
     noise: DepthNoise | None = None,
     base: tuple[float, float] = (0.0, 0.0),
 ) -> Floats:
@@ -62,7 +61,6 @@ def cloud(
         bodies: What is seen, with poses in the world, m.
         count: Number of points.
         seed: Seed of noise and choice.
-        poses: Of the cameras; None for those of `camera_poses`.
         noise: What the cameras get wrong; None for the usual noise.
         base: Radius and height, m, of a cylinder about the world's z axis: what is seen of the floor in there is left
             out, since a robot stands there.
@@ -73,7 +71,7 @@ def cloud(
     Raises:
         PlannercheckError: If the cameras see nothing, or a body has no volume.
     """
-    rng, placed = np.random.default_rng(seed), camera_poses() if poses is None else poses
+    rng, placed = np.random.default_rng(seed), camera_poses()
     wrong = DepthNoise() if noise is None else noise
     points = outside(_seen(bodies, placed, _pixels(bodies, placed, wrong, count), wrong, rng), base)
     while len(points) < count:

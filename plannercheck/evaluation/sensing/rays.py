@@ -39,7 +39,7 @@ def depth_image(bodies: Iterable[tuple[GeometryObject, Floats]], camera: DepthCa
     to_camera = np.linalg.inv(pose)
     for body, placed in bodies:
         local = to_camera @ placed  # from the body's frame to the camera's
-        corners = _corners(body) @ local[:3, :3].T + local[:3, 3]
+        corners = body.shape.vertices_and_faces(_EXCESS)[0] @ local[:3, :3].T + local[:3, 3]
         rows, columns = _window(corners, camera)
         rays = directions[rows, columns]
         if rays.size:
@@ -47,12 +47,6 @@ def depth_image(bodies: Iterable[tuple[GeometryObject, Floats]], camera: DepthCa
             nearest[rows, columns] = np.minimum(nearest[rows, columns], found)
     nearest[~np.isfinite(nearest)] = 0.0
     return nearest
-
-
-def _corners(body: GeometryObject) -> Floats:
-    """Points (n, 3) whose hull holds the body, in its frame, m."""
-    points: Floats = body.shape.vertices_and_faces(_EXCESS)[0]
-    return points
 
 
 def _window(corners: Floats, camera: DepthCamera) -> tuple[slice, slice]:

@@ -5,7 +5,8 @@ In: a seed, peers. Out: a `PairCampaign`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -13,13 +14,12 @@ from plannercheck.bodies.certificates import SharedPoint
 from plannercheck.bodies.intersection import certify
 from plannercheck.bodies.tuning import METHODS, Method
 from plannercheck.evaluation.campaign.pairs import Asked, PairCampaign, Truth
-from plannercheck.evaluation.campaign.posed_pairs import ANY_OFFSET, Outcome, batch, limited
+from plannercheck.evaluation.campaign.posed_pairs import ANY_OFFSET, UNFIT, Outcome, batch, limited
 from plannercheck.evaluation.campaign.supervised_process import Peer
-from plannercheck.evaluation.campaign.tallies import EXCEPTION, TIMEOUT
-from plannercheck.evaluation.stress.oracle import Oracle
+from plannercheck.evaluation.campaign.tallies import EXCEPTION, FAILURES, TIMEOUT, Tally, total
+from plannercheck.evaluation.stress.oracle import BY_INTEGERS, Oracle
 from plannercheck.evaluation.stress.random_cases import FAMILY_NAMES, GAPS, Draw, numbered_draw
 from plannercheck.evaluation.stress.sample_bodies import Specimen, specimen_of
-from plannercheck.evaluation.stress.tables import more_lines
 
 # Longest time for one query, s: a thousand times what any should take.
 QUERY_LIMIT = 1.0
@@ -29,6 +29,9 @@ THOROUGH_DRAWS = 8
 # by the package's own `verify`.
 CERTIFIED_DRAWS = 4
 CERTIFICATE = "certificate"
+
+# Columns of the tables by family and gap: every other magnitude keeps them on a page.
+_GAP_COLUMNS = ("1e-2", "1e-4", "1e-6", "1e-8", "1e-10", "1e-12", "1e-14", "1e-16", "1e-18", "1 ulp", "0")
 
 
 def campaign(seed: int, peers: tuple[Callable[[], Peer[Draw]], ...] = ()) -> PairCampaign[Specimen]:
@@ -42,7 +45,7 @@ def campaign(seed: int, peers: tuple[Callable[[], Peer[Draw]], ...] = ()) -> Pai
         FAMILY_NAMES,
         (*GAPS, ANY_OFFSET),
         peers,
-        more_lines=more_lines,
+        more_lines=_more_lines,
     )
 
 
@@ -96,3 +99,26 @@ def _verified(drawn: Draw, k: int) -> Outcome:
         return isinstance(certificate, SharedPoint) if certificate.verify() else EXCEPTION
     except Exception:
         return EXCEPTION
+
+
+def _more_lines(tally: Tally[Any], peers: list[str]) -> list[str]:
+    """Shares by family and size of the gap, and how many pairs Python's integers had to decide."""
+    shares = [line for peer in peers for line in ("", *_shares(tally, peer))]
+    return [*shares, "", f"decided by Python's integers: {total(tally.counts, outcome=BY_INTEGERS)}"]
+
+
+def _shares(tally: Tally[Any], peer: str) -> Iterator[str]:
+    """Wrong verdicts of a peer in percent."""
+    asked, wrong = Counter[tuple[str, str]](), Counter[tuple[str, str]]()
+    for entry, count in tally.counts.items():
+        if entry.who == peer and entry.outcome != UNFIT:
+            cell = entry.family, entry.offset.lstrip("+-")
+            asked[cell] += count
+            wrong[cell] += count * (entry.outcome in FAILURES)
+    yield f"{peer}: wrong verdicts and exceptions in percent, by size of the gap over that of the smaller body"
+    yield " " * 18 + "".join(f"{name:>8}" for name in _GAP_COLUMNS)
+    for family in sorted({family for family, _ in asked}):
+        cells = ((family, name) for name in _GAP_COLUMNS)
+        yield f"{family:18}" + "".join(
+            f"{100 * wrong[cell] / asked[cell]:8.1f}" if asked[cell] else f"{'-':>8}" for cell in cells
+        )

@@ -135,9 +135,8 @@ def _in_contact(relation: str, placement: Placement, sizes: list[float], rng: np
 
 def in_contact(relation: str, placement: Placement, p: Specimen, r: Specimen, rng: np.random.Generator) -> Draw:
     """Two bodies, features of both facing each other."""
-    turn_p, turn_r, point_p, point_r, directions = (_aligned if _may_align(placement, rng) else _as_they_lie)(
-        p, r, placement, rng
-    )
+    facing = _aligned if placement.rotation == "random" and rng.integers(2) else _as_they_lie
+    turn_p, turn_r, point_p, point_r, directions = facing(p, r, placement, rng)
     gap = min(p.size, r.size) * _GAPS
     poses_p, poses_r = _posed(turn_p), _posed(turn_r)
     poses_r[:, :3, 3] = _far_away(placement, rng)
@@ -200,10 +199,6 @@ def _random_count(rng: np.random.Generator) -> int:
 def random_specimen(size: float, rng: np.random.Generator) -> Specimen:
     """A body of any family, of a size in m."""
     return specimen(str(rng.choice([*HULLS, *INFLATED])), _random_count(rng), float(size), rng)
-
-
-def _may_align(placement: Placement, rng: np.random.Generator) -> bool:
-    return placement.rotation == "random" and bool(rng.integers(2))
 
 
 _Facing = tuple[Points, Points, Points, Points, Points]

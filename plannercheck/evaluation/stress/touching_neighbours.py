@@ -23,16 +23,12 @@ def neighbours(kind: str, size: float, n: int, rng: np.random.Generator) -> tupl
     The second to be moved, the first, and the unit direction (3,) from the first to the second. The size is a power of
     two.
     """
-    r = prepared(kind, _on_lattice(_solid_points(n, rng)))
+    r = prepared(kind, _on_lattice(FAMILIES[str(rng.choice(list(FAMILIES)))](n, rng)))
     face = r.polytope.faces[rng.integers(len(r.polytope.faces))]
     a, b, c = rng.permutation(r.vertices[face], axis=0)
     outward = _outward(kind, r, a, b, c)
     p_points = np.vstack([_shared(kind, a, b, c), _beyond(a, outward, rng)])
     return prepared(kind, p_points * size), prepared(kind, r.vertices * size), outward
-
-
-def _solid_points(n: int, rng: np.random.Generator) -> Points:
-    return FAMILIES[str(rng.choice(list(FAMILIES)))](n, rng)
 
 
 def _on_lattice(points: Points) -> Points:

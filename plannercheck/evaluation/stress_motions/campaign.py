@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from plannercheck.evaluation.campaign.tallies import EXCEPTION, Column, Entry, Tally, table, total
-from plannercheck.evaluation.stress_motions.any_subject import subject_of
-from plannercheck.evaluation.stress_motions.cases import MotionCase, case_of, shrunk
+from plannercheck.evaluation.stress_motions.cases import MotionCase, case_of, shrunk, subject_of
 from plannercheck.evaluation.stress_motions.cell_draws import CELL_MOTIONS, CELL_WEIGHTS, cell_draw
 from plannercheck.evaluation.stress_motions.curves import curved
 from plannercheck.evaluation.stress_motions.draws import (

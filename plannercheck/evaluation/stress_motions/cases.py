@@ -13,11 +13,12 @@ import numpy as np
 
 from plannercheck.evaluation.campaign.cases import shrink
 from plannercheck.evaluation.stress_motions.aims import Motions
-from plannercheck.evaluation.stress_motions.any_subject import subject_of
+from plannercheck.evaluation.stress_motions.cell_subject import CellSubject
 from plannercheck.evaluation.stress_motions.draws import Draw
 from plannercheck.evaluation.stress_motions.judges import judge
 from plannercheck.evaluation.stress_motions.outcomes import Fault
-from plannercheck.evaluation.stress_motions.recipes import Recipe
+from plannercheck.evaluation.stress_motions.recipes import Recipe, is_curved
+from plannercheck.evaluation.stress_motions.subjects import CurveSubject, PlaneSubject, SpaceSubject, Subject
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +62,15 @@ class MotionCase:
         except Exception as error:
             return {"exception": repr(error)}
         return {fault.kind: fault.what for fault in judged.faults}
+
+
+def subject_of(recipe: Recipe, robot: Any = None) -> Subject:
+    """The checker behind any recipe, a new one; `robot` if it was built already."""
+    if recipe["kind"] == "plane":
+        return PlaneSubject(recipe, robot)
+    if recipe["kind"] == "cell":
+        return CellSubject(recipe, robot)
+    return CurveSubject(recipe, robot) if is_curved(recipe) else SpaceSubject(recipe, robot)
 
 
 def case_of(name: str, draw: Draw, fault: Fault) -> MotionCase:

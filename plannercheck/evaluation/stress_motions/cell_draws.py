@@ -121,10 +121,6 @@ def _robot(wishes: Wishes, is_whole: bool, rng: np.random.Generator) -> SpaceRec
     return recipe
 
 
-def _states(robots: Mapping[str, Robot], rng: np.random.Generator) -> dict[str, Floats]:
-    return {name: random_states(robot, 1, rng)[0] for name, robot in robots.items()}
-
-
 def _touch(
     recipe: CellRecipe,
     robots: Mapping[str, Robot],
@@ -134,7 +130,8 @@ def _touch(
 ) -> _Touch:
     """A shape laid upon a body of a robot, one that moves if some do."""
     name = str(rng.choice(among if among is not None else list(robots)))
-    states, bodies = _states(robots, rng), recipe["robots"][name]["robot"]["bodies"]
+    states = {each: random_states(robot, 1, rng)[0] for each, robot in robots.items()}
+    bodies = recipe["robots"][name]["robot"]["bodies"]
     some = [body for body in bodies if not _is_fixed(robots, f"{name}/{body['link']}")] or bodies
     body = some[int(rng.integers(len(some)))]
     pose = _body_pose(recipe, robots, name, body, states[name])

@@ -59,7 +59,7 @@ class CellSubject(Subject):
         """See `Subject`; instants are parameters from 0 to 1."""
         made, start = self.merged(q0), float(q0[0])
         found: TrajectoryVerdict = self.checker.explain_trajectory(made, q1, tolerance, start_time=start)
-        begin = start if self._moves else 0.0
+        begin = 0.0 if self.checker._moving is None else start
         until, collides, near = (
             None if t is None else (t - begin) / made.duration
             for t in (found.free_until, found.collides_at, found.near_at)
@@ -158,10 +158,6 @@ class CellSubject(Subject):
             checker, (judged,) = self.checker._on_clock([self.merged(row)], float(row[0]))
             self._clocked[key] = checker, judged
         return self._clocked[key]
-
-    @property
-    def _moves(self) -> bool:
-        return self.checker._moving is not None
 
     @cached_property
     def _reach(self) -> TubeReach:

@@ -129,16 +129,13 @@ class Contact:
 
     def pose_on(self, link: Floats) -> Floats:
         """(4, 4) of the shape on a link at a pose (4, 4), which may be a little off rigid: the foot stays put."""
-        apart = np.linalg.solve(link[:3, :3], np.column_stack([self.pose[:3, :3], self._foot_in_world - link[:3, 3]]))
+        foot = self.pose[:3, :3] @ self.foot + self.pose[:3, 3]  # in the world
+        apart = np.linalg.solve(link[:3, :3], np.column_stack([self.pose[:3, :3], foot - link[:3, 3]]))
         left, _, right = np.linalg.svd(apart[:, :3])
         pose = np.eye(4)
         pose[:3, :3] = left @ right
         pose[:3, 3] = apart[:, 3] - pose[:3, :3] @ self.foot
         return pose
-
-    @property
-    def _foot_in_world(self) -> Floats:
-        return np.asarray(self.pose[:3, :3] @ self.foot + self.pose[:3, 3])
 
 
 def random_contact(

@@ -172,8 +172,7 @@ def _valid_states(stage: Stage, rng: np.random.Generator) -> Floats:
     """States that collide with nothing yet, or any if there is none: a few."""
     q = random_states(stage.robot, _PROBED_STATES, rng)
     free = q[space_checker(stage.recipe, stage.robot).check_states(q)]
-    chosen: Floats = (free if len(free) else q)[: int(rng.integers(*_OBSTACLES))]
-    return chosen
+    return (free if len(free) else q)[: int(rng.integers(*_OBSTACLES))]
 
 
 def add_bodies(recipe: SpaceRecipe, rng: np.random.Generator, sparse: bool) -> None:
@@ -282,8 +281,7 @@ def _mostly_touching(stage: Stage, checker: Checker, aims: list[Aim], rng: np.ra
     """Rows of the checker's pairs that mostly collide, at random states and near those of the aims."""
     near = [stage.tangents.moved(aim.state, rng.normal(size=(_NEAR_STATES, stage.tangents.dimension))) for aim in aims]
     states = np.vstack([random_states(stage.robot, _PROBED_STATES, rng), *near])
-    rows: list[int] = np.flatnonzero(checker.colliding_pairs(states).mean(axis=0) > _MOSTLY_TOUCHING).tolist()
-    return rows
+    return np.flatnonzero(checker.colliding_pairs(states).mean(axis=0) > _MOSTLY_TOUCHING).tolist()
 
 
 def tidy(recipe: SpaceRecipe, rng: np.random.Generator) -> None:

@@ -7,8 +7,8 @@ rounds, not of seconds, so that every run gives the same motions.
 
 from __future__ import annotations
 
+import itertools
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from ompl import base, geometric
@@ -89,20 +89,10 @@ def _motions(stage: SolidStage, rng: np.random.Generator) -> Floats:
         planner.setRange(_NARROW_RANGE if len(stage.near) else 0.0)  # 0 is OMPL's own default
         setup.setPlanner(planner)
         setup.setStartAndGoalStates(*given)
-        setup.solve(base.PlannerTerminationCondition(_Rounds(_ROUNDS)))
+        rounds = itertools.count()
+        setup.solve(base.PlannerTerminationCondition(lambda: next(rounds) >= _ROUNDS))
         data = base.PlannerData(information)
         planner.getPlannerData(data)
     nodes = np.array([space.read(data.getVertex(k).getState()) for k in range(data.numVertices())])
     edges = [(k, other) for k in range(data.numVertices()) for other in data.getEdges(k)]
     return nodes[np.array(edges, dtype=np.int64).reshape(-1, 2)]
-
-
-class _Rounds:
-    """Ends a search after so many rounds."""
-
-    def __init__(self, most: int) -> None:
-        self._left = most
-
-    def __call__(self) -> Any:
-        self._left -= 1
-        return self._left < 0

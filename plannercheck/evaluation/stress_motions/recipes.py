@@ -260,13 +260,13 @@ def _se3(pose: Matrix) -> pin.SE3:
 def shape_of(shape: list[Any]) -> Shape:
     """A shape from its name and sizes."""
     name, *sizes = shape
-    made: dict[str, Any] = {"box": Box, "hull": lambda points: Hull(np.array(points))}
     if name == "corners":
         vertices, _, _ = inflated_hull(shape_of(sizes[0]))
         return PointCloud(vertices, np.array([_CORNER]))
-    if name in made:
-        found: Shape = made[name](tuple(sizes[0]) if name == "box" else sizes[0])
-        return found
+    if name == "box":
+        return Box(tuple(sizes[0]))
+    if name == "hull":
+        return Hull(np.array(sizes[0]))
     curved: Shape = {"sphere": Sphere, "capsule": Capsule, "cylinder": Cylinder}[name](*sizes)
     return curved
 

@@ -16,7 +16,6 @@ from plannercheck.bodies.intersection import certify
 from plannercheck.bodies.part_certificates import PartSeparation
 from plannercheck.evaluation.campaign.pairs import Asked
 from plannercheck.evaluation.campaign.posed_pairs import UNFIT, Outcome, batch, method_of, one_by_one, some_of
-from plannercheck.evaluation.stress_parts.bodies import Body
 from plannercheck.evaluation.stress_parts.draws import Draw
 from plannercheck.evaluation.stress_parts.ellipsoid_truth import decide_ellipsoids
 from plannercheck.evaluation.stress_parts.truth import decide
@@ -113,9 +112,7 @@ def _is_distance(drawn: Draw, k: int, shared: bool) -> bool:
     sizes = max(float(np.abs(given).max()) for given in (*lengths, pose_p, pose_r))
     room = _DISTANCE_ERROR * found.distance + _LEAST_OF_SIZE * sizes
     below, above = max(found.lower_bound, found.distance) - room, found.distance + room
-    inflated = [_inflated(drawn.p, max(by, 0.0)) for by in (below, above)]
+    given = drawn.p.given
+    wider = (replace(given, padding=given.padding + max(by, 0.0)) for by in (below, above))
+    inflated = [replace(drawn.p, given=each) for each in wider]
     return [bool(decide(p, pose_p[None], drawn.r, pose_r[None])[0]) for p in inflated] == [False, True]
-
-
-def _inflated(body: Body, by: float) -> Body:
-    return Body(body.family, replace(body.given, padding=body.given.padding + by))

@@ -6,6 +6,7 @@ a piece that holds others stands for them if it is apart.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -49,15 +50,12 @@ class Piece:
     def surface(self) -> SolidBody:
         """As the oracle of meshes has it."""
         hull = self.specimen.polytope
-        if hull.dimension == 0:
-            return SolidBody("part", surface(hull.vertices, [[0, 0, 0]]), self.radius, is_convex=True)
-        if hull.dimension == 1:
-            return SolidBody("part", surface(hull.vertices, [[0, 1, 1]]), self.radius, is_convex=True)
+        triangles: Any = [[0, hull.dimension, hull.dimension]]  # of a point or a segment
         if hull.dimension == 2:
-            corners = np.arange(len(hull.vertices))
-            every = [[a, b, c] for a in corners for b in corners[a + 1 :] for c in corners[b + 1 :]]
-            return SolidBody("part", surface(hull.vertices, every), self.radius, is_convex=True)
-        return SolidBody("part", surface(hull.vertices, hull.faces), self.radius, is_convex=True)
+            triangles = list(itertools.combinations(range(len(hull.vertices)), 3))
+        elif hull.dimension == 3:
+            triangles = hull.faces
+        return SolidBody("part", surface(hull.vertices, triangles), self.radius, is_convex=True)
 
     @cached_property
     def centre(self) -> Floats:

@@ -9,8 +9,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from plannercheck.evaluation.campaign.pair_tables import INSIDE
-from plannercheck.evaluation.campaign.pairs import PairCampaign, Truth
+from plannercheck.evaluation.campaign.pairs import INSIDE, PairCampaign, Truth
 from plannercheck.evaluation.campaign.posed_pairs import ANY_OFFSET
 from plannercheck.evaluation.campaign.supervised_process import Peer
 from plannercheck.evaluation.stress_solids.bodies import Body, body_of, decided

@@ -12,7 +12,6 @@ import numpy as np
 
 from plannercheck.bodies.distance import distance
 from plannercheck.bodies.intersection import intersects
-from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.campaign.pairs import Asked
@@ -64,12 +63,8 @@ def _with_inner_shapes(drawn: Draw, method: Any) -> list[Outcome]:
 
 def _public(drawn: Draw) -> list[Outcome]:
     """As users give them: a `Solid` that is prepared in the call."""
-    p, r = (_as_given(body) for body in (drawn.p, drawn.r))
+    p, r = (body.polytope if body.inflation_radius else body.given for body in (drawn.p, drawn.r))
     return list(np.asarray(intersects(p, r, drawn.poses_p, drawn.poses_r)).tolist())
-
-
-def _as_given(body: Body) -> Solid | Polytope:
-    return body.polytope if body.inflation_radius else body.given
 
 
 def _distances(drawn: Draw, truth: list[bool], some: list[int]) -> list[Outcome]:

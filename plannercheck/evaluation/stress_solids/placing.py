@@ -68,8 +68,10 @@ def turn(rotation: str, rng: np.random.Generator) -> Floats:
 
 def around_contact(p: Body, r: Body, place: Place, rng: np.random.Generator) -> tuple[Floats, Floats]:
     """Poses (offsets, 4, 4) of both around a moment at which they begin to share a point."""
-    meeting = _on(r, place.pose_r, rng) - place.turn_p @ _point_of(p, rng)
-    along_axis = rng.random() < (0.8 if _is_exact(p, r) else 0.2)
+    point_r = place.pose_r[:3, :3] @ _point_of(r, rng) + place.pose_r[:3, 3]
+    meeting = point_r - place.turn_p @ _point_of(p, rng)
+    are_exact = all(body.family.startswith(EXACT_FAMILIES) for body in (p, r))
+    along_axis = rng.random() < (0.8 if are_exact else 0.2)
     direction = quarter_turns(1, rng)[0, 0] if along_axis else random_directions(1, rng)[0]
     away = meeting + max(p.size, r.size) * _AWAY[:, None] * direction
     shared = _shared(p, r, place, np.vstack([meeting[None], away]))
@@ -93,10 +95,6 @@ def offset(touching: Floats, apart: Floats, direction: Floats, size: float) -> F
     return np.asarray(shifts)
 
 
-def _is_exact(p: Body, r: Body) -> bool:
-    return all(body.family.startswith(EXACT_FAMILIES) for body in (p, r))
-
-
 def _shared(p: Body, r: Body, place: Place, shifts: Floats) -> Bools:
     poses_p, poses_r = place.poses(shifts)
     return np.asarray(decided(p, poses_p, r, poses_r) != 0)
@@ -113,10 +111,6 @@ def _halved(p: Body, r: Body, place: Place, shared: Floats, free: Floats) -> tup
         else:
             free = middle
     return shared, free
-
-
-def _on(body: Body, pose: Floats, rng: np.random.Generator) -> Floats:
-    return np.asarray(pose[:3, :3] @ _point_of(body, rng) + pose[:3, 3])
 
 
 def _point_of(body: Body, rng: np.random.Generator) -> Floats:

@@ -113,7 +113,10 @@ class _Layout(NamedTuple):
 def npy_stream_blocks(stream: BinaryIO, columns: Columns, size: int, kind: str = "npy file") -> Iterator[RowBlock]:
     """Rows of an npy file that can only be read from its beginning to its end."""
     with _whole(kind):
-        layout = _layout_of_header(stream, columns)
+        shape, by_column, dtype = _header(stream)
+        if dtype.hasobject:
+            raise PlannercheckError("must hold real numbers, not objects")
+        layout = _Layout.of(shape, dtype, by_column, columns)
     if layout.total < 0:
         raise PlannercheckError(f"is no whole {kind} of numbers: its header tells of {layout.total} rows")
     if layout.by_column:
@@ -137,13 +140,6 @@ def _check_end(goes_on: bool) -> None:
         raise PlannercheckError("holds more behind its array, of which nothing is read: give each array its own file")
 
 
-def _layout_of_header(stream: BinaryIO, columns: Columns) -> _Layout:
-    shape, by_column, dtype = _header(stream)
-    if dtype.hasobject:
-        raise PlannercheckError("must hold real numbers, not objects")
-    return _Layout.of(shape, dtype, by_column, columns)
-
-
 def _header(stream: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
     """Shape, whether columns are together, and type of the array that a stream begins with."""
     version = np.lib.format.read_magic(stream)
@@ -154,7 +150,6 @@ def _header(stream: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
 
 
 def _values(stream: BinaryIO, dtype: np.dtype[Any], count: int) -> NDArray[Any]:
-    """The next values of a stream."""
     wanted = count * dtype.itemsize
     parts = []
     while wanted:

@@ -6,7 +6,6 @@ sure, or fails for sure; where nothing is known, or all but the stop, the plain 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -33,24 +32,12 @@ _STRICTER = 1 + ROUNDED / 2
 _ANSWERS = (False, True, None)
 
 
-@dataclass(frozen=True, eq=False)
-class _Even:
-    """Even times of a chunk.
-
-    Attributes:
-        times: (n,) s.
-        steps: The first step, the last, and the least, s.
-    """
-
-    times: Floats
-    steps: tuple[float, float, float]
-
-
 @lru_cache(REMEMBERED)
-def _even(count: int, rate: float) -> _Even:
+def _even(count: int, rate: float) -> tuple[Floats, tuple[float, float, float]]:
+    """Even times (n,) of a chunk, s; its first step, its last, and its least, s."""
     times = even_times(count, rate)
     steps = durations(np.concatenate(([0.0], times)))
-    return _Even(times, (float(steps[0]), float(steps[-1]), float(steps.min())))
+    return times, (float(steps[0]), float(steps[-1]), float(steps.min()))
 
 
 class QuickJudge:
@@ -86,9 +73,9 @@ class QuickJudge:
 
     def judge(self, rows: Floats, dq: Floats, rate: float) -> tuple[Chunk, bool | None] | None:
         """The chunk, and whether it passes, None if all but its stop does; None if nothing is known."""
-        at = _even(len(rows) - 1, rate)
-        known = self._answer(rows, dq, *at.steps)
-        return (Chunk(at.times, rows[1:], rows[0], dq, rate), _ANSWERS[known]) if known < len(_ANSWERS) else None
+        times, steps = _even(len(rows) - 1, rate)
+        known = self._answer(rows, dq, *steps)
+        return (Chunk(times, rows[1:], rows[0], dq, rate), _ANSWERS[known]) if known < len(_ANSWERS) else None
 
 
 def _doubles(values: ArrayLike, name: str) -> Floats:

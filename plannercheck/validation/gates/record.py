@@ -66,8 +66,4 @@ def chunk_hash(chunk: Chunk) -> str:
 
 def settings_hash(settings: GateSettings) -> str:
     """A hash of a gate's settings."""
-    return content_hash(*_values(settings))
-
-
-def _values(settings: GateSettings) -> list[Any]:
-    return [getattr(settings, name) for name in vars(settings)]
+    return content_hash(*vars(settings).values())

@@ -37,7 +37,7 @@ struct Error {
 // Ends the program with the message on the error stream.
 [[noreturn]] PLANNERCHECK_API void end_without_value(const Error& error) noexcept;
 
-// A value, or why there is none. It does not convert to bool, which a verdict would be taken for.
+// A value, or why there is none. It does not convert to bool, since that would look like a verdict.
 template <class T>
 class [[nodiscard]] Result {
  public:
@@ -73,11 +73,11 @@ struct NamedPair {
 };
 
 struct Collision : NamedPair {
-  std::array<double, 3> point{};  // that both bodies share, in the world, m: computed exactly, then rounded
+  std::array<double, 3> point{};  // a common point of both bodies, in the world, m: computed exactly, then rounded
 };
 
-// A pair that is apart, paddings included, and the plane halfway between its bodies: exact arithmetic has proved that
-// the plane which the numbers round separates them.
+// A pair that is apart, paddings included, and the plane halfway between its bodies. The numbers are rounded; exact
+// arithmetic has proved that the exact plane separates the bodies.
 struct Separation : NamedPair {
   bool has_plane = false;          // false of solids and sets of parts whose hulls, or the boxes around them, meet
   std::array<double, 3> normal{};  // of length 1, in the world, from the second to the first
@@ -92,9 +92,9 @@ struct Verdict {
   std::vector<Separation> separations;
 };
 
-// How far a motion is proved free, by its parameter from 0 to 1, of a trajectory by its time, s; if it is not free,
-// which pair comes within the tolerance, and where (−1 if no state was found: bodies that never move relative to each
-// other touch).
+// How far a motion or trajectory is proved free: `free_until` is a motion's parameter, from 0 to 1, or a trajectory's
+// time, s. If it is not free, `pair` comes within the tolerance at `near_at` (−1 if no state was found: bodies that
+// never move relative to each other touch).
 struct MotionVerdict {
   bool free = true;
   double free_until = 1, near_at = -1;
@@ -105,7 +105,7 @@ struct MotionVerdict {
 struct Distance {
   std::size_t state = 0;  // which configuration
   NamedPair pair;
-  double distance = 0;  // m; negative where the bodies overlap: so far along the normal, the first is off the second
+  double distance = 0;  // m; negative if the bodies overlap: moving the first so far along the normal separates them
   double lower = 0;     // a proved lower bound, m: of two hulls that are apart, along the normal
   std::array<double, 3> on_first{}, on_second{};  // nearest points in the world, m
   std::array<double, 3> normal{};                 // of length 1, in the world, from the second to the first
@@ -128,7 +128,8 @@ struct Trajectory {
                                                       std::span<const double> accelerations = {}) noexcept;
 };
 
-// The scratch of one thread, of any checker; it also keeps what earlier calls have learnt, which no verdict depends on.
+// The scratch memory of one thread, for any checkers. It also keeps statistics of earlier calls; no verdict depends on
+// them.
 class PLANNERCHECK_API Workspace {
  public:
   Workspace() noexcept;
@@ -148,10 +149,10 @@ inline constexpr double kDefaultTolerance = 1e-4;
 // Verdicts of one robot in one scene. Immutable, and cheap to copy; threads may share it.
 class PLANNERCHECK_API Checker {
  public:
-  // Of a file that Python's Checker.save or `plannercheck export` wrote. A file that is damaged, cut short, of another
-  // version or hostile is an error.
+  // Reads a file that Python's Checker.save or `plannercheck export` wrote. A damaged, cut, hostile or other version's
+  // file is an error.
   static Result<Checker> load(const std::string& path) noexcept;
-  // Of the bytes of such a file.
+  // Reads the bytes of such a file.
   static Result<Checker> parse(std::span<const std::byte> file) noexcept;
 
   Checker(const Checker&) noexcept;
@@ -179,7 +180,7 @@ class PLANNERCHECK_API Checker {
 
   // Whether no pair of bodies shares a point at the configuration q (nq). Touching is a collision.
   Result<bool> is_valid(std::span<const double> q, Workspace& workspace) const noexcept;
-  // The same of each of n configurations, q (n · nq) one after the other: valid[i] is 1 or 0. Returns how many are.
+  // is_valid for n configurations, q (n · nq), one after the other: valid[i] is 1 or 0. Returns how many are valid.
   Result<std::size_t> check_states(std::span<const double> q, std::span<std::uint8_t> valid,
                                    Workspace& workspace) const noexcept;
   // Whether the motion from q0 to q1 (nq each) is proved free for every state on it, both ends included. Joints move
@@ -187,7 +188,7 @@ class PLANNERCHECK_API Checker {
   // `tolerance`: more than 0, m.
   Result<bool> check_motion(std::span<const double> q0, std::span<const double> q1, Workspace& workspace,
                             double tolerance = kDefaultTolerance) const noexcept;
-  // The same of each of n motions: free[i] is 1 or 0. Returns how many are free.
+  // check_motion for n motions: free[i] is 1 or 0. Returns how many are free.
   Result<std::size_t> check_motions(std::span<const double> q0, std::span<const double> q1,
                                     std::span<std::uint8_t> free, Workspace& workspace,
                                     double tolerance = kDefaultTolerance) const noexcept;
@@ -195,7 +196,7 @@ class PLANNERCHECK_API Checker {
   // number may be off at every instant, all at once, or one for all; none if empty.
   Result<bool> check_trajectory(const Trajectory& trajectory, Workspace& workspace, std::span<const double> tube = {},
                                 double tolerance = kDefaultTolerance) const noexcept;
-  // All pairs that collide at q, by name, and a common point of each; `separations`: all others as well, with planes.
+  // All pairs that collide at q, by name, each with a common point; `separations`: also all other pairs, with planes.
   Result<Verdict> explain(std::span<const double> q, Workspace& workspace, bool separations = false) const noexcept;
   // How far a motion is free, and what stops it.
   Result<MotionVerdict> explain_motion(std::span<const double> q0, std::span<const double> q1, Workspace& workspace,
@@ -203,9 +204,9 @@ class PLANNERCHECK_API Checker {
   Result<MotionVerdict> explain_trajectory(const Trajectory& trajectory, Workspace& workspace,
                                            std::span<const double> tube = {},
                                            double tolerance = kDefaultTolerance) const noexcept;
-  // The pairs that are nearer than the limit, m, at each of some configurations; or so many nearest ones of each. Rows
-  // are in the order of the configurations, the nearest pair first. A limit is prepared when first asked for; it may be
-  // infinite.
+  // The pairs nearer than the limit, m, at each of some configurations; or, if `nearest` is not 0, that many nearest
+  // pairs of each. Rows are in the order of the configurations, the nearest pair first. Each new limit, which may be
+  // infinite, is prepared once.
   Result<std::vector<Distance>> distances(std::span<const double> q, Workspace& workspace, double limit = 0.1,
                                           std::size_t nearest = 0) const noexcept;
 
@@ -218,10 +219,10 @@ class PLANNERCHECK_API Checker {
   Result<Checker> with_sphere(const std::string& name, double radius, std::span<const double, 3> centre) const noexcept;
   // The convex hull of points (n · 3), m.
   Result<Checker> with_hull(const std::string& name, std::span<const double> points, Pose pose) const noexcept;
-  // All points within a radius of those of a cloud (n · 3), m.
+  // All points within a radius of the points of a cloud (n · 3), m.
   Result<Checker> with_cloud(const std::string& name, std::span<const double> points, double radius,
                              Pose pose) const noexcept;
-  // With an obstacle's frame at another pose, as Scene.move places it in Python; without an obstacle.
+  // With an obstacle's frame at another pose, as Scene.move places it in Python; and without an obstacle.
   Result<Checker> with_pose(const std::string& name, Pose pose) const noexcept;
   Result<Checker> without(const std::string& name) const noexcept;
 
