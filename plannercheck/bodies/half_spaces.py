@@ -39,7 +39,7 @@ class HalfSpace:
     inflation radii count along the normal. A half-space is an obstacle: no link can carry it.
 
     Attributes:
-        normal: Of any length but 0, in the shape's frame.
+        normal: (3,) of any length but 0, in the shape's frame.
         offset: The plane is normal · x = offset; with a normal of length 1 in m. 0 is the plane through the origin.
     """
 

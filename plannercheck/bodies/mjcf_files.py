@@ -68,7 +68,7 @@ class MjcfFile:
         name: The model's name; empty if the file gives none.
         names: By kind of element, a name for each, all of one kind different: elements without names are called
             "body3", and joints and geoms after their body, "base/joint1", "base/geom3".
-        disabled: Those of `FLAGS` that the file disables.
+        disabled: The `FLAGS` that the file disables.
     """
 
     path: Path

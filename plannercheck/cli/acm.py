@@ -72,8 +72,8 @@ class AuditRow:
         declared_by: "SRDF" or "YAML".
         link_pairs: Pairs of links with bodies.
         disabled: Pairs that are disabled.
-        colliding: Of them, those that collide in some states; adjacent ones and those that always do are left out.
-        never: Of these, those whose reason is that they never do.
+        colliding: The pairs among them that collide in some states, less adjacent pairs and pairs that always do.
+        never: The pairs among these whose reason is that they never do.
         most: The one that collides most often, and how often.
         colliding_meshes: Of `colliding`, those whose meshes collide; None if they were not asked for.
         most_meshes: As `most`, by meshes.

@@ -47,7 +47,7 @@ class ExactSharedPoint:
         point: Integers X, in the common unit, times the denominator.
         denominator: Positive.
         weights_p: If the first body is given by vertices: weights of them, of sum denominator, that mix the point.
-        weights_r: The same of the second.
+        weights_r: The same for the second.
     """
 
     point: Row

@@ -32,7 +32,7 @@ class Played:
         x: A point of the first hull (d,).
         q: A point of the second hull (d,).
         weights_p: Weights of the active points of the first body, by index.
-        weights_q: The same of the other side.
+        weights_q: The same for the other side.
         lowest: Index of the point of P with the least q·p.
         highest: Index of the point of Q with the largest q·x.
         rounds: Rounds of the double oracle.

@@ -129,14 +129,14 @@ class PosedBody:
         padding: The part of the radius that is padding, m.
         centre: (3,) of a ball in the body's frame that holds all vertices, m.
         reach: The ball's radius without `radius`, m.
-        triangles: Of a solid: indices of vertices. Entries name ranges of them.
-        half_space: Of a half-space: four numbers (n, d), for all points x of its frame with n . x <= d, m times the
+        triangles: For a solid: indices of vertices. Entries name ranges of them.
+        half_space: For a half-space: four numbers (n, d), for all points x of its frame with n . x <= d, m times the
             length of n. It is in the world.
-        parts: Of a set of parts: "balls" about the vertices; "boxes" along the axes of its frame, of which each two
+        parts: For a set of parts: "balls" about the vertices; "boxes" along the axes of its frame, of which each two
             vertices are opposite corners; "prisms", each the hull of three vertices and of where these are at z =
             `base`. The body is their union, empty if there are no vertices (0,). Entries name ranges of parts.
-        radii: Of balls: their radii (n,), or the one of all (1,), m; `radius` is added.
-        base: Of prisms: where they end, m.
+        radii: For balls: their radii (n,), or one for all (1,), m; `radius` is added.
+        base: For prisms: the z where they end, m.
     """
 
     name: str
@@ -224,9 +224,9 @@ class Entry:
         direction: Against a set of parts three numbers each for one direction or more: each part is beyond the other
             body along one of them. Else three numbers (two in the plane) of any length but 0, from the second body to
             the first; none for balls and half-spaces.
-        first: Of the first body only these triangles or parts, from the first index to before the second; empty for the
-            hull of all vertices, or all parts. Only planes hold some of them apart.
-        second: The same of the second body.
+        first: Which triangles or parts of the first body, from the first index to before the second; empty for the hull
+            of all vertices, or all parts. Only planes hold some of them apart.
+        second: The same for the second body.
     """
 
     pair: int

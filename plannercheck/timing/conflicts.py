@@ -127,7 +127,7 @@ def first_conflict(
     the scene is where it is at these times; what it meets after the last robot has ended is not looked at.
 
     Args:
-        checker: Of a cell (`pc.Robot.together`).
+        checker: The checker of a cell (`pc.Robot.together`).
         trajectories: By robot of the cell's group; or the configuration (k,) at which a robot stands.
         starts: When a robot's trajectory starts, s on the clock; 0 if not named.
         tube: By how much each number may be off, as for `check_trajectory`; or by robot, of which the others have none.

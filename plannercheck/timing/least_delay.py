@@ -149,7 +149,7 @@ def least_delay(
     until the last robot has ended.
 
     Args:
-        checker: Of a cell (`pc.Robot.together`).
+        checker: The checker of a cell (`pc.Robot.together`).
         first: By robot, what runs as it is: trajectories, or the configuration (k,) at which a robot stands.
         waiting: By robot, the trajectories that wait, all by the same delay.
         at_most: The largest delay that is looked for, s.
@@ -200,7 +200,7 @@ class _Own(NamedTuple):
     """A robot's trajectory without the delay.
 
     Attributes:
-        columns: Of the cell.
+        columns: Columns of the cell.
         knots: On the clock, s.
         speeds: (pieces, k) largest on each piece, rad/s and m/s.
     """
@@ -220,7 +220,7 @@ class _Judge:
     """Judges delays.
 
     Attributes:
-        checker: Of the cell.
+        checker: The checker of the cell.
         runs: What each robot does.
         waiting: The robots that wait.
         starts: Without the delay.

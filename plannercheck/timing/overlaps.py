@@ -33,7 +33,7 @@ _GOLDEN = (1 + 5**0.5) / 2
 _CORNERS = np.array([np.roll([0.0, a, b * _GOLDEN], k) for k in range(3) for a, b in product((-1.0, 1.0), repeat=2)])
 _TRANSLATIONS = _CORNERS / np.linalg.norm(_CORNERS[0]) * (1.001 / 0.7946)
 
-# Of joints of several numbers: how many of the first are lengths.
+# How many of the first numbers are lengths, for joints of several numbers.
 _LENGTHS = {"JointModelFreeFlyer": 3, "JointModelPlanar": 2}
 
 # Rounding of poses, velocities and lengths, and unit vectors that are off (`MOST_OFF`), as a part of all lengths, m.

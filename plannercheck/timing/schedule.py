@@ -34,7 +34,7 @@ class Schedule:
         delays: By robot, s; None where no delay is proved free. Robots that stand are not in it.
         steps: The search for each place in the order after the first, as far as it went.
         spans: By robot, when its trajectory begins and ends without its delay, s.
-        verdict: Of the cell's trajectory at these delays; None unless all are found.
+        verdict: The verdict on the cell's trajectory at these delays; None unless all are found.
     """
 
     delays: Mapping[str, float | None]
@@ -89,7 +89,7 @@ def schedule(
     this order and one after the other; a robot that waits longer may let another one start earlier.
 
     Args:
-        checker: Of a cell (`pc.Robot.together`).
+        checker: The checker of a cell (`pc.Robot.together`).
         order: Trajectories by robot, in order of priority; those of one mapping wait together, the first not at all. A
             robot that always stands has its configuration (k,).
         at_most: As for `least_delay`, for each.

@@ -58,7 +58,7 @@ def timed(section: Section, limits: JointLimits, halvings: int) -> TimedSection 
 
     Args:
         section: The section.
-        limits: Of each joint.
+        limits: The limits of each joint.
         halvings: How often the first step is halved; it is halved further where that makes the section faster.
     """
     law = fastest(section.curve, limits.velocity, limits.acceleration)

@@ -56,7 +56,7 @@ class Points(OwnsArrays):
         positions: (n, nq) rad and m.
         velocities: (n, nq) rad/s and m/s; rows of points without velocities are NaN.
         accelerations: (n, nq) rad/s² and m/s²; likewise.
-        joint_names: Of the columns; empty if they are not known.
+        joint_names: Names of the columns; empty if they are not known.
         held: Values, by name, of joints outside the planning group that the message has, and that stand still.
     """
 

@@ -50,7 +50,7 @@ def read_points(path: str | Path, robot: Robot, message: int | None = None) -> P
 
 
 def read_points_of(file: str | Path, robot: Joints, message: int | None = None) -> Points:
-    """The same of joints that are known to take one number each."""
+    """`read_points` for joints that are known to take one number each."""
     if not isinstance(file, str | Path):
         raise PlannercheckError(f"path must be a file, not {file!r:.80}")
     if message is not None and not isinstance(message, int):

@@ -51,7 +51,7 @@ def broken_limits(curve: Curve, names: Sequence[str], kind: Kind, lower: Floats,
 
     Args:
         curve: The curve.
-        names: Of its nq columns.
+        names: Names of its nq columns.
         kind: What is limited.
         lower: (nq,) the lower limits, -inf where there is none.
         upper: (nq,) the upper limits, inf where there is none.

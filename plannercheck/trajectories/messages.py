@@ -36,7 +36,7 @@ from plannercheck.trajectories.joint_columns import Joints, columns_of, moved_ou
 TRAJECTORY_KEYS = ("header", "joint_names", "points")
 POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
 
-# Of a Duration's parts.
+# Names of a Duration's parts.
 _MOST_STAMP = 2**32
 
 

@@ -72,7 +72,7 @@ class Trajectory:
                 first point. None: the robot is at the first point.
             continuous: Columns of joints that turn without end, from which the controller takes whole turns on the
                 way to the first point.
-            joint_names: Of the columns, for `save` and for errors; no robot may have these joints in another order.
+            joint_names: Names of the columns, for `save` and errors; no robot may have these joints in another order.
 
         Raises:
             PlannercheckError: If an array is malformed, times do not grow, or the controller refuses the points.

@@ -243,6 +243,13 @@ def test_the_readme_has_two_commands_and_ci_runs_the_second_as_it_stands_there()
     assert found["text"].splitlines()[1] in (ROOT / ".ci/run").read_text("utf-8").splitlines()
 
 
+def test_the_page_on_new_parts_names_every_file_that_has_its_example_shape():
+    page = (ROOT / "docs/explanation/add_a_part.md").read_text("utf-8")
+    sources = [path for path in (ROOT / "plannercheck").glob("**/*.py") if "evaluation" not in path.parts]
+    having = [path for path in sources if re.search(r"\bEllipsoid\b", path.read_text("utf-8"))]
+    assert [name for path in having if (name := str(path.relative_to(ROOT))) not in page] == []
+
+
 def test_links_lead_somewhere():
     """Those of files that Sphinx does not read, or that a reader of the repository follows."""
     link = re.compile(r"\]\(([^)#:]+)(?:#[^)]*)?\)")

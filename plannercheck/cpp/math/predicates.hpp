@@ -14,7 +14,8 @@ namespace predicates_detail {
 // bits to underflow that the error bound does not count (2^-1074 times the largest factors is far below the bound).
 inline constexpr double kSmallestTrusted = 1e-150, kLargestTrusted = 1e60;
 
-// Of u · (a − b), times the sum of its terms' absolute values: a rounded difference, product and two sums, 4u.
+// The error of u · (a − b), as a part of the sum of its terms' absolute values: a rounded difference, product and two
+// sums, 4u.
 inline constexpr double kAlongError = 6 * kRoundoff;
 
 inline bool trusted(double permanent, double largest) {
@@ -33,7 +34,7 @@ int orientation(Vec3 a, Vec3 b, Vec3 c, Vec3 d);
 // Sign of u · (a − b): which of two points is further along u.
 int compare_along_finer(Vec3 u, Vec3 a, Vec3 b);
 
-// The same, with the filter inlined into queries.
+// As above, with the filter inlined into queries.
 inline int compare_along(Vec3 u, Vec3 a, Vec3 b) {
   const Vec3 e = a - b;
   const double value = dot(u, e), size = predicates_detail::absolute_dot(u, e);

@@ -14,7 +14,7 @@ bool triangles_within_radii(const MeshPair& pair, const Triangle& s, const Trian
 // The sign of (b − a) × (c − a) · (d − a).
 int orientation(const MeshPair& pair, const Corner& a, const Corner& b, const Corner& c, const Corner& d);
 
-// Of the projections along axis `drop`: the sign of (b − a) × (c − a).
+// The sign of (b − a) × (c − a), of the projections along axis `drop`.
 int orientation_in_plane(const MeshPair& pair, const Corner& a, const Corner& b, const Corner& c, int drop);
 
 // The sign of coordinate `axis` of a − b.

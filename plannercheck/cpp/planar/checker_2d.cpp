@@ -17,7 +17,7 @@ constexpr double kCircleMargin = 1e-12;
 
 }  // namespace
 
-// Of kLanes states.
+// Scratch data of kLanes states.
 struct PlanarChecker::Workspace {
   struct CircleLanes {
     Lanes x, y, radius;

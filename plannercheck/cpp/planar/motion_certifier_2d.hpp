@@ -52,7 +52,7 @@ class PlanarCertifier {
   // The straight motion as a piece.
   PlanarPiece straight(const double* q0, const double* q1) const;
   MotionReport check(const PlanarMotion& motion, double tolerance, Workspace& workspace) const;
-  // The same in the order of the motion: where it is refused first. With `proofs`, records the proofs of all pairs.
+  // Checks in the order of the motion: where it is refused first. With `proofs`, records the proofs of all pairs.
   MotionReport explain(const PlanarMotion& motion, double tolerance, std::vector<PlanarProof>* proofs,
                        Workspace& workspace) const;
   // Configurations (n, width) at parameters.

@@ -39,7 +39,7 @@ class PlanarGrid {
   // Rows x, y of a body's centre, and a box around them: least x, y, largest x, y.
   const double* centre(std::int32_t body) const { return &centres_[at(body) * 2 * kPlanarRow]; }
   const std::array<double, 4>& box(std::int32_t body) const { return boxes_[at(body)]; }
-  // Of a link at a state; the world's if there is none.
+  // The pose of a link at a state; the world's if there is no link.
   PlanarPlace place_of(std::int32_t link, std::size_t state) const;
 
  private:
