@@ -84,6 +84,8 @@ class Checker(ExplainingChecker):
                 "planar.Checker takes a planar.Robot and a planar.Scene, "
                 f"not {type(robot).__name__} and {type(scene).__name__}"
             )
+        if not isinstance(self_collision, bool | np.bool_):
+            raise PlannercheckError(f"self_collision must be True or False, not {self_collision!r:.80}")
         if method not in METHODS:
             raise unknown_name("method", method, METHODS)
         self.scene = scene.copy() if scene is not None else Scene("empty")

@@ -273,6 +273,7 @@ SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
         (lambda: P.Robot(SQUARE).with_bounds([], [1, 1]), "the least and the largest"),
         (lambda: P.Robot(SQUARE).with_bounds([1, 1], [0, 0]), "the least and the largest"),
         (lambda: P.Scene("s", "abc"), "bounds must be numbers"),
+        (lambda: P.Checker(P.Robot.load("forklift"), self_collision=None), "self_collision must be True or False"),
         (lambda: P.Scene().add("a", None), "at least one polygon"),
         (lambda: P.Scene().add_box("a", [1, 1, 1]), "two positive lengths"),
         (lambda: P.Scene().add_box("a", "abc"), "'a': size must be numbers"),
