@@ -11,7 +11,15 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.model_comparisons import Comparison, set_message_reader, set_model_comparison, set_path_reader
+from plannercheck.common.model_comparisons import (
+    Comparison,
+    Followers,
+    RobotJoints,
+    set_joint_reader,
+    set_message_reader,
+    set_model_comparison,
+    set_path_reader,
+)
 from plannercheck.common.version import __version__
 
 if TYPE_CHECKING:
@@ -149,8 +157,14 @@ def _read_path(path: Any, joint_names: Sequence[str], width: int, robot: Any) ->
     )
 
 
-def _read_message(path: Any, joint_names: Sequence[str], message: int | None = None) -> Any:
-    joints = importlib.import_module("plannercheck.trajectories.joint_columns").NamedJoints("the proof", joint_names)
+def _read_joints(robot: Any) -> RobotJoints:
+    return RobotJoints(*importlib.import_module("plannercheck.trajectories.joint_columns").joints_of_robot(robot))
+
+
+def _read_message(
+    path: Any, joint_names: Sequence[str], message: int | None = None, followers: Followers | None = None
+) -> Any:
+    joints = importlib.import_module("plannercheck.trajectories.joint_columns").joints_of_proof(joint_names, followers)
     return importlib.import_module("plannercheck.trajectories.files").read_points_of(path, joints, message)
 
 
@@ -160,6 +174,7 @@ set_model_comparison("pairs", _comparison("motions.proof_confirmation", "confirm
 set_model_comparison("plane", _comparison("planar.proof_confirmation"))
 set_path_reader(_read_path)
 set_message_reader(_read_message)
+set_joint_reader(_read_joints)
 
 __all__ = [
     "Audit",

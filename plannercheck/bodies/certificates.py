@@ -226,13 +226,9 @@ def shared_point(first: dict[int, Fraction], second: dict[int, Fraction], bodies
 def shared_point_at(
     point: Point, first: dict[int, Fraction], second: dict[int, Fraction], bodies: Bodies
 ) -> SharedPoint:
-    """The certificate of a common point, which both mixtures are no further from than the inflation radii.
+    """The certificate of a common point, m, which both mixtures are no further from than the inflation radii.
 
-    Args:
-        point: In the world, m.
-        first: Weights of vertices of the first body, of sum 1; none of a half-space.
-        second: The same for the second body.
-        bodies: The two bodies.
+    The mixtures are weights of vertices of each body, of sum 1; none of a half-space.
     """
     place = ExactPoint(point, tuple(first.values()), tuple(second.values()))
     return SharedPoint(np.array([rounded(x) for x in point]), _mixture(first), _mixture(second), place, bodies)

@@ -119,12 +119,7 @@ def pair_bounds(
 ) -> tuple[bool, Bounds]:
     """Whether two bodies share a point, and a `Distance`'s values with the upper bound of the signed distance.
 
-    Args:
-        P: A body.
-        R: Another body.
-        pose_p: Pose of P.
-        pose_r: Pose of R.
-        depths: Whether all pieces of solids and sets that overlap are looked at, for closer bounds.
+    `depths`: all pieces of solids and sets that overlap are looked at, for closer bounds.
     """
     known = queries.distance(P, R, pose_p, pose_r, depths)
     if known is None:

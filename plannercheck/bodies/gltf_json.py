@@ -20,13 +20,7 @@ _LARGEST = 2**53  # of whole numbers: up to it, JSON's numbers are exact everywh
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A JSON object.
-
-    Attributes:
-        items: What it holds.
-        name: Its place in the file, e.g. "nodes[3]".
-        top: The file's outermost object; None for itself.
-    """
+    """A JSON object and its place in the file, e.g. "nodes[3]"; `top` is the file's outermost one, None for itself."""
 
     items: dict[str, Any]
     name: str = "the file"

@@ -172,7 +172,7 @@ def _checked_heights(values: ArrayLike) -> Floats:
         raise PlannercheckError(
             f"heights of a height field must be numbers of shape (i, j), not {shown_array(values)}"
         ) from None
-    if given.ndim != 2 or min(given.shape) < 2 or given.dtype.kind == "b":
+    if given.ndim != 2 or min(given.shape) < 2:
         raise PlannercheckError(
             f"heights of a height field must have shape (i, j), at least (2, 2), not {given.shape} of {given.dtype}"
         )

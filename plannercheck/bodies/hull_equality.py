@@ -91,11 +91,7 @@ def _parts(counts: NDArray[np.int64]) -> Iterator[Ints64]:
 
 
 class _Signs:
-    """Signs of determinants of points, without rounding.
-
-    Attributes:
-        count: The number of points.
-    """
+    """Signs of determinants of points, without rounding."""
 
     def __init__(self, points: Floats) -> None:
         self.count = len(points)

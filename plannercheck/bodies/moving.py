@@ -101,8 +101,11 @@ class Moving:
             outside: As for `Moving`: "stand" stands still before the trajectory and after it.
 
         Raises:
-            PlannercheckError: If `start_time` is no number. What does not fit the robot is named by the checker.
+            PlannercheckError: If `start_time` is no number or the base's pose is not rigid. What does not fit the robot
+                is named by the checker.
         """
+        if isinstance(robot, tuple) and len(robot) == 2:
+            robot = robot[0], checked_pose(robot[1], f"the base of the robot on whose link {link!r} it rides")
         made = cls.__new__(cls)
         made.times, made.poses, made.rows = np.zeros(0), np.zeros((0, 4, 4)), np.zeros((0, 7))
         made.path, made.outside = "slerp", _checked_outside(outside)

@@ -246,8 +246,7 @@ def _corners() -> Ints64:
 def _places(is_inner: Bools) -> tuple[Ints64, Ints64]:
     """Low corners (n, 3) and sizes (n,) of the listed nodes, in steps.
 
-    Args:
-        is_inner: (n, 8) of each node in preorder, which of its children are listed, too.
+    `is_inner` (n, 8) says of each node in preorder which of its children are listed, too.
     """
     count = len(is_inner)
     ends = _ends(is_inner.sum(axis=1))

@@ -73,11 +73,7 @@ class PosedParts:
 
 @dataclass(frozen=True, eq=False)
 class OnePart:
-    """A half-space as a body of a certificate: it counts as one part.
-
-    Attributes:
-        half_space: The body.
-    """
+    """A half-space as a body of a certificate: it counts as one part."""
 
     has_parts: ClassVar[bool] = True
 
@@ -93,12 +89,7 @@ class OnePart:
 
 @dataclass(frozen=True, eq=False)
 class PosedTriangles:
-    """A solid as a body of a certificate: its triangles count as parts.
-
-    Attributes:
-        surface: The triangles, in the order that ranges count.
-        inflation_radius: m.
-    """
+    """A solid as a body of a certificate: its triangles count as parts, in the order of ranges; the radius is in m."""
 
     has_parts: ClassVar[bool] = False
 
@@ -118,13 +109,7 @@ BodyInParts: TypeAlias = PosedParts | OnePart | PosedTriangles
 
 @dataclass(frozen=True, eq=False)
 class RangeSeparation:
-    """A plane between some parts of both bodies.
-
-    Attributes:
-        first: Parts of the first body.
-        second: Parts of the second body.
-        plane: Between them.
-    """
+    """A plane between some parts of the first body and some of the second."""
 
     first: Range
     second: Range

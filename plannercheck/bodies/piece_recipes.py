@@ -24,12 +24,7 @@ from plannercheck.common.arrays import distinct
 
 
 def grouped(mesh: TriangleMesh, piece_of_triangle: Ints64) -> list[Polytope]:
-    """The pieces of a mesh.
-
-    Args:
-        mesh: The mesh.
-        piece_of_triangle: (m,) the piece of each triangle, counted from 0; no number is left out.
-    """
+    """The pieces of a mesh by the piece (m,) of each of its triangles, counted from 0; no number is left out."""
     of_piece = [mesh.triangles[piece_of_triangle == piece] for piece in range(int(piece_of_triangle.max()) + 1)]
     return [Polytope(mesh.points[distinct(triangles)]) for triangles in of_piece]
 

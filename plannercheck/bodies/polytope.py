@@ -330,16 +330,9 @@ def _box_triangles() -> Ints:
 def prepared(
     vertices: ArrayLike, faces: GivenFaces | None = None, inflation_radius: float = 0.0, name: str = "polytope"
 ) -> Polytope:
-    """A `Polytope` through the disk cache: the second preparation of the same points reads a file.
+    """A `Polytope` of points (n, 3), m, through the disk cache: the second preparation of the same points reads a file.
 
-    Args:
-        vertices: Points (n, 3) in m.
-        faces: As for `Polytope`.
-        inflation_radius: As for `Polytope`.
-        name: Its name in errors.
-
-    Returns:
-        The prepared body. `PLANNERCHECK_CACHE=0` turns the cache off; any other value is the cache's folder.
+    Arguments are as for `Polytope`. `PLANNERCHECK_CACHE=0` turns the cache off; any other value is the cache's folder.
     """
     return Polytope._from_core(core_polytope(vertices, faces, inflation_radius, name, cached=True))
 

@@ -32,13 +32,7 @@ Separate: TypeAlias = Callable[[Polytope, Polytope, Floats, Floats], object]
 
 @dataclass(frozen=True, eq=False)
 class PatchSeparation:
-    """A plane between two patches of surfaces.
-
-    Attributes:
-        first: Triangles of the first body.
-        second: Triangles of the second body.
-        plane: Between the hulls of both.
-    """
+    """A plane between the hulls of some triangles of the first body and some of the second."""
 
     first: Range
     second: Range

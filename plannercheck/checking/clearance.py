@@ -70,6 +70,7 @@ class MeasuringChecker(ABC):
     robot: Robot
     pairs: Ints
     paddings: Floats
+    _labels: tuple[str, ...]
     _preparation: Preparation
     _tables: CompiledTables
     _kernel: core.Kinematics | None
@@ -173,7 +174,7 @@ class MeasuringChecker(ABC):
         checker, rows = self.in_time(given_configurations(self.robot, q), times)
         own = self.robot.configuration_map.tangent_places if gradients else None
         most = min(most, max(len(self.pairs), 1))
-        earlier = self._earlier(start, len(rows))
+        earlier = checker._earlier(start, len(rows))
         return checker._measured(rows, limit, most, own, checked_threads(threads, len(rows)), earlier)
 
     def distance_function(
@@ -216,7 +217,7 @@ class MeasuringChecker(ABC):
             raise PlannercheckError(
                 "start needs the compiled kinematics, and Pinocchio poses this robot's links: leave it out"
             )
-        known = isinstance(start, Distances) and start.pair.max(initial=-1) < len(self.pairs)
+        known = isinstance(start, Distances) and start._is_of(self.pairs, self._labels)
         if not known or start.state.max(initial=-1) >= rows:
             raise PlannercheckError(
                 f"start must be this checker's table of {rows} configurations near these, not {start!r:.80}"
@@ -234,7 +235,8 @@ class MeasuringChecker(ABC):
         width = 0 if own is None else int(own.max(initial=-1)) + 1
         nearest_places = self._places(rows, state, pair, width, limit) if width else None
         tables = gap, unique.view(bool), np.ascontiguousarray(gradient[:, :width])
-        return Distances(state, pair, distance, lower, points, normal, *tables, corners, nearest_places)
+        made_by = self.pairs, self._labels
+        return Distances(state, pair, distance, lower, points, normal, *tables, corners, nearest_places, made_by)
 
     def _rows(
         self,
@@ -293,6 +295,8 @@ def distances_along(
     Raises:
         PlannercheckError: As `distances`, or if instants are no numbers.
     """
+    if not callable(getattr(trajectory, "position", None)):
+        raise PlannercheckError(f"distances_along takes a pc.Trajectory, not {trajectory!r:.80}")
     if isinstance(trajectory, Trajectory):
         check_order(checker.robot, trajectory.points)
     instants = named_numbers(at, "at")

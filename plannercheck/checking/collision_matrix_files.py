@@ -25,16 +25,7 @@ _SRDF_REASONS = {
 
 
 def srdf_text(robot: str, pairs: Sequence[LinkPair], semantics: Element | None = None) -> str:
-    """An SRDF that disables pairs.
-
-    Args:
-        robot: The robot's name.
-        pairs: The pairs to disable, ordered by reason.
-        semantics: The root of the SRDF whose disabled pairs are replaced; None for a new one.
-
-    Returns:
-        The text of the file.
-    """
+    """The text of a robot's SRDF that disables pairs, ordered by reason, in place of those of the semantics, if any."""
     root = Element("robot", name=robot) if semantics is None else copy.deepcopy(semantics)
     for old in root.findall("disable_collisions"):
         root.remove(old)

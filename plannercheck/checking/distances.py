@@ -65,6 +65,14 @@ class Distances(OwnsArrays):
     gradient: Floats
     _corners: Ints = field(compare=False)
     _places: Places | None = field(default=None, compare=False)
+    _measured: tuple[Ints, tuple[str, ...]] | None = field(default=None, compare=False)  # the checker's pairs and names
+
+    def _is_of(self, pairs: Ints, names: tuple[str, ...]) -> bool:
+        """Whether it is a table of a checker of these pairs of bodies, of links and obstacles of these names."""
+        if self._measured is None:
+            return False
+        own, called = self._measured
+        return called == names and (own is pairs or np.array_equal(own, pairs))
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_places": None}  # the checker is left behind

@@ -142,11 +142,7 @@ class Chains:
         self._proved: bool | None = None
 
     def inherit(self, earlier: Chains) -> None:
-        """Takes over results of the robot without what it carries.
-
-        Args:
-            earlier: Chains of the same robot and paddings; its bodies are the first of these.
-        """
+        """Takes over results of earlier chains of the same robot and paddings; their bodies are the first of these."""
         self._ends |= earlier._ends
         self._middles |= earlier._middles
 

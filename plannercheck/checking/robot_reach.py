@@ -114,15 +114,9 @@ class RobotReach:
         return next((one._chains.count for one in mine if one is not None and one in others), 0)
 
     def clear_of(self, boxes: Boxes, poses: Floats, first: int = 0) -> Bools:
-        """Which bodies never meet which obstacles.
+        """Which bodies, from the first on (0 or `carrier_count`), never meet which of n obstacles: (bodies, n).
 
-        Args:
-            boxes: The boxes of n obstacles.
-            poses: (n, 4, 4) in the world, m.
-            first: The first body that is asked for: 0 or `carrier_count`.
-
-        Returns:
-            (bodies, n).
+        Obstacles are boxes at poses (n, 4, 4) in the world, m.
         """
         if not self.is_proved:
             return np.zeros((self._chains.count - first, len(poses)), dtype=bool)

@@ -16,13 +16,13 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.moving import Moving, Ride, carrier_of, checked_time, is_screw
 from plannercheck.bodies.objects import SceneObject
-from plannercheck.bodies.shapes import checked_pose
 from plannercheck.checking.compiled_tables import never_known
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import contiguous, shown_array
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.shown_times import shown_seconds, shown_span
+from plannercheck.common.transforms import identity
 from plannercheck.robots.carriers import CarriedRobot, Carrier, free_carrier
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.screw_carriers import screw_carrier
@@ -210,7 +210,7 @@ def _riding(items: Sequence[SceneObject], ride: Ride, stands: bool) -> tuple[Car
         items[0].name,
         robot.model,
         robot.configuration_map,
-        checked_pose(base, f"base of the robot on which {items[0].name!r} rides"),
+        identity() if base is None else base,
         links,
         curve.pieces[0][0],
         points.min(axis=0),

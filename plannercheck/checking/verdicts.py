@@ -270,14 +270,7 @@ class ValidityReport:
 
 
 def merged(reports: Iterable[ValidityReport]) -> ValidityReport:
-    """One report for several sets.
-
-    Args:
-        reports: The reports of the sets, all with the same `all_pairs`.
-
-    Returns:
-        Their sum; all zero if there are no reports.
-    """
+    """The sum of reports of several sets, all with the same `all_pairs`; all zero if there are no reports."""
     reports = list(reports)
     counts: Counter[tuple[str, str]] = Counter()
     for report in reports:

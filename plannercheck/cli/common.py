@@ -74,12 +74,7 @@ def add_settings(parser: argparse.ArgumentParser) -> None:
 def load_checker(options: argparse.Namespace, own_joints: bool = False) -> AnyChecker:
     """The checker of --robot in --scene, in space or, if the robot's file says so, in the plane.
 
-    Args:
-        options: The command's options.
-        own_joints: A robot without a group gets one of all joints that move on their own, as planning needs it.
-
-    Returns:
-        The checker.
+    With `own_joints`, a robot without a group gets one of all joints that move on their own, as planning needs it.
     """
     if is_planar(options.robot, "robots"):
         return planar_checker(options)

@@ -55,14 +55,10 @@ def trajectory_of(
     start: Sequence[float] | None = None,
     message: int | None = None,
 ) -> Trajectory:
-    """The trajectory in a file, as a controller runs it.
+    """The trajectory in a file, one of several messages, as a controller runs it; None is "jtc".
 
-    Args:
-        path: The file.
-        robot: Whose it is; the caller takes joints that the file holds from it.
-        controller: Its name; None: "jtc".
-        start: (nq,) where the robot stands; None: at the first point.
-        message: Which of several messages.
+    The caller takes joints that the file holds from the robot. It begins where the robot stands (nq,); None: at the
+    first point.
     """
     if not isinstance(robot, Robot):
         raise PlannercheckError(f"{robot.name!r} is planar, and trajectories are of robots in space")

@@ -18,6 +18,7 @@ from plannercheck.cli.trajectory_files import add_start_time_argument, listed_nu
 from plannercheck.cli.unused_options import check_used
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.model_comparisons import RobotJoints, joint_reader
 from plannercheck.common.shown_times import shown_seconds
 from plannercheck.proofs import Proof, Verification
 from plannercheck.proofs.claims import clock_of, held_joints, least_padding, motion_of, robots_of, sentence_of, timed
@@ -29,8 +30,6 @@ from plannercheck.proofs.pair_checks import pair_model_confirmed, verify_pairs
 from plannercheck.proofs.paths import path_proved
 from plannercheck.proofs.proof import proofs_from_document
 from plannercheck.proofs.verify import model_confirmed
-from plannercheck.robots.description import description_of
-from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene_paths import MeshKind
 
 _EPILOG = """\
@@ -158,8 +157,9 @@ def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
             others=[proof for proof, each in zip(proofs[1:], found[1:], strict=True) if each],
         )
     )
-    columns = _robot_columns(proofs[0], options) if any(found) else None
-    proved_path = _path(proofs, found, options, columns)
+    joints = _joints(proofs[0], options) if any(found) else None
+    columns = _robot_columns(proofs[0], joints) if any(found) else None
+    proved_path = _path(proofs, found, options, columns, joints)
     return {
         "proof": str(path),
         "proved": all(found) and proved_path["fault"] is None and (model is None or bool(model)),
@@ -225,15 +225,25 @@ def _pair_lines(result: dict[str, Any]) -> list[str]:
     return lines
 
 
-def _robot_columns(proof: Proof, options: argparse.Namespace) -> int | None:
+def _joints(proof: Proof, options: argparse.Namespace) -> RobotJoints | None:
+    """The joints of --robot, where something moves or a controller runs the path."""
+    is_asked = clock_of([proof]) or options.controller is not None
+    return joint_reader()(_robot(options)) if is_asked and options.robot is not None else None
+
+
+def _robot_columns(proof: Proof, joints: RobotJoints | None) -> int | None:
     """How many columns are the robot's: all, or where something moves as many as --robot has; None without it."""
     if not clock_of([proof]):
         return proof.model.columns
-    return None if options.robot is None else Robot.from_description(description_of(_robot(options))).nq
+    return None if joints is None else joints.columns
 
 
 def _path(
-    proofs: tuple[Proof, ...], found: list[Verification], options: argparse.Namespace, columns: int | None
+    proofs: tuple[Proof, ...],
+    found: list[Verification],
+    options: argparse.Namespace,
+    columns: int | None,
+    joints: RobotJoints | None,
 ) -> dict[str, Any]:
     """Whether the confirmed proofs prove the path that is asked for."""
     confirmed = [proof for proof, each in zip(proofs, found, strict=True) if each]
@@ -243,12 +253,13 @@ def _path(
         return {"file": _named(options), "motions": None, "missing": None, "fault": "no motion is proved"}
     tube = options.tube or (0.0,)
     if isinstance(options.path, list):
-        known = cell_proved(confirmed, parts_of(options), delays_of(options), options.controller, tube[0], columns)
+        parts, delays = parts_of(options), delays_of(options)
+        known = cell_proved(confirmed, parts, delays, options.controller, tube[0], columns, joints)
     elif options.controller is not None:
         width = tube[0] if len(tube) == 1 else tube
         begin = 0.0 if options.start_time is None else options.start_time
         known = trajectory_proved(
-            confirmed, options.path, options.controller, width, options.start, options.message, begin, columns
+            confirmed, options.path, options.controller, width, options.start, options.message, begin, columns, joints
         )
     else:
         robot = None if options.robot is None else _robot(options)

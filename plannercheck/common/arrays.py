@@ -6,7 +6,7 @@ The rule of the package: arrays that come in are copied or refused, arrays that 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, TypeAlias, TypeVar, cast
 
 import numpy as np
@@ -19,8 +19,11 @@ T = TypeVar("T")
 # One configuration of a robot: its numbers in order, or the values of its joints by name.
 Configuration: TypeAlias = ArrayLike | Mapping[str, ArrayLike]
 
-# Kinds of NumPy's dtypes whose values are doubles as they are, or nearly: floats, integers, truth values.
-_REAL_KINDS = "fiub"
+# Kinds of NumPy's dtypes whose values are doubles as they are, or nearly: floats, integers. Truth values, which NumPy
+# would take for 0 and 1, are refused: a mask or a `true` in a file is no number.
+_REAL_KINDS = "fiu"
+_TRUTHS = frozenset({bool, np.bool_})
+_PLAIN_NUMBERS = frozenset({float, int, np.float64})
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
@@ -155,8 +158,8 @@ def real_numbers(values: ArrayLike) -> NDArray[Any]:
     """What NumPy makes of numbers, also of another library's array: by `__array__` or, for want of that, by DLPack.
 
     Raises:
-        TypeError, ValueError: For masked numbers and complex ones, of which NumPy would drop a part, for Python
-            objects, texts, and what holds no numbers at all.
+        TypeError, ValueError: For masked numbers and complex ones, of which NumPy would drop a part, for truth values,
+            Python objects, texts, and what holds no numbers at all.
     """
     try:
         array = np.asarray(unmasked(values))
@@ -166,7 +169,22 @@ def real_numbers(values: ArrayLike) -> NDArray[Any]:
         raise TypeError(str(error)) from error
     if array.dtype.kind not in _REAL_KINDS:
         raise TypeError(f"an array of dtype {array.dtype} holds no real numbers")
+    if isinstance(values, list | tuple) and truth_in(values):
+        raise TypeError("a truth value is no real number")
     return array
+
+
+def truth_in(values: Sequence[Any]) -> list[int]:
+    """The indices of the first truth value in nested lists; none if there is none."""
+    if _PLAIN_NUMBERS.issuperset(map(type, values)):
+        return []
+    for k, item in enumerate(values):
+        if type(item) in _TRUTHS or (isinstance(item, np.ndarray) and item.dtype.kind == "b"):
+            return [k]
+        found = truth_in(item) if isinstance(item, list | tuple) else []
+        if found:
+            return [k, *found]
+    return []
 
 
 class MaskedError(PlannercheckError, TypeError):
@@ -214,5 +232,7 @@ def shown_array(values: object) -> str:
     """Words of an error for what is no array of real numbers: its beginning, and the dtype if it has one."""
     if _has_masked(values):
         return "an array with masked numbers: fill them in, or leave these rows out"
+    if isinstance(values, list | tuple) and (place := truth_in(values)):
+        return f"a truth value at {place}: write 1 or 0 if a number is meant"
     dtype = getattr(values, "dtype", None)
     return f"{values!r:.80}" if dtype is None else f"an array of dtype {dtype}: {values!r:.80}"

@@ -10,10 +10,9 @@ from typing import Any
 
 
 def sum_counters(tables: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """The sum of tables of counters, nested ones included; empty if there are no tables.
+    """The sum of tables of counts by name, nested ones included; empty if there are no tables.
 
-    Args:
-        tables: Counts by name, or tables of counts; all tables have the names of the first one.
+    All tables have the names of the first one.
     """
     first, *others = [dict(table) for table in tables] or [{}]
     return {

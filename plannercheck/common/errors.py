@@ -20,16 +20,7 @@ class PlannercheckError(ValueError):
 
 
 def unknown_name(kind: str, name: str, valid: Iterable[str]) -> PlannercheckError:
-    """Builds the error for a name that does not exist.
-
-    Args:
-        kind: What the name should be, e.g. "link".
-        name: The name as given.
-        valid: The names that exist.
-
-    Returns:
-        An error that lists the closest and then all valid names.
-    """
+    """The error for a name that is none of a kind, e.g. "link": it lists the closest and then all valid names."""
     names = [shortened(valid_name) for valid_name in dict.fromkeys(valid)]
     name = shortened(name)
     close = get_close_matches(name, names, n=_SUGGESTED) or [each for each in names if name and name in each]

@@ -34,15 +34,9 @@ def folders_above(path: Path) -> list[Path]:
 
 
 def package_file(address: str, folders: Sequence[Path], above: Sequence[Path] = ()) -> Path | None:
-    """The file that an address means.
+    """The file of an address, None if there is none: package://NAME/..., model://NAME/..., file:..., or a path.
 
-    Args:
-        address: package://NAME/..., model://NAME/..., file:/..., file:///..., or a path.
-        folders: Folders that contain packages, or are packages.
-        above: The folders above the file that names it.
-
-    Returns:
-        Its path; None if there is none.
+    It is sought in folders that contain packages, or are packages, and in those above the file that names it.
     """
     scheme = next((each for each in PACKAGE_SCHEMES if address.startswith(each)), None)
     if scheme is None:

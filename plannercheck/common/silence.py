@@ -23,13 +23,7 @@ class Silence:
     """Silence of one library, for as long as anyone wants it."""
 
     def __init__(self, get: Callable[[], Any], put: Callable[[Any], object], none: Any) -> None:
-        """Nothing changes yet.
-
-        Args:
-            get: Reads the log level.
-            put: Sets it.
-            none: The level at which nothing is written.
-        """
+        """Nothing changes yet; takes what reads and sets the log level, and that at which nothing is written."""
         self._get, self._put, self._none = get, put, none
         self._lock, self._wanted, self._level = threading.Lock(), 0, None
 

@@ -145,17 +145,9 @@ def _plain(value: Any) -> Any:
 def audited(
     name: str, bodies: Sequence[GeometryObject], own: Primitives, others: Primitives, tolerance: float
 ) -> AuditedLink:
-    """Audits a link.
+    """The findings about a link with its own primitives, and what of other links' primitives counts for it.
 
-    Args:
-        name: The link.
-        bodies: Its bodies.
-        own: Its primitives.
-        others: What of other links' primitives counts for it.
-        tolerance: m, by which the bounds of what is outside may differ.
-
-    Returns:
-        The findings.
+    The bounds of what is outside may differ by the tolerance, m.
     """
     regions = regions_of(bodies)
     every = own + others

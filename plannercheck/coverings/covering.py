@@ -253,13 +253,9 @@ def _read_model(path: Path, link_names: Sequence[str]) -> dict[str, Primitives]:
 
 
 def _write_model(path: Path, covers: Mapping[str, Primitives], urdf: UrdfFile | None, source: Path | None) -> None:
-    """Writes a model.
+    """Writes the primitives by link in the format of the path's suffix, for the robot's URDF, if it is made of one.
 
-    Args:
-        path: Its suffix says the format.
-        covers: Primitives by link.
-        urdf: The robot's file, if it is made of one.
-        source: The file that the model was read from, if any.
+    The source is the file that the model was read from, if any.
     """
     if path.suffix in plain_files.SUFFIXES:
         content = plain_files.model_text(covers)

@@ -144,11 +144,7 @@ def _pose(place: Sequence[float], quaternion: Sequence[float]) -> Floats:
 
 
 def model_text(covers: Mapping[str, Primitives], source: Path | None) -> str:
-    """The YAML of a model of spheres.
-
-    Args:
-        covers: Spheres by link.
-        source: A robot's configuration whose other entries are kept; None for the spheres alone.
+    """The YAML of a model of spheres by link, with the other entries of a robot's configuration, if one is the source.
 
     Raises:
         PlannercheckError: If there are other primitives than spheres.

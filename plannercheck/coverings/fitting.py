@@ -47,12 +47,7 @@ _RESERVE = 0.9
 
 @dataclass(frozen=True, eq=False)
 class _Link:
-    """A link to fit.
-
-    Attributes:
-        regions: Its bodies.
-        points: (n, 3) of its surface and inside, m.
-    """
+    """A link to fit: its bodies' regions, and points (n, 3) of its surface and inside, m."""
 
     regions: Sequence[Region]
     points: Floats
@@ -211,15 +206,9 @@ def _nearest(points: Floats, centres: Floats, radii: Floats) -> Ints64:
 
 
 def _balls(points: Floats, owner: Ints64, centres: Floats) -> tuple[Floats, Floats]:
-    """Balls around clusters of points, nearly the smallest (Badoiu and Clarkson), their centres on the grid.
+    """Centres (k, 3) and radii (k,), m, of balls around clusters of points, nearly the smallest (Badoiu and Clarkson).
 
-    Args:
-        points: (n, 3) m.
-        owner: (n,) the cluster of each.
-        centres: (k, 3) m, where balls without points stay.
-
-    Returns:
-        (k, 3) centres and (k,) radii, m.
+    The cluster of each point is its `owner` (n,). Centres are on the grid; balls without points stay where they are.
     """
     order = np.argsort(owner, kind="stable")
     points, owner = points[order], owner[order]

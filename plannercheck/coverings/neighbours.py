@@ -84,11 +84,7 @@ def _shrunk(cover: Primitives) -> Primitives:
 def _held(robot: Robot, joint: str, own: Floats, cover: Primitives) -> Primitives:
     """What spheres (n, 3) of a link's frame at the reference hold at all values of a joint; other primitives: nothing.
 
-    Args:
-        robot: The robot.
-        joint: The joint between.
-        own: (4, 4) of the world in the link's frame, at the reference.
-        cover: The primitives of the link across the joint, in the link's frame.
+    `own` (4, 4) is the world in the link's frame; the cover is that of the link across the joint, in the link's frame.
     """
     index = robot.model.getJointId(joint)
     if robot.joint_table is None or joint in robot.mimics:  # a follower's own limits say nothing

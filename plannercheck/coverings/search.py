@@ -61,16 +61,10 @@ class Outside:
 
 
 def outside(regions: Sequence[Region], cover: Primitives, tolerance: float = TOLERANCE, inside: bool = True) -> Outside:
-    """How far regions are outside a cover.
+    """How far the bodies of a link are outside a cover, between bounds.
 
-    Args:
-        regions: The bodies of a link.
-        cover: The primitives.
-        tolerance: m, by which the bounds may differ.
-        inside: Whether to look inside regions as well; else at their triangles alone, which proves nothing of the rest.
-
-    Returns:
-        The bounds; they may differ by more where a search has met its limits.
+    These differ by the tolerance, m, or more where a search has met its limits. Without `inside`, only the triangles of
+    bodies are looked at, which proves nothing of the rest.
     """
     if not regions:
         return Outside(0.0, 0.0, None)

@@ -273,17 +273,10 @@ class MotionCertifier:
     def motion_result(
         self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False, given: Floats | None = None
     ) -> MotionResult:
-        """How far one motion (nq,) to (nq,) is free, from its start on.
+        """How far one motion (nq,) to (nq,) is free by a tolerance, m, from its start on, which is validated.
 
-        Args:
-            q0: Start, validated.
-            q1: End.
-            tolerance: m.
-            proofs: Whether to return the proofs of all pairs that can move relative to each other.
-            given: (nq,) the end before whole turns were taken off.
-
-        Returns:
-            The result.
+        With `proofs`, those of all pairs that can move relative to each other are returned. `given` (nq,) is the end
+        before whole turns were taken off.
         """
         end = q1[None]
         return self.result(Motions(q0[None], end, end if given is None else given[None]), tolerance, proofs)

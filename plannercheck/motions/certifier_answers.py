@@ -21,12 +21,7 @@ FREE, REFUSED, IMPRECISE = 0, 1, 2
 
 
 class ImpreciseError(PlannercheckError):
-    """Rounding is too large a part of the tolerance.
-
-    Attributes:
-        row: Number of the motion or piece.
-        reason: The sentence without it.
-    """
+    """Rounding is too large a part of the tolerance, for a reason, at the row of a motion or piece."""
 
     def __init__(self, name: str, row: int, tolerance: float) -> None:
         self.row = row

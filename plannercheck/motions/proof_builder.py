@@ -87,14 +87,9 @@ class Builder:
     def proof(
         self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath = "screw"
     ) -> Proof | None:
-        """The proof of one motion, None if the certifier does not find it free.
+        """The proof of one motion (nq,) to the end of the short way round; None if the certifier does not find it free.
 
-        Args:
-            start: (nq,) validated.
-            end: (nq,) the end of the short way round.
-            asked_end: (nq,) the end as it was asked for.
-            tolerance: m.
-            path: How planar and floating joints move.
+        `asked_end` (nq,) is the end as it was asked for; the tolerance is in m.
 
         Raises:
             PlannercheckError: If the motion is free, but no proof is found of a pair with a solid or a set of parts, or

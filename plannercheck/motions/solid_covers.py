@@ -58,11 +58,7 @@ class Cell(NamedTuple):
 
 
 class PartHulls:
-    """Hulls of parts of a model's bodies, each made when it is first asked for.
-
-    Attributes:
-        model: The model.
-    """
+    """Hulls of parts of a model's bodies, each made when it is first asked for."""
 
     def __init__(self, model: Model) -> None:
         self.model = model

@@ -109,13 +109,7 @@ def _affine_weights(points: Floats) -> Floats:
 def nearest(p: Posed, r: Posed, starts: Sequence[Floats]) -> Found:
     """Looks for a proof that two bodies are apart or share a point.
 
-    Args:
-        p: The first body.
-        r: The second body.
-        starts: Directions from the second to the first to try first, at least one (d,).
-
-    Returns:
-        What was found.
+    `starts` are directions from the second to the first to try first, at least one (d,).
     """
     search = _Search(p, r)
     return search.run(starts)

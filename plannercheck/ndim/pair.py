@@ -89,13 +89,7 @@ def certify(P: Polytope, R: Polytope, pose_p: Pose = None, pose_r: Pose = None, 
 
 
 class _Pair:
-    """One query: what doubles find, and what they prove of it.
-
-    Attributes:
-        proved: The verdict if doubles prove it.
-        guess: Where exact arithmetic may start.
-        effort: What it took.
-    """
+    """One query: the verdict if doubles prove it, where exact arithmetic may start, and what it took."""
 
     def __init__(self, P: Polytope, R: Polytope, pose_p: Pose, pose_r: Pose, method: Method) -> None:
         if method not in METHODS:

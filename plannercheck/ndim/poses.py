@@ -28,13 +28,7 @@ _CLEARLY_INVERTIBLE = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class Affine:
-    """The map x ↦ M x + t.
-
-    Attributes:
-        matrix: M (d, d).
-        shift: t (d,).
-        is_identity: Whether it maps nothing.
-    """
+    """The map x ↦ M x + t of a matrix (d, d) and a shift (d,); `is_identity` if it maps nothing."""
 
     matrix: Floats
     shift: Floats
@@ -56,16 +50,7 @@ def identity(dimension: int) -> Affine:
 
 
 def affine_of(pose: Pose, dimension: int, name: str) -> Affine:
-    """Reads a pose.
-
-    Args:
-        pose: None, (d + 1, d + 1), or M (d, d) and t (d,).
-        dimension: d.
-        name: What errors call it.
-
-    Returns:
-        The map.
-    """
+    """The map of a pose: None, (d + 1, d + 1), or M (d, d) and t (d,); the name is for errors."""
     if pose is None:
         return identity(dimension)
     matrix, shift = _split(pose, dimension, name)

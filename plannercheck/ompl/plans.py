@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.arrays import OwnsArrays, named_numbers
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.checked_yaml import BROKEN_FILE, error_context, read_bytes
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -67,7 +67,8 @@ class Plan(OwnsArrays):
             content = read_bytes(Path(path))
         try:
             values = json.loads(content.decode("utf-8"), object_pairs_hook=object_of)
-            rows = np.array(values["path"], dtype=np.float64)
+            with error_context(f"plan file {str(path)!r}"):
+                rows = named_numbers(values["path"], "path")
             joints = len(values["joint_names"])
             width = max(joints, rows.shape[1]) if rows.ndim == 2 else joints
             values["path"] = rows.reshape(-1, width)

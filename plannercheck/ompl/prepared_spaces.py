@@ -46,12 +46,7 @@ _PROJECTING = ("BKPIECE1", "KPIECE1", "LBKPIECE1")
 
 
 class PreparedSpace:
-    """A space with all that OMPL needs to plan in it, except for planner and problem.
-
-    Attributes:
-        space: Reads and writes states.
-        information: OMPL's SpaceInformation, with validators.
-    """
+    """A space that reads and writes states, with OMPL's SpaceInformation: all that it needs but planner and problem."""
 
     def __init__(self, space: Space, information: Any, kept: list[PreparedSpace] | None) -> None:
         """Takes a space and its information; `kept` is where it is put for other plans, None for this one only."""

@@ -41,13 +41,7 @@ THREADED = ("PRM", "PRMstar")
 
 
 class Search:
-    """A planner at work on a problem.
-
-    Attributes:
-        planner: Its name.
-        prepared: The space.
-        setup: OMPL's SimpleSetup with the problem.
-    """
+    """A planner at work on a problem in its space, by OMPL's SimpleSetup."""
 
     def __init__(
         self,
@@ -102,14 +96,9 @@ class Search:
 
 
 def in_turns(made: Callable[[str], Search], condition: Any) -> tuple[Search, Any]:
-    """Has the planners of `TURNS` take turns until one has found a path, or the condition holds.
+    """Has the planners of `TURNS` take turns until one has found a path, or OMPL's termination condition holds.
 
-    Args:
-        made: A function that makes the search of a planner; it is called when the planner's first turn comes.
-        condition: OMPL's termination condition.
-
-    Returns:
-        The search that was on last, and its status.
+    `made` makes the search of a planner when its first turn comes. Returns the search that was on last, and its status.
     """
     searches: dict[str, Search] = {}
     turn = FIRST_TURN

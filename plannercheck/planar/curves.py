@@ -92,12 +92,7 @@ class Curves:
     """Curves of one kind and turning radius."""
 
     def __init__(self, curve: Curve, turning_radius: float) -> None:
-        """Makes OMPL's space.
-
-        Args:
-            curve: "dubins" or "reeds_shepp"; see `check_curve`.
-            turning_radius: m.
-        """
+        """Makes OMPL's space of a curve, see `check_curve`, with a turning radius in m."""
         from ompl import base  # only curves need OMPL
 
         made = {"dubins": base.DubinsStateSpace, "reeds_shepp": base.ReedsSheppStateSpace}

@@ -5,11 +5,12 @@ In: a proof that is well-formed. Out: a dictionary of JSON's values, the names o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.shown_times import shown_span
-from plannercheck.proofs.data import JOINTS, Motion, ProofData
+from plannercheck.proofs.data import JOINTS, Joint, Model, Motion, ProofData
 from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
 
 # Kinds of joints whose way between two configurations `Motion.path` names.
@@ -84,16 +85,50 @@ def held_joints(proof: ProofData) -> dict[str, list[float]]:
     return {joint.name: list(joint.offsets) for joint in joints if max(joint.columns) < 0}
 
 
-def column_names(proof: ProofData) -> tuple[str, ...]:
-    """The joints that give a configuration its numbers, in their order: one that takes several stands there once."""
+def column_names(proof: ProofData, known: Collection[str] = ()) -> tuple[str, ...]:
+    """The joints that give a configuration its numbers, in their order: one that takes several stands there once.
+
+    Of joints that take a number as it is, one that is `known` to give it stands there, else the first one.
+    """
     model = proof.model
     if isinstance(model, PlanarModel):
         given = {"free": ("x", "y", "theta"), "fixed": ()}
         return tuple(name for link in model.links for name in given.get(link.joint, (f"{link.name}_joint",)))
-    names: dict[int, str] = {}
-    for joint in sorted(model.joints, key=lambda joint: joint.offsets[0] != 0 or abs(joint.multipliers[0]) != 1):
-        names.setdefault(joint.columns[0], joint.name)  # a leader takes its column as it is, a follower seldom does
-    return tuple(name for column, name in sorted(names.items()) if column >= 0)
+    leaders = _leaders(model, known)
+    return tuple(leaders[column].name for column in sorted(leaders))
+
+
+def _leaders(model: Model, known: Collection[str]) -> dict[int, Joint]:
+    """By column the joint that gives its name to the number of this column, and to those behind it that it takes."""
+    found: dict[int, Joint] = {}
+    for joint in sorted(model.joints, key=lambda joint: (not _is_plain(joint), joint.name not in known)):
+        found.setdefault(joint.columns[0], joint)  # a leader takes its column as it is, a follower seldom does
+    return {column: joint for column, joint in found.items() if column >= 0}
+
+
+def named_columns(proof: ProofData, known: Collection[str] = ()) -> tuple[str, ...]:
+    """`column_names` by which files of paths are read.
+
+    Raises:
+        PlannercheckError: If a joint that is not known and one that may turn the other way take the same number.
+    """
+    if isinstance(proof.model, Model):
+        leaders = _leaders(proof.model, known)
+        for joint in filter(_is_plain, proof.model.joints):
+            leader = leaders.get(joint.columns[0], joint)
+            # The signs of multipliers and axes are those of the file only where a joint slides.
+            same = joint.kind == leader.kind == "slide" and joint.multipliers == leader.multipliers
+            if joint is not leader and not same and leader.name not in known:
+                raise PlannercheckError(
+                    f"joints {leader.name!r} and {joint.name!r} take the same number of a configuration, and the robot"
+                    " says which one follows: name it (--robot, robot=)"
+                )
+    return column_names(proof, known)
+
+
+def _is_plain(joint: Joint) -> bool:
+    """Whether a joint takes its first number as it is, or the other way round."""
+    return joint.offsets[0] == 0 and abs(joint.multipliers[0]) == 1
 
 
 def robots_of(proof: ProofData, columns: int | None) -> dict[str, list[int]]:

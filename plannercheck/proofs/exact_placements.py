@@ -32,13 +32,7 @@ _DECIMAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?0*\d{1,4})?", re.ASC
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """A placement that origins are multiplied to.
-
-    Attributes:
-        matrix: 4 x 4 balls, m.
-        count: How many origins.
-        shift: The lengths of the origins' shifts together, rounded, m.
-    """
+    """What so many origins are multiplied to, 4 x 4 balls, m, and the lengths of their shifts together, rounded, m."""
 
     matrix: Any
     count: int = 0

@@ -20,7 +20,7 @@ from itertools import pairwise
 from typing import Any, Literal, TypeAlias, get_args
 
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.model_comparisons import message_reader
+from plannercheck.common.model_comparisons import Followers, message_reader
 from plannercheck.proofs.data import Motion, ProofData
 
 Runner: TypeAlias = Literal["jtc", "jtc-upsampled", "ur", "motoros2", "linear"]
@@ -188,6 +188,7 @@ def pieces_run(
     turning: Sequence[int],
     stands: Row | None = None,
     message: int | None = None,
+    followers: Followers | None = None,
 ) -> tuple[Row, list[Piece], Mapping[str, float]]:
     """The times at which pieces of a message begin and end, s, the pieces, of joints by name, and what others hold.
 
@@ -198,8 +199,9 @@ def pieces_run(
         turning: Which of the joints turn without end.
         stands: Where the robot stands at 0 s, at rest; None: at the first point.
         message: Which trajectory of the file, from 0; None: it holds one.
+        followers: The joints that follow these; None: they are not known.
     """
-    read = message_reader()(path, names, message)
+    read = message_reader()(path, names, message, followers)
     points = _message(read, path, controller)
     pieces, times = _pieces(points, controller, stands, turning, path), [point.time for point in points]
     return [Fraction(0)] * (len(pieces) + 1 - len(times)) + times, pieces, read.held
@@ -248,14 +250,10 @@ def _instants(times: Sequence[float], controller: str) -> list[Fraction]:
 
 
 def _piece(a: _Point, b: _Point, unsure: Row, off: Row, named: str) -> Piece:
-    """The piece between two points.
+    """The piece from a point to the next; both are named for errors.
 
-    Args:
-        a: The earlier one.
-        b: The later one.
-        unsure: How far each position of the earlier one may be off.
-        off: How far each velocity may be off: control points are off by a third of the duration times as much.
-        named: Both, for errors.
+    Each position of the first one may be `unsure`, and each velocity `off`: control points are off by a third of the
+    duration times as much.
     """
     step, p, q = b.time - a.time, a.positions, b.positions
     has_velocities, has_accelerations = bool(a.velocities and b.velocities), bool(a.accelerations and b.accelerations)

@@ -24,8 +24,9 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.model_comparisons import Followers, RobotJoints
 from plannercheck.common.shown_times import shown_seconds, shown_span
-from plannercheck.proofs.claims import clock_of, column_names
+from plannercheck.proofs.claims import clock_of, named_columns
 from plannercheck.proofs.data import Model, ProofData
 from plannercheck.proofs.executed_curves import RUNNERS, Piece, Row, is_proved, numbers_of, pieces_run
 from plannercheck.proofs.paths import PathProved, held_elsewhere
@@ -58,6 +59,7 @@ def trajectory_proved(
     message: int | None = None,
     start_time: float = 0.0,
     robot_columns: int | None = None,
+    joints: RobotJoints | None = None,
 ) -> PathProved:
     """Whether proofs prove a message as a controller runs it.
 
@@ -71,6 +73,7 @@ def trajectory_proved(
         start_time: The scene's clock where the trajectory begins, s; without effect where nothing moves.
         robot_columns: How many columns are the robot's, the first ones; needed where something in the scene moves. The
             other columns are as the proofs have them.
+        joints: The robot's, by which a message may have joints that follow others; None: they are not known.
 
     Returns:
         What is missing.
@@ -80,13 +83,14 @@ def trajectory_proved(
             runs it, the tube or the start is malformed, or `robot_columns` is missing.
     """
     _check_controller(controller)
-    model, names = _of_robots(proofs, robot_columns)
+    model, names = _of_robots(proofs, robot_columns, joints)
     width = len(names)
     widths = numbers_of("tube", [tube] * width if isinstance(tube, int | float) else tube, width)
     if min(widths) < 0:
         raise PlannercheckError(f"tube must be at least 0 in each number, not {float(min(widths))!r}")
     stands = None if start is None else numbers_of("start", start, width)
-    times, pieces, held = pieces_run(path, names, controller, model.whole_turns, stands, message)
+    followers = None if joints is None else joints.followers
+    times, pieces, held = pieces_run(path, names, controller, model.whole_turns, stands, message, followers)
     try:
         begin = Fraction(float(start_time))  # the infinities and NaN are no fractions
     except (TypeError, ValueError, OverflowError):
@@ -102,6 +106,7 @@ def cell_proved(
     controller: str = "jtc",
     tube: float = 0.0,
     robot_columns: int | None = None,
+    joints: RobotJoints | None = None,
 ) -> PathProved:
     """Whether proofs prove the messages of a cell's robots as a controller runs them, each from its start on.
 
@@ -112,6 +117,7 @@ def cell_proved(
         controller: One of `RUNNERS`, of all messages.
         tube: How far each number may be off at any instant, rad and m.
         robot_columns: As for `trajectory_proved`, of all robots.
+        joints: Likewise.
 
     Returns:
         What is missing.
@@ -120,7 +126,7 @@ def cell_proved(
         PlannercheckError: If a robot is missing or unknown, a file can't be read, or `robot_columns` is missing.
     """
     _check_controller(controller)
-    model, names = _of_robots(proofs, robot_columns)
+    model, names = _of_robots(proofs, robot_columns, joints)
     known = dict.fromkeys(name.partition("/")[0] for name in names)
     for name in (*parts, *starts):
         if name not in known:
@@ -128,7 +134,7 @@ def cell_proved(
     missing = [name for name in known if name not in parts]
     if missing:
         raise PlannercheckError(f"nothing says what {', '.join(missing)} does: give its message, or where it stands")
-    runs = [_run(name, part, names, starts.get(name, 0.0), controller, model) for name, part in parts.items()]
+    runs = [_run(name, part, names, starts.get(name, 0.0), controller, model, joints) for name, part in parts.items()]
     around = numbers_of("tube", [tube] * len(names), len(names))
     return _proved(proofs, runs, Fraction(0), around, "on the clock")
 
@@ -138,14 +144,16 @@ def _check_controller(controller: str) -> None:
         raise unknown_name("controller", controller, RUNNERS)
 
 
-def _of_robots(proofs: Sequence[ProofData], robot_columns: int | None) -> tuple[Model, tuple[str, ...]]:
+def _of_robots(
+    proofs: Sequence[ProofData], robot_columns: int | None, joints: RobotJoints | None
+) -> tuple[Model, tuple[str, ...]]:
     """The proofs' model, and the joints of the robots' columns."""
     model = proofs[0].model
     if not isinstance(model, Model):
         raise PlannercheckError("a JointTrajectory is of joints in space, and the proof is in the plane")
     width: int | None = model.columns
     if clock_of(proofs):
-        width = robot_columns
+        width = joints.columns if robot_columns is None and joints is not None else robot_columns
     if width is None:
         raise PlannercheckError(
             "something in the proof's scene moves: name --robot and --scene (robot_columns=), which say what"
@@ -156,10 +164,18 @@ def _of_robots(proofs: Sequence[ProofData], robot_columns: int | None) -> tuple[
         raise PlannercheckError("a JointTrajectory is of joints of one number each, and the proof has others")
     if not own or {joint.columns[0] for joint in own} != set(range(width)):
         raise PlannercheckError("the proof has no joints, or numbers that no joint takes")
-    return model, column_names(proofs[0])[:width]
+    return model, named_columns(proofs[0], () if joints is None else joints.names)[:width]
 
 
-def _run(name: str, part: Part, names: Sequence[str], start: float, controller: str, model: Model) -> _Run:
+def _run(
+    name: str,
+    part: Part,
+    names: Sequence[str],
+    start: float,
+    controller: str,
+    model: Model,
+    joints: RobotJoints | None,
+) -> _Run:
     columns = tuple(k for k, each in enumerate(names) if each.startswith(f"{name}/"))
     own = tuple(names[k].partition("/")[2] for k in columns)
     if not isinstance(part, str | Path):
@@ -168,9 +184,20 @@ def _run(name: str, part: Part, names: Sequence[str], start: float, controller: 
     if not 0 <= start < float("inf"):
         raise PlannercheckError(f"the start of {name!r} must be a time of at least 0 s, not {start!r}")
     turning = [k for k, column in enumerate(columns) if column in model.whole_turns]
-    times, pieces, held = pieces_run(part, own, controller, turning)
+    followers = None if joints is None else _within(name, joints.followers)
+    times, pieces, held = pieces_run(part, own, controller, turning, followers=followers)
     others = {f"{name}/{joint}": value for joint, value in held.items()}
     return _Run(columns, [Fraction(start) + time for time in times], pieces, others)
+
+
+def _within(name: str, followers: Followers) -> Followers:
+    """The joints of one robot of a cell that follow others, by their names in its own files."""
+    before = f"{name}/"
+    return {
+        joint.removeprefix(before): (leader.removeprefix(before), multiplier, offset)
+        for joint, (leader, multiplier, offset) in followers.items()
+        if joint.startswith(before)
+    }
 
 
 def _proved(proofs: Sequence[ProofData], runs: Sequence[_Run], begin: Fraction, tube: Row, where: str) -> PathProved:

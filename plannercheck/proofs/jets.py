@@ -14,13 +14,7 @@ from flint import arb, arb_mat
 
 
 class Jet(NamedTuple):
-    """A map over an interval.
-
-    Attributes:
-        value: 4 x 4.
-        first: Its derivative, None for 0.
-        second: Its second derivative, None for 0.
-    """
+    """A map over an interval, 4 x 4, its first and its second derivative; None is 0."""
 
     value: Any
     first: Any = None

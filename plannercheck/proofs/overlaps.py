@@ -29,14 +29,9 @@ def is_deeper(
     depth: float,
     radii: tuple[float, float] = (0.0, 0.0),
 ) -> bool:
-    """Whether bodies are deeper in each other than a length, m.
+    """Whether an overlap shows that bodies are deeper in each other than a length, m, at least 0.
 
-    Args:
-        overlap: What shows it.
-        first: The vertices (n, 3) and the map, 4 x 4, of the first body.
-        second: Of the second body.
-        depth: m, at least 0.
-        radii: How far each body reaches around its vertices' hull, m.
+    Bodies are vertices (n, 3) with a map, 4 x 4; radii are how far each reaches around its vertices' hull, m.
 
     Raises:
         UnprovedError: If the surface is not closed, or has corners that there are not, or weights are none.

@@ -8,9 +8,11 @@ joint through its numbers as given, no end may be other than it was asked for.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,8 +21,8 @@ from numpy.typing import ArrayLike
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import row_length
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.model_comparisons import path_reader
-from plannercheck.proofs.claims import column_names, held_joints, motion_of
+from plannercheck.common.model_comparisons import joint_reader, path_reader
+from plannercheck.proofs.claims import column_names, held_joints, motion_of, named_columns
 from plannercheck.proofs.data import Motion, ProofData
 from plannercheck.proofs.planar_proof import PlanarModel
 
@@ -71,6 +73,8 @@ def path_proved(proofs: Sequence[ProofData], path: Any, straight: bool = False, 
     names, columns = column_names(proof), proof.model.columns
     robot = None if isinstance(proof.model, PlanarModel) else robot
     if isinstance(path, str) or hasattr(path, "__fspath__"):
+        if Path(path).suffix.lower() != ".npy":  # which names no joints
+            names = named_columns(proof, () if robot is None else joint_reader()(robot).names)
         file = path_reader()(path, names, columns, robot)
         if file.bent_by and not straight:
             raise PlannercheckError(
@@ -115,7 +119,8 @@ def held_elsewhere(proof: ProofData, others: Mapping[str, float]) -> str | None:
             return f"the path has the joint {name!r}, which the proof does not know"
         if name not in held:
             return f"the path holds the joint {name!r}, which follows a moving joint in the proof: leave it out"
-        if name in held and held[name] != [value * known[name].multipliers[0]] and held[name] != [value]:
+        # A turn about a negative axis has the opposite value, and the sign of its multiplier, which is a zero, says so.
+        if held[name] != [math.copysign(1.0, known[name].multipliers[0]) * value]:
             return f"the path holds the joint {name!r} at {value!r}, the proof at {held[name]}"
     return None
 

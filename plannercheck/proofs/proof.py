@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.model_comparisons import joint_reader
 from plannercheck.proofs.data import ProofData, Verification
 from plannercheck.proofs.executed_messages import trajectory_proved
 from plannercheck.proofs.files import from_document, read_document, save_proofs
@@ -152,6 +153,7 @@ def verify_trajectory(
     start: Sequence[float] | None = None,
     start_time: float = 0.0,
     robot_columns: int | None = None,
+    robot: str | None = None,
 ) -> Verification:
     """Confirms proofs, and that they prove a trajectory as a controller runs it, piece by piece.
 
@@ -165,6 +167,8 @@ def verify_trajectory(
         start_time: The scene's clock where the trajectory begins, s; without effect where nothing moves.
         robot_columns: How many columns are the robot's (`Robot.nq`), the first ones; needed where something moves. The
             others are as the proofs have them: `Proof.verify(robot=, scene=)` compares them.
+        robot: The robot, as for `Proof.verify`, for messages with joints that follow others. It is not compared with
+            the proofs.
 
     Returns:
         The verification, as of `verify_path`.
@@ -172,7 +176,8 @@ def verify_trajectory(
     Raises:
         PlannercheckError: If python-flint is not installed, or the file can't be read or is run by no controller.
     """
-    given = path, controller, tube, start, None, start_time, robot_columns
+    joints = None if robot is None else joint_reader()(robot)
+    given = path, controller, tube, start, None, start_time, robot_columns, joints
     return _with_all(proofs, lambda: trajectory_proved(proofs, *given).fault)
 
 

@@ -8,6 +8,7 @@ size for each joint that is followed.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -195,6 +196,10 @@ class _TreeComparison:
         sign = self._sign(joint, found) if JOINTS[joint.kind].has_axis else 1.0
         if max(joint.columns) >= 0:
             self._compare_value(joint, found, sign)
+        elif joint.kind == "turn" and math.copysign(1.0, joint.multipliers[0]) != sign:
+            raise UnprovedError(
+                f"joint {joint.name!r} stands still, and the sign of its multiplier is not that of its axis in the URDF"
+            )
 
     def _sign(self, joint: Joint, found: UrdfJoint) -> float:
         """-1 for a joint that is given about the opposite axis, so that its value has the opposite sign."""

@@ -187,10 +187,7 @@ def cell_parts(members: Mapping[str, Member], name: str = "") -> RobotParts:
 def member_parts(cell: RobotParts, name: str, joints: tuple[str, ...]) -> RobotParts:
     """A robot of a cell alone, with the cell's held values and, of the cell's group, its joints.
 
-    Args:
-        cell: The cell's parts.
-        name: The robot's name in it.
-        joints: The robot's joints in the cell's group, as the cell names them; with none, it keeps its own group.
+    Joints are the robot's in the cell's group, as the cell names them; with none, it keeps its own group.
     """
     parts, first = cell.members[name].parts, len(name) + 1
     values = {joint[first:]: value for joint, value in cell.values.items() if joint.startswith(f"{name}/")}

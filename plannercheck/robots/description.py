@@ -39,6 +39,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -143,6 +144,8 @@ class RobotDescription:
     robots: Mapping[str, PlacedDescription] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.decomposition, Decomposition | None):
+            raise PlannercheckError(f"decomposition must be a pc.Decomposition, not {self.decomposition!r:.80}")
         object.__setattr__(self, "geometry", checked_geometry(self.geometry))
         object.__setattr__(self, "mesh_units", checked_units(self.mesh_units))
 
@@ -192,6 +195,8 @@ def shipped_robots() -> list[str]:
 
 def find_description(name_or_path: str | Path) -> Path:
     """The YAML file of a shipped robot's name, or the path itself."""
+    if not isinstance(name_or_path, str | PathLike):
+        raise PlannercheckError(f"a robot is loaded by its name or from a file, not {name_or_path!r:.80}")
     path = Path(name_or_path)
     if path.suffix in (".yaml", ".yml", *URDF_SUFFIXES):
         if not is_file(path):

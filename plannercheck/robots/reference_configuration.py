@@ -33,14 +33,9 @@ _SLACK = 1e-6
 
 
 def given_values(model: pin.Model, reference: Mapping[str, Any] | Sequence[float] | Floats | None) -> dict[str, Floats]:
-    """Values of a reference state by joint name, within the limits.
+    """The values (width,) of each joint given in a reference state, within the limits, an angle for a continuous joint.
 
-    Args:
-        model: Pinocchio's.
-        reference: Values by joint name, or an array (full nq,) in Pinocchio's order; rad and m.
-
-    Returns:
-        (width,) values of each joint given, an angle for a continuous joint.
+    The reference has values by joint name, or is an array (full nq,) in Pinocchio's order; rad and m.
     """
     if reference is None:
         return {}

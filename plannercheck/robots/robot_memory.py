@@ -29,11 +29,9 @@ class RobotMemory:
         self._lock = threading.Lock()
 
     def recall(self, key: Hashable, compute: Callable[[], Result]) -> Result:
-        """The result for a key; computed if it is not known, or no longer.
+        """The result for a key, all that it depends on; computed if it is not known, or no longer.
 
-        Args:
-            key: All that the result depends on.
-            compute: A function that computes the result. Two threads that ask at once may both compute it.
+        Two threads that ask at once may both compute it.
         """
         with self._lock:
             if key in self._results:

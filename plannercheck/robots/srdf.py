@@ -61,12 +61,7 @@ class DisabledPair:
 
 @dataclass(frozen=True)
 class Srdf:
-    """A parsed SRDF.
-
-    Attributes:
-        path: The file.
-        root: Its root element.
-    """
+    """A parsed SRDF: its file, and its root element."""
 
     path: Path
     root: Element

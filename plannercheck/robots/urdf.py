@@ -20,13 +20,7 @@ from plannercheck.robots.urdf_hints import foreign_joints, wrong_order_of_import
 
 @dataclass(frozen=True)
 class Mimic:
-    """A joint that follows another one: its value is multiplier * leader + offset.
-
-    Attributes:
-        leader: Name of the joint to follow.
-        multiplier: Without unit, or in rad/m or m/rad.
-        offset: In rad or m.
-    """
+    """A joint that follows another one, by its name: its value is multiplier * leader + offset, rad or m."""
 
     leader: str
     multiplier: float

@@ -18,13 +18,7 @@ from plannercheck.common.errors import PlannercheckError
 
 @dataclass(frozen=True)
 class RobotStates:
-    """The states that a scene declares for one robot.
-
-    Attributes:
-        start: Configuration (nq,), or None.
-        goal: Configuration (nq,), or None.
-        samples: An npy file of configurations (n, nq), or None.
-    """
+    """The start and the goal (nq,) that a scene declares for one robot, and an npy file of samples (n, nq); or None."""
 
     start: Floats | None = None
     goal: Floats | None = None
@@ -32,12 +26,7 @@ class RobotStates:
 
 
 class DeclaredStates:
-    """The states that a scene declares, by robot name.
-
-    Attributes:
-        name: The scene's name, for errors.
-        states: Start, goal and samples by robot name.
-    """
+    """The start, goal and samples that a scene, named for errors, declares by robot name."""
 
     def __init__(self, name: str) -> None:
         """Declares nothing yet."""

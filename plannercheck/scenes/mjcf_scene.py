@@ -21,13 +21,7 @@ from plannercheck.scenes.scene_paths import MeshKind
 
 
 def read_mjcf_scene(scene: SceneContents, path: Path, meshes: MeshKind = "hull") -> None:
-    """Reads the obstacles of an MJCF file.
-
-    Args:
-        scene: The scene to fill; it is named after the model, or after the file.
-        path: The file.
-        meshes: What meshes are taken as.
-    """
+    """Fills a scene with the obstacles of an MJCF file, and names it after the model, or after the file."""
     file = read_mjcf(path)
     check_flexes(file)
     obstacles, names = obstacle_geoms(file), file.names["geom"]

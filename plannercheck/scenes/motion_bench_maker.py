@@ -61,12 +61,7 @@ class Problem(OwnsArrays):
 
 @dataclass(frozen=True)
 class ProblemSet:
-    """The problems of a set, read one by one when iterated.
-
-    Attributes:
-        name: The set's name.
-        members: (scene, request) file names by problem number.
-    """
+    """The problems of a set by its name, read one by one when iterated: names of scene and request files by number."""
 
     name: str
     members: dict[str, tuple[str, str]]

@@ -61,12 +61,9 @@ def read_request(path: str | Path, ik: InverseKinematics | None = None) -> Motio
 def motion_request(
     document: Node, ik: InverseKinematics | None = None, frames: SceneFrames | None = None
 ) -> MotionRequest:
-    """Takes the start and the goals from a parsed motion-plan request.
+    """Takes the start and the goals from a parsed motion-plan request; `ik` is as for `read_request`.
 
-    Args:
-        document: The request.
-        ik: As for `read_request`.
-        frames: The frames of the request's scene: `ik` gets poses in its fixed frames in the planning frame.
+    `frames` are those of the request's scene: `ik` gets poses in its fixed frames in the planning frame.
     """
     start = mapping(required(document, "start_state"), "'start_state'")
     check_robot_state(start, "request")

@@ -20,10 +20,7 @@ _MULTI_DOF_KEYS = ("header", "joint_names", "transforms", "twist", "wrench")
 def check_robot_state(state: Node, what: str, frames: SceneFrames | None = None) -> None:
     """Raises if a joint of several degrees of freedom, such as the virtual joint, is not at the identity.
 
-    Args:
-        state: The robot state.
-        what: The name of the state, for errors.
-        frames: The scene's frames; None if they are not known: then the joints' frame is not checked.
+    The state is named for errors. Without the scene's frames, the joints' frame is not checked.
     """
     check_keys(state, _STATE_KEYS)
     joints = mapping(state.get("multi_dof_joint_state"), "'multi_dof_joint_state'")

@@ -78,6 +78,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from os import PathLike
 from pathlib import Path
 from typing import get_args
 
@@ -192,6 +193,8 @@ def shipped_scenes() -> list[str]:
 
 def _found(path: str | Path) -> Path:
     """The path itself, or for a bare name the path of a shipped scene."""
+    if not isinstance(path, str | PathLike):
+        raise PlannercheckError(f"a scene is loaded by its name or from a file, not {path!r:.80}")
     given = Path(path)
     if (is_file(given) or is_folder(given)) or given.suffix or len(given.parts) != 1:
         return given

@@ -114,7 +114,7 @@ def time_path(
     legs = Legs.through(waypoints)
     if len(legs.points) < 2:
         raise PlannercheckError(f"the path of {len(waypoints)} configurations stays where it is: there is no motion")
-    if not isinstance(blend, Real) or not blend >= 0:
+    if not isinstance(blend, Real) or isinstance(blend, bool) or not blend >= 0:
         raise PlannercheckError(f"blend must be at least 0, not {blend!r:.40}")
     limits = _limits(robot, velocity, acceleration, np.ptp(legs.points, axis=0) > 0)
     wanted = legs.blends(blend)

@@ -57,13 +57,16 @@ class Curve(OwnsArrays):
     @cached_property
     def counts(self) -> NDArray[np.int64]:
         """(m,) how many control points each piece has."""
-        return np.array([len(piece) for piece in self.pieces])
+        return read_only(np.array([len(piece) for piece in self.pieces]))
 
     @cached_property
     def by_count(self) -> dict[int, tuple[NDArray[np.int64], Floats]]:
         """The pieces by the count of their control points: their numbers (m,), and (m, degree + 1, nq)."""
         numbers = {count: np.flatnonzero(self.counts == count) for count in sorted(set(self.counts.tolist()))}
-        return {count: (some, np.array([self.pieces[k] for k in some.tolist()])) for count, some in numbers.items()}
+        return {
+            count: (read_only(some), read_only(np.array([self.pieces[k] for k in some.tolist()])))
+            for count, some in numbers.items()
+        }
 
     def points_of(self, piece: NDArray[np.int64]) -> Iterator[tuple[NDArray[np.int64], Floats]]:
         """Of pieces (n,), by the count of their control points: which these are (k,), and (k, degree + 1, nq)."""
@@ -84,7 +87,7 @@ class Curve(OwnsArrays):
     @cached_property
     def ends(self) -> Floats:
         """(m, 2, nq) the first and the last control point of each piece."""
-        return np.array([piece[[0, -1]] for piece in self.pieces])
+        return read_only(np.array([piece[[0, -1]] for piece in self.pieces]))
 
     def at(self, times: ArrayLike, derivative: int = 0) -> Floats:
         """Positions, or derivatives by time.

@@ -37,12 +37,7 @@ def of_polynomials(breaks: ArrayLike, coefficients: ArrayLike) -> Curve:
 
 
 def of_bezier(breaks: ArrayLike, points: ArrayLike) -> Curve:
-    """Bézier curves in a row.
-
-    Args:
-        breaks: (m + 1,) s, growing.
-        points: (m, degree + 1, nq) control points of each.
-    """
+    """Bézier curves with control points (m, degree + 1, nq), in a row between breaks (m + 1,), s, growing."""
     ends = checked_breaks(breaks)
     control = _checked(points, "points", ("m", "degree + 1", "nq"))
     if len(control) != len(ends) - 1:
@@ -52,11 +47,9 @@ def of_bezier(breaks: ArrayLike, points: ArrayLike) -> Curve:
 
 
 def of_bspline(knots: ArrayLike, points: ArrayLike) -> Curve:
-    """A B-spline, from the first knot at which its basis is complete to the last.
+    """A B-spline of control points (n, nq), from the first knot at which its basis is complete to the last.
 
-    Args:
-        knots: (n + degree + 1,) s, not falling.
-        points: (n, nq) control points.
+    The knots (n + degree + 1,), s, are not falling.
     """
     places, control = _checked(knots, "knots", ("n + degree + 1",)), _checked(points, "points", ("n", "nq"))
     degree = len(places) - len(control) - 1
@@ -85,12 +78,9 @@ def checked_breaks(breaks: ArrayLike) -> Floats:
 
 
 def joined(breaks: Floats, pieces: list[Floats], error: Floats) -> Curve:
-    """A curve without jumps, of pieces of degree 1 at least.
+    """A curve without jumps, of control points of pieces of degree 1 at least; breaks (m + 1,) are in s.
 
-    Args:
-        breaks: (m + 1,) s.
-        pieces: Control points of each; what rounding leaves between two goes into the later one, and into the error.
-        error: (nq,) of the control points.
+    What rounding leaves between two pieces goes into the later one, and into the error (nq,) of the control points.
     """
     pieces = [np.repeat(piece, 2, axis=0) if len(piece) == 1 else piece for piece in pieces]
     check_size(breaks, pieces)

@@ -6,13 +6,16 @@ In: joints that take one number each, names as a file has them. Out: the column 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.model_comparisons import Followers
 from plannercheck.robots.configurations import followed
+from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.urdf import Mimic
 from plannercheck.trajectories.controllers import Points
@@ -43,6 +46,19 @@ class NamedJoints(NamedTuple):
     name: str
     joint_names: tuple[str, ...]
     mimics: Mapping[str, Mimic] | None = None
+
+
+def joints_of_robot(given: str | Path | RobotDescription) -> tuple[tuple[str, ...], int, Followers]:
+    """The names of a robot's joints, the numbers of its configurations, and the joints that follow these."""
+    robot = Robot.from_description(description_of(given))
+    every = {name: followed(name, robot.mimics, robot.joint_names) for name in robot.mimics}
+    return robot.joint_names, robot.nq, {name: each for name, each in every.items() if name != each[0]}
+
+
+def joints_of_proof(names: Sequence[str], followers: Followers | None) -> NamedJoints:
+    """A proof's joints, and those that follow them if the robot is known."""
+    mimics = None if followers is None else {name: Mimic(*each) for name, each in followers.items()}
+    return NamedJoints("the proof", tuple(names), mimics)
 
 
 def check_robot(robot: Robot) -> None:
@@ -141,7 +157,8 @@ def without_followers(names: Sequence[str], tables: Mapping[str, Floats], robot:
 def moved_outside(moving: Sequence[str], robot: Joints) -> PlannercheckError:
     """The error of joints that move though a group has not got them; those that follow others are in no group."""
     leaders = dict.fromkeys(followed(name, robot.mimics or {}, ())[0] for name in moving)
-    hint = ", or leave out those that follow its joints" if robot.mimics is None else ""
+    unknown = ", or leave out those that follow its joints, which the robot tells (--robot, robot=)"
+    hint = unknown if robot.mimics is None else ""
     return PlannercheckError(
         f"moves {', '.join(moving)}, outside the planning group: choose a group with {', '.join(leaders)}{hint}"
     )

@@ -358,14 +358,9 @@ def _turns(ends: Floats) -> Floats:
 
 
 def speeds(curve: Curve, parts: int = 1) -> tuple[Floats, Floats]:
-    """The largest speed of each number, from above, on parts of pieces.
+    """Where parts of pieces begin and end, (m + 1,) s, and the largest speed of each number there, from above, (m, nq).
 
-    Args:
-        curve: The curve.
-        parts: A piece is looked at in so many parts at most, none shorter than this part of an average piece.
-
-    Returns:
-        (m + 1,) where parts begin and end, s; and (m, nq) rad/s and m/s.
+    A piece is looked at in so many parts at most, none shorter than this part of an average piece. Rad/s and m/s.
     """
     steps = durations(curve.breaks)
     counts = np.clip(np.rint(parts * steps * len(steps) / steps.sum()), 1, parts).astype(np.int64)

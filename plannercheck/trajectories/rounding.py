@@ -52,14 +52,9 @@ def _bound(errors: Floats) -> Floats:
 
 
 def hermite_error(q: Floats, v: Floats | None, a: Floats | None, h: float, evaluated: bool) -> Floats:
-    """(nq,) of a segment.
+    """(nq,) of a segment of duration h, s, with positions, velocities and accelerations (2, nq) at its ends.
 
-    Args:
-        q: (2, nq) positions at its ends.
-        v: (2, nq) velocities that it is made with.
-        a: (2, nq) accelerations that it is made with.
-        h: Its duration, s.
-        evaluated: Whether the controller's own evaluation is to be covered.
+    With `evaluated`, the controller's own evaluation is covered.
     """
     p, r = np.abs(q)
     if v is None:

@@ -53,14 +53,7 @@ _OPPOSITES: tuple[Integers, ...] = ((-1, 0, 0), (0, -1, 0), (0, 0, -1))
 
 @dataclass(frozen=True)
 class Unproved:
-    """A verdict without a proof: a fault of this library.
-
-    Attributes:
-        row: The configuration's row.
-        first: Name of a body.
-        second: Name of the other.
-        colliding: The verdict in doubt.
-    """
+    """A verdict without a proof, a fault of this library: its row, the names of both bodies, whether they collide."""
 
     row: int
     first: str
@@ -277,11 +270,7 @@ def _of_source(mixture: Mixture, polytope: Polytope) -> Mixture:
 def exact_box(body: PosedBody) -> Box:
     """The box along the world's axes around a posed body, inflation radius included.
 
-    Args:
-        body: The body.
-
-    Returns:
-        Lowest and highest corner in whole numbers of 2^-60 m, rounded outward.
+    Its lowest and highest corner are in whole numbers of 2^-60 m, rounded outward.
     """
     hull = IntegerHull(body.vertices, body.pose, body.inflation_radius)
     lows = [hull.point(hull.lowest(axis))[k] - hull.inflation_radius for k, axis in enumerate(_AXES)]

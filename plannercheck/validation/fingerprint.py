@@ -13,8 +13,9 @@ from dataclasses import asdict
 import numpy as np
 
 from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.moving import Ride
 from plannercheck.bodies.part_sets import PartSet
-from plannercheck.bodies.shapes import GeometryObject, inflated_hull
+from plannercheck.bodies.shapes import GeometryObject, checked_pose, inflated_hull
 from plannercheck.bodies.solids import Solid
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.version import __version__
@@ -63,6 +64,8 @@ def content_hash(checker: AnyChecker) -> str:
             assert item.moving is not None
             digest.update(repr((item.name, item.moving.path, item.moving.outside)).encode())
             digest.update(item.moving.times.tobytes() + item.moving.poses.tobytes())
+            if item.moving.ride is not None:
+                _add_ride(digest, item.moving.ride)
     return digest.hexdigest()
 
 
@@ -92,6 +95,15 @@ def scene_hash(checker: Checker) -> str:
 def _add_names(digest: hashlib._Hash, bodies: Sequence[GeometryObject | PlanarObject]) -> None:
     for body in bodies:
         digest.update(f"{body.name} {body.link}".encode() + np.ascontiguousarray(body.pose).tobytes())
+
+
+def _add_ride(digest: hashlib._Hash, ride: Ride) -> None:
+    """The curve that a robot runs, and where its link, on which an object rides, is for some configurations."""
+    robot, base = ride.robot if isinstance(ride.robot, tuple) else (ride.robot, None)
+    curve, links = ride.trajectory.curve, robot.link_poses(robot.random_configurations(_POSED, 0))
+    digest.update(repr((ride.link, ride.start_time, curve.counts.tolist(), curve.units)).encode())
+    for part in (curve.breaks, *curve.pieces, checked_pose(base, "base"), links[:, robot.link_index(ride.link)]):
+        digest.update(np.ascontiguousarray(part).tobytes())
 
 
 def _add_shapes(digest: hashlib._Hash, bodies: Sequence[GeometryObject], excess: float) -> None:

@@ -62,20 +62,10 @@ class Record:
 
 
 class Journal:
-    """A journal that is open.
-
-    Attributes:
-        path: Path of the journal.
-        records: Its records, by file and first row.
-    """
+    """A journal that is open, with its records by file and first row."""
 
     def __init__(self, path: Path, fingerprint: Mapping[str, str], resume: bool = False) -> None:
-        """Begins a journal, or resumes one.
-
-        Args:
-            path: The file.
-            fingerprint: Fingerprint of the run.
-            resume: Whether to go on with what is there; if nothing is, the journal is new.
+        """Begins a run's journal; or resumes one, which goes on with what is there: if nothing is, the journal is new.
 
         Raises:
             PlannercheckError: If the journal is of another run, or can't be written.

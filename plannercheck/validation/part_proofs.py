@@ -97,11 +97,7 @@ Given: TypeAlias = tuple[GivenParts | GivenMesh, Floats]
 
 
 def given_parts(shape: PartSet, padding: float) -> GivenParts:
-    """The parts of a shape that has some, from its own numbers.
-
-    Args:
-        shape: The shape.
-        padding: By how much each part is inflated, m.
+    """The parts of a shape that has some, from its own numbers, each inflated by the padding, m.
 
     Raises:
         PlannercheckError: If the shape is of an unknown kind.

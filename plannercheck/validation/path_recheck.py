@@ -62,16 +62,9 @@ def check_path(checker: Checker, path: Floats, resolution: float = DEFAULT_RESOL
 
 
 def resampled(checker: Checker, path: Floats, resolution: float, denser: int = 1) -> Iterator[Floats]:
-    """The states of each motion of a path, both ends included, the same as a motion check looks at.
+    """The states (steps + 1, nq) of each motion of a path (k, nq), both ends included: those a motion check looks at.
 
-    Args:
-        checker: The checker.
-        path: (k, nq) configurations.
-        resolution: As for `check_path`.
-        denser: Factor by which there are more steps; every `denser`-th state is one of the motion check's.
-
-    Yields:
-        (steps + 1, nq) for each motion.
+    The resolution is as for `check_path`. There may be more steps: every `denser`-th state is the motion check's.
     """
     sampler = checker.motion_sampler
     for q0, q1 in pairwise(path):

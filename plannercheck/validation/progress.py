@@ -21,11 +21,9 @@ class Progress:
     """Tells how far a run is."""
 
     def __init__(self, style: Style = "auto", stream: TextIO | None = None) -> None:
-        """Starts the clock.
+        """Starts the clock of a bar, lines, or nothing; "auto" is a bar on a terminal, else lines.
 
-        Args:
-            style: A bar, lines, or nothing; "auto" is a bar on a terminal, else lines.
-            stream: Stream that is written to; None is standard error.
+        It is written to the stream; None is standard error.
         """
         self._stream = sys.stderr if stream is None else stream
         self._style = ("bar" if self._stream.isatty() else "lines") if style == "auto" else style

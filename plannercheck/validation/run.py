@@ -29,12 +29,9 @@ class Run:
     """
 
     def __init__(self, judge: Judge, journal: Journal | None = None, progress: Progress | None = None) -> None:
-        """Nothing is done yet.
+        """Nothing is done yet. Without a journal of the findings only the summary is kept.
 
-        Args:
-            judge: The questions about each configuration.
-            journal: Journal of the findings; None keeps only the summary.
-            progress: Gets each chunk's rows.
+        Each chunk's rows go to `progress`.
         """
         self._judge, self._journal = judge, journal
         self._progress = Progress("none") if progress is None else progress
@@ -43,12 +40,7 @@ class Run:
         self.resumed, self.checking = 0, 0.0
 
     def over(self, chunks: Iterable[Chunk], engine: Engine, watchers: Iterable[Watcher] = ()) -> ValidityReport:
-        """Judges all chunks.
-
-        Args:
-            chunks: Chunks in order.
-            engine: Engine that judges them.
-            watchers: Called with each chunk and its findings.
+        """Judges all chunks, which are in order; watchers are called with each chunk and its findings.
 
         Returns:
             The summary of all rows, those of earlier runs included.

@@ -44,16 +44,9 @@ class Validation(OwnsArrays):
 
 
 def validate(checker: AnyChecker, q: ArrayLike, threads: int = 1, all_pairs: bool = False) -> Validation:
-    """Checks a set of configurations.
+    """Verdicts and summary of configurations (n, nq), rad and m.
 
-    Args:
-        checker: The checker.
-        q: (n, nq) rad and m.
-        threads: Number of threads to use.
-        all_pairs: Whether to count all colliding pairs of a configuration (slower); else the first found.
-
-    Returns:
-        Verdicts and summary.
+    With `all_pairs`, all colliding pairs of a configuration are counted (slower); else the first found.
     """
     began = time.perf_counter()
     rows = checker.robot.check_configurations(q)

@@ -61,14 +61,9 @@ def along_path(
 
 
 def along_trajectory(trajectory: Trajectory, frames: int | None = None) -> tuple[Floats, Floats]:
-    """Configurations of a trajectory at even times.
+    """Configurations (n, nq) of a trajectory at even times, and these (n,), s.
 
-    Args:
-        trajectory: The trajectory.
-        frames: Their number; None: 30 a second, but not fewer than `DEFAULT_FRAMES` and not more than `_MOST`.
-
-    Returns:
-        (n, nq) configurations and their times (n,), s.
+    Without a number of frames 30 a second, but not fewer than `DEFAULT_FRAMES` and not more than `_MOST`.
     """
     count = min(max(DEFAULT_FRAMES, round(_A_SECOND * trajectory.duration)), _MOST) if frames is None else frames
     times = np.linspace(trajectory.curve.breaks[0], trajectory.curve.breaks[-1], max(count, 2))

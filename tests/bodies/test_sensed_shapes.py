@@ -358,7 +358,7 @@ CELL = np.ones((1, 1, 1), dtype=bool)
         (lambda: pc.HeightField(np.zeros(3), 0.1, 0), "at least"),
         (lambda: pc.HeightField(np.zeros((1, 3)), 0.1, 0), "at least"),
         (lambda: pc.HeightField([["a", "b"], ["c", "d"]], 0.1, 0), "must be numbers"),
-        (lambda: pc.HeightField(ZEROS > 0, 0.1, 0), "of bool"),
+        (lambda: pc.HeightField(ZEROS > 0, 0.1, 0), "of dtype bool"),
         (lambda: pc.HeightField([[0, np.inf], [0, 0]], 0.1, 0), "finite"),
         (lambda: pc.HeightField([[0, 1e300], [0, 0]], 0.1, 0), "at most 1e"),
         (lambda: pc.HeightField(ZEROS, 0, 0), "resolution of a height field"),

@@ -387,6 +387,18 @@ def test_earlier_rows_are_of_as_many_configurations(panda, checker, states):
         checker.distances(states[:1], start=checker.distances(states))
     with pytest.raises(pc.PlannercheckError, match="start must be this checker's table"):
         pc.Checker(panda).distances(states[:1], start=checker.distances(states[:1], np.inf))
+    for edit in ("another name", "another place in the order"):
+        scene = pc.Scene()
+        names = [item.name for item in checker.scene.objects]
+        names[:2] = ["else", names[1]] if edit == "another name" else reversed(names[:2])
+        for name, item in zip(names, checker.scene.objects, strict=True):
+            scene.add(name, item.parts, item.pose)
+        other = pc.Checker(panda, scene)
+        assert len(other.pairs) == len(checker.pairs)
+        with pytest.raises(pc.PlannercheckError, match="start must be this checker's table"):
+            other.distances(states[:1], start=checker.distances(states[:1]))
+    again = pc.Checker(panda, checker.scene)
+    assert len(again.distances(states[:1], np.inf, start=checker.distances(states[:1]))) == len(checker.pairs)
     slow = pc.Checker(panda, checker.scene, kinematics="pinocchio")
     with pytest.raises(pc.PlannercheckError, match="start needs the compiled kinematics"):
         slow.distances(states[:1], gradients=False, start=checker.distances(states[:1]))

@@ -53,6 +53,16 @@ def test_numbers_beyond_all_robots_are_answered_and_the_next_line_too(answers):
     assert "rate must be" in rate["error"]
 
 
+def test_truth_values_are_no_waypoints(answers):
+    q = [0.0] * 6
+    lines = [line(chunk=[[*q, 0.0], [*q, True]]), line(start=[False, *q]), line(times=[True, 2], rate=None)]
+    code, (chunk, start, times) = answers(lines)
+    assert code == 2
+    assert chunk["error"] == "chunk must be numbers, not a truth value at [1, 6]: write 1 or 0 if a number is meant"
+    assert start["error"].startswith("start must be numbers, not a truth value at [0]")
+    assert times["error"].startswith("times must be numbers, not a truth value at [0]")
+
+
 def test_exit_codes(answers):
     assert answers([line()])[0] == 0
     assert answers([line(), line(0.5)])[0] == 1
@@ -66,6 +76,11 @@ def test_records_are_replayed(answers, tmp_path, capsys):
     assert capsys.readouterr().out.count("the same") == 2
     assert main(["replay", str(path), "--scene", "table"]) == 1
     assert "scene: not the one that was judged" in capsys.readouterr().out
+    record = json.loads(path.read_text().splitlines()[0])
+    record["verdict"]["slack"] = False
+    path.write_text(json.dumps(record) + "\n")
+    assert main(["replay", str(path)]) == 1
+    assert "verdict.slack: false, now" in capsys.readouterr().out
     path.write_text("{}\n")
     assert main(["replay", str(path)]) == 2
     assert "is no record of a gate" in capsys.readouterr().err

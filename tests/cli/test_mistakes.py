@@ -167,6 +167,10 @@ COMPLEX = np.eye(4) + 1j * np.diag([0, 0, 0, 1])
         (lambda r: r.random_configurations(1, "seed"), "seed must be a whole number of at least 0"),
         (lambda r: r.link_index(["panda_hand"]), "unknown link"),
         (lambda r: pc.Robot.together({"one": r}, ["one"]), "unknown group of the cell"),
+        (lambda r: pc.Robot.load(None), "a robot is loaded by its name or from a file, not None"),
+        (lambda r: pc.Scene.load(3), "a scene is loaded by its name or from a file, not 3"),
+        (lambda r: pc.Robot.load("panda", "fine"), "decomposition must be a pc.Decomposition, not 'fine'"),
+        (lambda r: pc.distances_along(pc.Checker(r), r.reference, [0.0]), "distances_along takes a pc.Trajectory"),
     ],
 )
 def test_what_is_no_number_or_name_is_not_read_as_one(checker, make, message):

@@ -1,4 +1,4 @@
-"""Groups of equal values, beside numpy's; masked arrays, whose masks NumPy drops, are refused everywhere."""
+"""Groups of equal values, beside numpy's; masked arrays and truth values, which NumPy reads, are refused everywhere."""
 
 import ast
 import subprocess
@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import plannercheck as pc
-from plannercheck.common.arrays import distinct, distinct_rows, distinct_values, grouped
+from plannercheck.common.arrays import distinct, distinct_rows, distinct_values, grouped, named_numbers
 from plannercheck.ompl import plan
 
 PACKAGE = Path(pc.__file__).parent
@@ -159,3 +159,31 @@ def test_arrays_in_which_nothing_is_masked_are_arrays():
     assert (
         CHECKER.check_states(np.ma.masked_array(Q, mask=np.zeros(Q.shape))).tolist() == CHECKER.check_states(Q).tolist()
     )
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ([0.0, True], r"a truth value at \[1\]: write 1 or 0"),
+        ([[1, 2.5], (0.0, np.False_)], r"a truth value at \[1, 1\]"),
+        ([np.zeros(2), np.ones(2) > 0], r"a truth value at \[1\]"),
+        ([[False]], r"a truth value at \[0, 0\]"),
+        (np.ones(2) > 0, "an array of dtype bool"),
+        (True, "True"),
+    ],
+)
+def test_truth_values_are_no_numbers(values, words):
+    with pytest.raises(pc.PlannercheckError, match=f"waypoints must be numbers, not {words}"):
+        named_numbers(values, "waypoints")
+
+
+def test_truth_values_are_no_lengths_and_no_times():
+    still = np.tile(np.eye(4), (2, 1, 1))
+    for call, words in (
+        (lambda: pc.Moving([0, True], still), "times of Moving must be numbers .* a truth value"),
+        (lambda: pc.Moving.along(None, "hand", None, start_time=True), "start_time must be a number of seconds"),
+        (lambda: pc.Gate(CHECKER, acceleration=1, margin=True), "margin must be a length of at least 0, m, not True"),
+        (lambda: pc.time_path(CHECKER, [Q[0], Q[0] + 0.1], 1, 1, blend=True), "blend must be"),
+    ):
+        with pytest.raises(pc.PlannercheckError, match=words):
+            call()

@@ -19,6 +19,7 @@ TETRAHEDRON = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
 SQUARE = [[-0.5, -0.3], [0.5, -0.3], [0.5, 0.3], [-0.5, 0.3]]
 # Attributes that are objects of other packages, or the compiled core: not ours to hand out read-only.
 FOREIGN = {"model", "core", "kinematics"}
+TRAJECTORY = pc.Trajectory([0.0, 1.0], [[0.0] * 7, [0.1] * 7])
 
 Maker = Callable[[Callable[[Any], Any]], Any]
 
@@ -74,6 +75,7 @@ MAKERS: dict[str, Maker] = {
     "Hull": lambda given: pc.Hull(given(TETRAHEDRON)),
     "Part": lambda given: pc.Part(pc.Sphere(0.1), given(at(1))),
     "Moving": lambda given: pc.Moving(given([0.0, 1.0]), given(np.stack([at(0), at(1)]))),
+    "Moving along": lambda given: pc.Moving.along(TRAJECTORY, "panda_hand", (pc.Robot.load("panda"), given(at(1)))),
     "Scene": _scene,
     "Checker": _checker,
     "Robot": lambda given: pc.Robot.load("panda"),

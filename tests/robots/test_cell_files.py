@@ -114,6 +114,27 @@ def test_a_saved_cell_is_the_same_cell(files, kind, group):
     assert np.array_equal(pc.Checker(back).check_states(q), pc.Checker(cell).check_states(q))
 
 
+@pytest.mark.parametrize("where", ["of a robot", "of the cell", "of a cell in the cell", "of no file"])
+def test_followers_of_joints_that_are_held_elsewhere_are_saved(files, where):
+    """Found by random cells: panda.yaml holds both fingers, so the second one of a saved cell stood where it says."""
+    held, alone = {"panda_finger_joint1": 0.01}, pc.Robot.load("panda")
+    apart = np.eye(4)
+    apart[0, 3] = 3.0
+    if where == "of a cell in the cell":
+        inner = pc.Robot.load(files / "inner.yaml").holding({f"a/{name}": value for name, value in held.items()})
+        cell = pc.Robot.together({"in": inner, "right": (alone, apart)})
+    else:
+        first = alone.holding(held) if where != "of the cell" else alone
+        cell = pc.Robot.together({"left": first, "right": (alone, apart)})
+    if where == "of the cell":
+        cell = cell.holding({f"left/{name}": value for name, value in held.items()})
+    if where == "of no file":  # the follower's value is the cell's own
+        cell = cell.holding({"left/panda_finger_joint2": 0.03})
+    cell.save(files / "saved.yaml")
+    q = cell.random_configurations(5, 1)
+    assert np.array_equal(pc.Robot.load(files / "saved.yaml").link_poses(q), cell.link_poses(q))
+
+
 FINGERS = ("panda_finger_joint1", "panda_finger_joint2")  # the second follows the first, and panda.yaml holds both
 
 

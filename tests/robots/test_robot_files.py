@@ -57,6 +57,7 @@ def test_a_urdf_can_be_loaded_directly(arm):
         ("reference: {lift: .nan}", "'lift' needs 1 finite value"),
         ("reference: {lift: [1, 1]}", "'lift' needs 1 finite value"),
         ("reference: {lift: high}", "'lift' needs 1 finite value"),
+        ("reference: {lift: true}", "'lift' needs 1 finite value .*not True"),
         ("held: {gripper: 0}", "unknown joint 'gripper'"),
         ("convex_decomposition: {most_pieces: 3.5}", "'most_pieces' must be a whole number, not 3.5"),
         ("held: [grip]", "held must be a mapping"),

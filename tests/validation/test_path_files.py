@@ -35,6 +35,16 @@ def test_a_bare_list_and_a_table(tmp_path):
         assert np.array_equal(read(tmp_path / name).states, STATES)
 
 
+def test_truth_values_are_no_numbers_of_a_path(tmp_path):
+    rows = [STATES[0].tolist(), [0.5, True, 0.5]]
+    for document in (rows, {"path": rows, "joint_names": list(NAMES)}):
+        (tmp_path / "plan.json").write_text(json.dumps(document))
+        with pytest.raises(PlannercheckError, match=r"no table of numbers but has a truth value at \[1, 1\]"):
+            read(tmp_path / "plan.json")
+    with pytest.raises(PlannercheckError, match=r"plan file .*path must be numbers, not a truth value at \[1, 1\]"):
+        Plan.load(tmp_path / "plan.json")
+
+
 def trajectory(names, rows):
     points = [{"positions": list(row), "time_from_start": {"secs": k}} for k, row in enumerate(rows)]
     return {"joint_names": list(names), "points": points}

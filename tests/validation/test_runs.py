@@ -267,6 +267,29 @@ def test_the_hash_of_a_checker_depends_on_how_obstacles_move(checker):
     assert len({content_hash(Checker(checker.robot, each)) for each in scenes}) == len(scenes)
 
 
+def test_the_hash_of_a_checker_depends_on_what_obstacles_ride_on(checker):
+    """A run must not be resumed though the ride of an obstacle is another one."""
+    robot, other, base = checker.robot, Robot.load("panda"), np.eye(4)
+    base[0, 3] = 1.0
+
+    def ride(last=3.0, way=0.5, link="panda_hand", carrier=(other, base), start=1.0, **how):
+        ends = np.stack([other.reference, other.reference + way])
+        trajectory = pc.Trajectory([0.0, last], ends, controller="linear")
+        made = Scene("belt")
+        made.add("tool", pc.Box((0.1, 0.1, 0.1)), pc.Moving.along(trajectory, link, carrier, start, **how))
+        return Checker(robot, made)
+
+    ridden = other.holding({"panda_finger_joint1": 0.02})
+    further = base.copy()
+    further[0, 3] = np.nextafter(1.0, 2)
+    others = [ride(last=4.0), ride(way=0.6), ride(link="panda_link7"), ride(carrier=other), ride(start=2.0)]
+    others += [ride(carrier=(other, further)), ride(outside="stand"), ride(link="panda_leftfinger")]
+    others += [ride(link="panda_leftfinger", carrier=(ridden, base))]
+    hashes = [content_hash(each) for each in (ride(), *others)]
+    assert len(set(hashes)) == len(hashes)
+    assert content_hash(ride()) == hashes[0]
+
+
 def test_the_hash_of_a_checker_depends_on_where_bodies_are_and_on_limits(checker, tmp_path):
     """Obstacles moved by one step of a double, links' bodies moved, limits by one step: each is another run."""
     robot, box = checker.robot, np.eye(4)

@@ -41,6 +41,19 @@ inline std::vector<std::array<std::int32_t, 2>> pairs_from(InputArray<std::int32
   return out;
 }
 
+inline std::vector<Vec3> points_from(InputArray<double, -1, 3> rows) {
+  std::vector<Vec3> out(rows.shape(0));
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = {rows(i, 0), rows(i, 1), rows(i, 2)};
+  return out;
+}
+
+// Corners of triangles.
+inline std::vector<std::array<std::int32_t, 3>> triples_from(InputArray<std::int32_t, -1, 3> rows) {
+  std::vector<std::array<std::int32_t, 3>> out(rows.shape(0));
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = {rows(i, 0), rows(i, 1), rows(i, 2)};
+  return out;
+}
+
 // A new NumPy array that owns a copy of the values.
 template <class Number>
 auto output_array(const std::vector<Number>& values, std::initializer_list<std::size_t> shape) {

@@ -68,11 +68,10 @@ nb::tuple arrays_of(const DistanceTable& table, std::size_t tangent) {
   std::vector<std::uint8_t> unique(n);
   std::vector<double> distances(n), lower(n), points, normals, spreads(n);
   points.reserve(6 * n), normals.reserve(3 * n);
-  const auto put = [](std::vector<double>& to, Vec3 v) { to.insert(to.end(), {v.x, v.y, v.z}); };
   for (std::size_t i = 0; i < n; ++i) {
     const DistanceRow& row = table.rows[i];
     states[i] = row.state, pairs[i] = row.pair, distances[i] = row.distance, lower[i] = row.lower;
-    put(points, row.on_a), put(points, row.on_b), put(normals, row.normal);
+    append(points, row.on_a), append(points, row.on_b), append(normals, row.normal);
     spreads[i] = row.spread, unique[i] = row.unique;
     std::int32_t* const vertices = &corners[kCornerNumbers * i];
     vertices[0] = row.corners.count;

@@ -103,9 +103,9 @@ void bind_part_set(nb::module_& m) {
       .def_prop_ro("count", &PartSet::part_count)
       .def_prop_ro("places", [](const PartSet& s) { return s.leaf_count() * kPartsInLeaf; })
       .def(
-          "low", [](const PartSet& s) { return point_array(s.low()); }, plain_floats)
+          "low", [](const PartSet& s) { return point_array(s.box().low); }, plain_floats)
       .def(
-          "high", [](const PartSet& s) { return point_array(s.high()); }, plain_floats)
+          "high", [](const PartSet& s) { return point_array(s.box().high); }, plain_floats)
       .def_prop_ro("nbytes", &PartSet::bytes)
       .def("state", &state_of, plain_floats)
       .def("part", &part_at, plain_floats)

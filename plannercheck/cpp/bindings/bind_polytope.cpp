@@ -28,12 +28,6 @@ namespace nb = nanobind;
 namespace plannercheck {
 namespace {
 
-std::vector<Vec3> points_from(InputArray<double, -1, 3> vertices) {
-  std::vector<Vec3> points(vertices.shape(0));
-  for (std::size_t i = 0; i < points.size(); ++i) points[i] = {vertices(i, 0), vertices(i, 1), vertices(i, 2)};
-  return points;
-}
-
 std::shared_ptr<Polytope> inflated(Polytope body, double inflation_radius) {
   body.inflation_radius = inflation_radius;
   return std::make_shared<Polytope>(std::move(body));
@@ -49,8 +43,7 @@ std::shared_ptr<Polytope> polytope_from_points(InputArray<double, -1, 3> vertice
 std::shared_ptr<Polytope> polytope_from_faces(InputArray<double, -1, 3> vertices, InputArray<std::int32_t, -1, 3> faces,
                                               double inflation_radius) {
   const std::vector<Vec3> points = points_from(vertices);
-  std::vector<Triangle> triangles(faces.shape(0));
-  for (std::size_t t = 0; t < triangles.size(); ++t) triangles[t] = {faces(t, 0), faces(t, 1), faces(t, 2)};
+  const std::vector<Triangle> triangles = triples_from(faces);
   std::shared_ptr<Polytope> body;
   without_gil([&] { body = inflated(prepare_polytope(verified_hull(points, triangles)), inflation_radius); });
   return body;
@@ -71,8 +64,7 @@ nb::list polytopes_of_boxes(InputArray<double, -1, 3> sizes, InputArray<double, 
                             InputArray<double, 8, 3> signs, InputArray<std::int32_t, -1, 3> faces) {
   if (inflation_radii.shape(0) != sizes.shape(0))
     throw std::invalid_argument("sizes and radii are not of as many boxes");
-  std::vector<Triangle> triangles(faces.shape(0));
-  for (std::size_t t = 0; t < triangles.size(); ++t) triangles[t] = {faces(t, 0), faces(t, 1), faces(t, 2)};
+  const std::vector<Triangle> triangles = triples_from(faces);
   std::map<std::array<double, 4>, std::shared_ptr<Polytope>> known;
   std::vector<std::shared_ptr<Polytope>> bodies(sizes.shape(0));
   without_gil([&] {

@@ -25,10 +25,8 @@ namespace {
 
 std::shared_ptr<Solid> solid_from(InputArray<double, -1, 3> vertices, InputArray<std::int32_t, -1, 3> triangles,
                                   bool own_axes) {
-  std::vector<Vec3> points(vertices.shape(0));
-  for (std::size_t i = 0; i < points.size(); ++i) points[i] = {vertices(i, 0), vertices(i, 1), vertices(i, 2)};
-  std::vector<MeshTriangle> corners(triangles.shape(0));
-  for (std::size_t t = 0; t < corners.size(); ++t) corners[t] = {triangles(t, 0), triangles(t, 1), triangles(t, 2)};
+  const std::vector<Vec3> points = points_from(vertices);
+  const std::vector<MeshTriangle> corners = triples_from(triangles);
   std::shared_ptr<Solid> solid;
   without_gil([&] { solid = std::make_shared<Solid>(prepare_solid(points, corners, own_axes)); });
   return solid;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bodies/polytope.hpp"
+#include "math/box.hpp"
 
 namespace plannercheck {
 namespace {
@@ -58,12 +59,8 @@ class Slices {
 };
 
 SmallBall ball_around(const std::vector<Vec3>& points) {
-  Vec3 low = points[0], high = low;
-  for (const Vec3& p : points) {
-    low = {smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z)};
-    high = {larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z)};
-  }
-  return small_ball(points, 0.5 * (low + high));
+  const Box box = box_around(points);
+  return small_ball(points, 0.5 * (box.low + box.high));
 }
 
 // The axes of the body's frame, along the longest side of its box first.

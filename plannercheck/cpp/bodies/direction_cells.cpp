@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "math/box.hpp"
 #include "math/interruption.hpp"
 #include "math/spatial_partition.hpp"
 
@@ -116,12 +117,8 @@ class CellLists {
  public:
   CellLists(const std::vector<Vec3>& points, std::int32_t edge)
       : edge_(edge), lists_(kFaces * at(edge) * at(edge)), towards_(points.size()) {
-    Vec3 low = points[0], high = points[0];
-    for (const Vec3& p : points) {
-      low = {smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z)};
-      high = {larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z)};
-    }
-    const Vec3 middle = 0.5 * low + 0.5 * high;
+    const Box box = box_around(points);
+    const Vec3 middle = 0.5 * box.low + 0.5 * box.high;
     double unit = 0;
     for (const Vec3& p : points) unit = larger(unit, norm_max(p - middle));
     if (!(unit > kSmallestUnit)) unit = kSmallestUnit;

@@ -1,7 +1,8 @@
 #include "bodies/half_space.hpp"
 
 #include <limits>
-#include <vector>
+
+#include "math/box.hpp"
 
 namespace plannercheck {
 namespace {
@@ -18,13 +19,7 @@ WorldPlane world_plane(const HalfSpace& half_space, const Pose& pose) {
 }
 
 Polytope polytope_of(const HalfSpace& half_space, double inflation_radius) {
-  std::vector<Vec3> corners;
-  for (const double x : {-kUnboundedEdge, kUnboundedEdge}) {
-    for (const double y : {-kUnboundedEdge, kUnboundedEdge}) {
-      for (const double z : {-kUnboundedEdge, kUnboundedEdge}) corners.push_back({x, y, z});
-    }
-  }
-  Polytope body = prepare_polytope(corners);
+  Polytope body = prepare_polytope(Box{{}, {}}.grown(kUnboundedEdge).corners());
   body.is_box = 0;
   body.radius = std::numeric_limits<double>::infinity();  // poses may be further away than the cube reaches
   body.inflation_radius = inflation_radius;

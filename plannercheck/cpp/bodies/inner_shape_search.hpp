@@ -68,7 +68,7 @@ template <class Inside>
 InnerBox grown(const Inside& inside, Vec3 edges, InnerBox box) {
   const auto grow = [&](std::size_t side, double step) {
     const std::size_t axis = side / 2;
-    const Vec3 by = along_axis(axis, step * edges[static_cast<int>(axis)]);
+    const Vec3 by = along_axis(axis, step * edges[axis]);
     const InnerBox next =
         side % 2 == 0 ? InnerBox{box.low - by, box.high, box.radius} : InnerBox{box.low, box.high + by, box.radius};
     const bool differs = !(next.low == box.low && next.high == box.high);  // false if rounding swallows the step

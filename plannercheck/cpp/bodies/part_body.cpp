@@ -13,7 +13,7 @@ void PartBody::fill(const PartShape& part, double more) {
   }
   Levels& levels = body_.inner;
   if (part.corners == 1) return fill_point(part.corner[0], part.radius + more);
-  body_.dimension = part.corners == 1 ? 0 : 3;
+  body_.dimension = 3;
   body_.inflation_radius = part.radius + more;
   levels.largest_coordinate = body_.origin_radius = body_.radius = 0;
   body_.low = body_.high = part.corner[0];
@@ -23,8 +23,7 @@ void PartBody::fill(const PartShape& part, double more) {
     const Vec3 p = part.corner[c];
     levels.points[c] = p;
     levels.largest_coordinate = larger(levels.largest_coordinate, norm_max(p));
-    body_.low = {smaller(body_.low.x, p.x), smaller(body_.low.y, p.y), smaller(body_.low.z, p.z)};
-    body_.high = {larger(body_.high.x, p.x), larger(body_.high.y, p.y), larger(body_.high.z, p.z)};
+    body_.low = smaller(body_.low, p), body_.high = larger(body_.high, p);
     body_.centre = body_.centre + weight * p;
     body_.origin_radius = larger(body_.origin_radius, norm_above(p));
   }

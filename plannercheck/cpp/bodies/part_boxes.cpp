@@ -29,15 +29,6 @@ Lanes float_not_below(Lanes values) { return values * kFloatsUp; }
 
 }  // namespace
 
-PartSet::Extent PartSet::Extent::nothing() {
-  return {{kUnbounded, kUnbounded, kUnbounded}, {-kUnbounded, -kUnbounded, -kUnbounded}};
-}
-
-void PartSet::Extent::take(const Extent& other) {
-  low = {smaller(low.x, other.low.x), smaller(low.y, other.low.y), smaller(low.z, other.low.z)};
-  high = {larger(high.x, other.high.x), larger(high.y, other.high.y), larger(high.z, other.high.z)};
-}
-
 PartSet::EightExtents PartSet::part_extents(std::size_t leaf) const {
   switch (kind_) {
     case Kind::kBalls:
@@ -59,7 +50,7 @@ PartSet::EightExtents PartSet::ball_extents(std::size_t leaf) const {
     out.low[2][k] = points.z[k] - r, out.high[2][k] = points.z[k] + r;
   }
   const std::size_t first = kPartsInLeaf * leaf;
-  for (std::size_t k = parts_ - std::min(parts_, first); k < kPartsInLeaf; ++k) out.put(k, Extent::nothing());
+  for (std::size_t k = parts_ - std::min(parts_, first); k < kPartsInLeaf; ++k) out.put(k, {});
   return out;
 }
 
@@ -67,7 +58,7 @@ PartSet::EightExtents PartSet::cell_extents(std::size_t leaf) const {
   const EightCells& cells = cells_[leaf];
   EightExtents out;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double origin = origin_[static_cast<int>(axis)];
+    const double origin = origin_[axis];
     for (std::size_t k = 0; k < kPartsInLeaf; ++k) {
       const double key = cells.key[axis][k], size = cells.size[k];
       out.low[axis][k] = size > 0 ? origin + key * resolution_ : kUnbounded;
@@ -106,15 +97,15 @@ PartSet::EightExtents::EightExtents() {
   for (auto& along : high) along.fill(-kUnbounded);
 }
 
-void PartSet::EightExtents::put(std::size_t k, const Extent& extent) {
+void PartSet::EightExtents::put(std::size_t k, const Box& extent) {
   low[0][k] = extent.low.x, low[1][k] = extent.low.y, low[2][k] = extent.low.z;
   high[0][k] = extent.high.x, high[1][k] = extent.high.y, high[2][k] = extent.high.z;
 }
 
-PartSet::Extent PartSet::EightExtents::around() const {
-  Extent all = Extent::nothing();
+Box PartSet::EightExtents::around() const {
+  Box all;
   for (std::size_t k = 0; k < kChildren; ++k) {
-    all.take({{low[0][k], low[1][k], low[2][k]}, {high[0][k], high[1][k], high[2][k]}});
+    all.add(Box{{low[0][k], low[1][k], low[2][k]}, {high[0][k], high[1][k], high[2][k]}});
   }
   return all;
 }
@@ -124,7 +115,7 @@ PartSet::Extent PartSet::EightExtents::around() const {
 PartNode PartSet::boxes(const EightExtents& extents) const {
   PartNode node;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double middle = middle_[static_cast<int>(axis)];
+    const double middle = middle_[axis];
     std::array<Lanes, kNodeGroups> lows, highs, centres, halves;
     for (std::size_t g = 0; g < kNodeGroups; ++g) {
       lows[g] = (load_lanes(&extents.low[axis][g * kLanes]) - middle) * units_ - kPartUnitsError;
@@ -144,25 +135,25 @@ PartNode PartSet::boxes(const EightExtents& extents) const {
 
 PartNode PartSet::leaf_boxes(std::size_t leaf) const { return boxes(part_extents(leaf)); }
 
-void PartSet::frame_units(const Extent& all) {
+void PartSet::frame_units(const Box& all) {
   middle_ = 0.5 * (all.low + all.high);
   const double half = larger(norm_max(all.high - middle_), norm_max(middle_ - all.low));
   // Beyond these, floats could not hold places in units.
   units_ = half > 0x1p-900 ? std::ldexp(1, -std::ilogb(half) - 1) : 1;
   const double outwards = (norm_max(all.low) + norm_max(all.high)) * kSideError;
-  low_ = all.low - Vec3{outwards, outwards, outwards}, high_ = all.high + Vec3{outwards, outwards, outwards};
+  box_ = all.grown(outwards);
 }
 
 void PartSet::build_levels() {
   const auto parents = [](std::size_t n) { return std::max<std::size_t>(1, (n + kChildren - 1) / kChildren); };
   std::vector<EightExtents> extents(parents(leaves_));
-  Extent all = Extent::nothing();
+  Box all;
   for (std::size_t leaf = 0; leaf < leaves_; ++leaf) {
-    const Extent around = part_extents(leaf).around();
+    const Box around = part_extents(leaf).around();
     extents[leaf / kChildren].put(leaf % kChildren, around);
-    all.take(around);
+    all.add(around);
   }
-  frame_units(parts_ == 0 ? Extent{} : all);
+  frame_units(parts_ == 0 ? Box{{}, {}} : all);
   for (;;) {
     std::vector<PartNode> nodes(extents.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = boxes(extents[i]);

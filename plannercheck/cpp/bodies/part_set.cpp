@@ -10,25 +10,19 @@
 namespace plannercheck {
 namespace {
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
 // Below this side, m, the order of the parts does not matter, and steps would not be finite.
 constexpr double kLeastSide = 0x1p-900;
 
 // Where the parts stand along each axis, in steps of the longest side of the box around them. `point`: of a part, m.
 template <class Point>
 PlacedParts placed_parts(std::size_t n, Point point) {
-  Vec3 low{kInfinite, kInfinite, kInfinite}, high = -low;
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 p = point(i);
-    low = {smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z)};
-    high = {larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z)};
-  }
-  const double longest = norm_max(high - low);
+  Box box;
+  for (std::size_t i = 0; i < n; ++i) box.add(point(i));
+  const double longest = norm_max(box.high - box.low);
   const double steps = longest > kLeastSide ? ((1 << kPlaceBits) - 1) / longest : 0;
   PlacedParts places(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 p = steps * (point(i) - low);
+    const Vec3 p = steps * (point(i) - box.low);
     places[i] = {{static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y), static_cast<std::int32_t>(p.z)},
                  static_cast<std::int32_t>(i)};
   }
@@ -117,7 +111,7 @@ PartSet PartSet::columns(const double* heights, std::size_t rows, std::size_t co
   return set;
 }
 
-double PartSet::lattice(int axis, std::int64_t key) const {
+double PartSet::lattice(std::size_t axis, std::int64_t key) const {
   return origin_[axis] + static_cast<double>(key) * resolution_;
 }
 
@@ -150,7 +144,7 @@ PartShape PartSet::cell(std::size_t place) const {
   std::array<std::array<double, 2>, 3> side;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t key = leaf.key[axis][k];
-    side[axis] = {lattice(static_cast<int>(axis), key), lattice(static_cast<int>(axis), key + leaf.size[k])};
+    side[axis] = {lattice(axis, key), lattice(axis, key + leaf.size[k])};
   }
   part.corners = 8;
   for (std::size_t c = 0; c < 8; ++c) part.corner[c] = {side[0][c & 1], side[1][c >> 1 & 1], side[2][c >> 2]};
@@ -190,11 +184,6 @@ std::int64_t PartSet::source(std::size_t place) const {
   const auto [tile_i, tile_j] = tile_of(place / kPartsInLeaf);
   const std::size_t k = place % kPartsInLeaf, i = tile_i + (k >> 2), j = tile_j + (k >> 1 & 1);
   return static_cast<std::int64_t>(2 * (i * (columns_ - 1) + j) + (k & 1));
-}
-
-Vec3 PartSet::reach() const {
-  return {larger(std::fabs(low_.x), std::fabs(high_.x)), larger(std::fabs(low_.y), std::fabs(high_.y)),
-          larger(std::fabs(low_.z), std::fabs(high_.z))};
 }
 
 PartSet::Given PartSet::given() const {

@@ -15,6 +15,7 @@
 #include "bodies/height_ceilings.hpp"
 #include "bodies/lazy_value.hpp"
 #include "bodies/part_order.hpp"
+#include "math/box.hpp"
 #include "math/vec.hpp"
 
 namespace plannercheck {
@@ -69,18 +70,25 @@ class PartSet {
   std::size_t leaf_count() const { return leaves_; }
   // Places of parts are 0 to 8 leaf_count() − 1; some have none.
   PartShape shape(std::size_t place) const;
+  // Hands over all parts with their places until one is taken; whether one was.
+  template <class Take>
+  bool any_part(Take take) const {
+    for (std::size_t place = 0; place < leaves_ * kPartsInLeaf; ++place) {
+      const PartShape part = shape(place);
+      if (part.corners != 0 && take(part, place)) return true;
+    }
+    return false;
+  }
   // What a place was given as: a ball's or cell's index; of heights 2 (i (columns − 1) + j), plus 1 for the triangle on
   // the side of (i, j + 1).
   std::int64_t source(std::size_t place) const;
   std::size_t part_count() const { return parts_; }
 
   // Around all parts, radii included, rounded outwards.
-  Vec3 low() const { return low_; }
-  Vec3 high() const { return high_; }
+  const Box& box() const { return box_; }
   Vec3 middle() const { return middle_; }
   double units() const { return units_; }  // a length in m times this is one in the tree's units
   double largest_radius() const { return largest_radius_; }
-  Vec3 reach() const;  // largest |x|, |y|, |z| of parts, radii included
 
   // Levels of nodes; the children of the first level's are leaves, the last level has one node.
   const std::vector<std::vector<PartNode>>& levels() const { return levels_; }
@@ -110,21 +118,13 @@ class PartSet {
   Given given() const;
 
  private:
-  // Around points and radii, in m.
-  struct Extent {
-    Vec3 low, high;
-
-    static Extent nothing();
-    void take(const Extent& other);
-  };
-
-  // Eight of them by axis; `low` is above `high` where there is nothing.
+  // Boxes around points and radii, in m, by axis; `low` is above `high` where there is nothing.
   struct EightExtents {
     std::array<std::array<double, kChildren>, 3> low, high;
 
     EightExtents();
-    void put(std::size_t k, const Extent& extent);
-    Extent around() const;
+    void put(std::size_t k, const Box& extent);
+    Box around() const;
   };
 
   // Eight cells of a leaf; `size` 0 where there is none.
@@ -135,7 +135,8 @@ class PartSet {
 
   Kind kind_ = Kind::kBalls;
   std::size_t parts_ = 0, leaves_ = 0;
-  Vec3 low_, high_, middle_;
+  Box box_{{}, {}};
+  Vec3 middle_;
   double units_ = 1, largest_radius_ = 0;
   std::vector<std::vector<PartNode>> levels_;
   std::vector<std::int32_t> source_;  // by place, of balls and cells; by leaf, of tiles of heights
@@ -150,7 +151,7 @@ class PartSet {
   double base_ = 0;
   LazyValue<HeightCeilings> lazy_ceilings_;
 
-  double lattice(int axis, std::int64_t key) const;
+  double lattice(std::size_t axis, std::int64_t key) const;
   PartShape ball(std::size_t place) const;
   PartShape cell(std::size_t place) const;
   PartShape prism(std::size_t place) const;
@@ -163,7 +164,7 @@ class PartSet {
   EightExtents cell_extents(std::size_t leaf) const;
   EightExtents prism_extents(std::size_t leaf) const;
   PartNode boxes(const EightExtents& extents) const;
-  void frame_units(const Extent& all);
+  void frame_units(const Box& all);
   void build_levels();
 };
 

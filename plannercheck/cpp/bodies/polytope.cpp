@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bodies/flat_hull.hpp"
+#include "math/box.hpp"
 #include "math/double_double.hpp"
 #include "math/dyadic.hpp"
 #include "math/predicates.hpp"
@@ -63,11 +64,8 @@ double largest_norm(const std::vector<Vec3>& points, Vec3 from) {
 
 // `points`: the vertices, all different.
 void enclose(Polytope& body, const std::vector<Vec3>& points) {
-  body.low = body.high = points.front();
-  for (const Vec3& p : points) {
-    body.low = {smaller(body.low.x, p.x), smaller(body.low.y, p.y), smaller(body.low.z, p.z)};
-    body.high = {larger(body.high.x, p.x), larger(body.high.y, p.y), larger(body.high.z, p.z)};
-  }
+  const Box box = box_around(points);
+  body.low = box.low, body.high = box.high;
   const auto at_corner = [&](const Vec3& p) {
     return (p.x == body.low.x || p.x == body.high.x) && (p.y == body.low.y || p.y == body.high.y) &&
            (p.z == body.low.z || p.z == body.high.z);
@@ -134,14 +132,7 @@ Polytope with_solid(const Polytope& hull, std::shared_ptr<const Solid> solid) {
 Polytope polytope_around(std::shared_ptr<const PartSet> parts, double inflation_radius) {
   // Radii are lengths of the world, and poses may shrink the box.
   const double more = parts->largest_radius() * (kRadiusStretch - 1);
-  const Vec3 low = parts->low() - Vec3{more, more, more}, high = parts->high() + Vec3{more, more, more};
-  std::vector<Vec3> corners;
-  for (const double x : {low.x, high.x}) {
-    for (const double y : {low.y, high.y}) {
-      for (const double z : {low.z, high.z}) corners.push_back({x, y, z});
-    }
-  }
-  Polytope body = prepare_polytope(corners);
+  Polytope body = prepare_polytope(parts->box().grown(more).corners());
   body.inflation_radius = inflation_radius;
   body.is_box = 0;
   body.dents.deepest = kUnknownDent;

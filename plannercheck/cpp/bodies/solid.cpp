@@ -108,10 +108,7 @@ Solid prepare_solid(const std::vector<Vec3>& points, const std::vector<MeshTrian
   solid.is_closed = edges_cancel(solid.triangles);
   find_components(solid);
   solid.tree = build_triangle_tree(solid.points, solid.triangles, solid.source, own_axes);
-  for (const Vec3& p : solid.points) {
-    solid.reach = {larger(solid.reach.x, std::fabs(p.x)), larger(solid.reach.y, std::fabs(p.y)),
-                   larger(solid.reach.z, std::fabs(p.z))};
-  }
+  for (const Vec3& p : solid.points) solid.reach = larger(solid.reach, absolute(p));
   return solid;
 }
 

@@ -9,6 +9,7 @@
 #include "bodies/inner_shape_search.hpp"
 #include "bodies/lane_boxes.hpp"
 #include "bodies/solid.hpp"
+#include "math/box.hpp"
 #include "math/predicates.hpp"
 #include "math/simd.hpp"
 
@@ -75,29 +76,15 @@ class SolidInterior {
   bool winds_around(Vec3 point) const {
     const std::array<float, 3> place = in_units(point);
     const auto room = static_cast<float>(8 * kFloatPlace);
-    std::array<std::int32_t, kMostWaiting> waiting;
-    std::size_t count = 0;
-    waiting[count++] = 0;
     int number = 0;
-    while (count > 0) {
-      const TriangleNode& node = tree_.nodes[at(waiting[--count])];
-      const LaneBoxes boxes = lane_boxes(node);
-      const std::array<Floats, 3> around = aligned_half(boxes);
-      const auto way = [&](std::size_t i) { return boxes.centre[i] - place[i]; };
-      const auto half = [&](std::size_t i) { return around[i] + room; };
-      const FloatMask misses = (absolute(way(0)) > half(0)) | (absolute(way(1)) > half(1)) | (way(2) < -half(2));
-      for (unsigned left = ~float_bits(misses) & node.all(); left != 0; left &= left - 1) {
-        const std::int32_t child = node.child(static_cast<std::size_t>(__builtin_ctz(left)));
-        if (child >= 0) {
-          waiting[count++] = child;
-        } else if (const std::optional<int> crossing = crossed(solid_.triangles[at(~child)], point)) {
-          number += *crossing;
-        } else {
-          return false;
-        }
-      }
-    }
-    return number != 0;
+    const bool is_unclear = any_triangle(
+        tree_, [&](const TriangleNode& node) { return children_on_ray(node, place, room); },
+        [&](std::int32_t triangle) {
+          const std::optional<int> crossing = crossed(solid_.triangles[at(triangle)], point);
+          number += crossing.value_or(0);
+          return !crossing;
+        });
+    return !is_unclear && number != 0;
   }
 
   // The nearest triangle, by a descent into nearer children first.
@@ -132,34 +119,19 @@ class SolidInterior {
   bool holds(const InnerBox& box) const {
     const Vec3 middle = 0.5 * (box.low + box.high);
     // Differences, which are rounded, are taken up to twice the room.
-    const Vec3 half{larger(box.high.x - middle.x, middle.x - box.low.x),
-                    larger(box.high.y - middle.y, middle.y - box.low.y),
-                    larger(box.high.z - middle.z, middle.z - box.low.z)};
+    const Vec3 half = larger(box.high - middle, middle - box.low);
     const double radius = box.radius + room_;
     const std::array<float, 3> place = in_units(middle);
     std::array<float, 3> reach;
     for (std::size_t i = 0; i < 3; ++i) {
-      reach[i] = static_cast<float>(tree_.units * (half[static_cast<int>(i)] + radius) + 8 * kFloatPlace);
+      reach[i] = static_cast<float>(tree_.units * (half[i] + radius) + 8 * kFloatPlace);
     }
-    std::array<std::int32_t, kMostWaiting> waiting;
-    std::size_t count = 0;
-    waiting[count++] = 0;
-    while (count > 0) {
-      const TriangleNode& node = tree_.nodes[at(waiting[--count])];
-      const LaneBoxes boxes = lane_boxes(node);
-      const std::array<Floats, 3> around = aligned_half(boxes);
-      FloatMask misses{};
-      for (std::size_t i = 0; i < 3; ++i) misses |= absolute(boxes.centre[i] - place[i]) > around[i] + reach[i];
-      for (unsigned left = ~float_bits(misses) & node.all(); left != 0; left &= left - 1) {
-        const auto k = static_cast<std::size_t>(__builtin_ctz(left));
-        if (node.leaf < 0) {
-          waiting[count++] = node.child(k);
-        } else if (!is_further(from(tree_.leaves[at(node.leaf)], k, middle), half, radius)) {
-          return false;
-        }
-      }
-    }
-    return true;
+    return !any_triangle(
+        tree_, [&](const TriangleNode& node) { return children_within(node, place, reach); },
+        [&](std::int32_t triangle) {
+          const std::size_t leaf = at(triangle) / kTreeWidth, k = at(triangle) % kTreeWidth;
+          return !is_further(from(tree_.leaves[leaf], k, middle), half, radius);
+        });
   }
 
  private:
@@ -264,16 +236,17 @@ InnerBall moved(const SolidInterior& interior, Vec3 centre) {
   return {centre, nearest.distance};
 }
 
-std::vector<InnerBall> balls_in(const Solid& solid, const SolidInterior& interior, Vec3 low, Vec3 high) {
+std::vector<InnerBall> balls_in(const Solid& solid, const SolidInterior& interior, const Box& box) {
   std::vector<InnerBall> balls;
   const auto try_around = [&](Vec3 point) {
     if (!interior.winds_around(point)) return;
     const InnerBall ball = moved(interior, point);
     if (ball.radius > 0) balls.push_back(ball);
   };
-  try_around(0.5 * (low + high));
-  for (int k = 0; k < kSpreadPoints && balls.size() < kTriedCentres; ++k) try_around(spread_point(low, high, k));
-  const Vec3 edges = high - low;
+  try_around(0.5 * (box.low + box.high));
+  for (int k = 0; k < kSpreadPoints && balls.size() < kTriedCentres; ++k)
+    try_around(spread_point(box.low, box.high, k));
+  const Vec3 edges = box.high - box.low;
   const double off = kOffTriangle * smaller(edges.x, smaller(edges.y, edges.z));
   const std::size_t stride = (solid.triangles.size() + kTriedTriangles - 1) / kTriedTriangles;
   for (std::size_t k = 0; k < solid.triangles.size(); k += stride) {
@@ -303,14 +276,10 @@ InnerShapes inner_shapes_of(const Solid& solid) {
   InnerShapes shapes;
   const SolidInterior interior(solid);
   if (!solid.is_closed || !interior.is_known()) return shapes;
-  Vec3 low = solid.points.front(), high = low;
-  for (const Vec3& p : solid.points) {
-    low = {smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z)};
-    high = {larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z)};
-  }
-  const Vec3 edges = high - low;
+  const Box box = box_around(solid.points);
+  const Vec3 edges = box.high - box.low;
   if (smaller(edges.x, smaller(edges.y, edges.z)) < kFlattest * norm_max(edges)) return shapes;
-  const std::vector<InnerBall> balls = balls_in(solid, interior, low, high);
+  const std::vector<InnerBall> balls = balls_in(solid, interior, box);
   if (balls.empty()) return shapes;
   shapes.balls = covering(balls);
   shapes.box = largest_box(interior, edges, balls);

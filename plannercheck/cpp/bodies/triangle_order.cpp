@@ -17,23 +17,10 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostSwept = 128;
 constexpr std::size_t kCutBins = 32;
 
-// Around any number of triangles.
-struct GrowingBox {
-  Vec3 low{kUnbounded, kUnbounded, kUnbounded}, high{-kUnbounded, -kUnbounded, -kUnbounded};
-
-  void add(Vec3 from, Vec3 to) {
-    low = {smaller(low.x, from.x), smaller(low.y, from.y), smaller(low.z, from.z)};
-    high = {larger(high.x, to.x), larger(high.y, to.y), larger(high.z, to.z)};
-  }
-  void add(const TriangleBounds& box) { add(box.low, box.high); }
-  void add(const GrowingBox& box) { add(box.low, box.high); }
-
-  // Half of it.
-  double surface() const {
-    const Vec3 edges = high - low;
-    return edges.x * edges.y + edges.y * edges.z + edges.z * edges.x;
-  }
-};
+double half_surface(const Box& box) {
+  const Vec3 edges = box.high - box.low;
+  return edges.x * edges.y + edges.y * edges.z + edges.z * edges.x;
+}
 
 // Where a range is cut.
 struct Cut {
@@ -44,8 +31,7 @@ struct Cut {
 
 class Ordering {
  public:
-  explicit Ordering(const std::vector<TriangleBounds>& bounds)
-      : bounds_(bounds), order_(indices_below(bounds.size())) {}
+  explicit Ordering(const std::vector<Box>& bounds) : bounds_(bounds), order_(indices_below(bounds.size())) {}
 
   TriangleOrder run(std::size_t levels) {
     sort({order_.data(), order_.data() + order_.size()}, levels);
@@ -58,17 +44,17 @@ class Ordering {
     double surface;
   };
 
-  const std::vector<TriangleBounds>& bounds_;
+  const std::vector<Box>& bounds_;
   std::vector<std::int32_t> order_;
   std::vector<std::size_t> children_;
   std::array<double, kMostSwept> before_{};
 
   static std::size_t size_of(IndexRange range) { return static_cast<std::size_t>(range.size()); }
-  const TriangleBounds& box(const std::int32_t* of) const { return bounds_[at(*of)]; }
+  const Box& box(const std::int32_t* of) const { return bounds_[at(*of)]; }
 
   // Twice the middle of a triangle's box.
   double middle(std::int32_t triangle, int axis) const {
-    const TriangleBounds& box = bounds_[at(triangle)];
+    const Box& box = bounds_[at(triangle)];
     return box.low[axis] + box.high[axis];
   }
 
@@ -122,9 +108,9 @@ class Ordering {
   }
 
   Part part(IndexRange range) const {
-    GrowingBox around;
+    Box around;
     for (const std::int32_t* i = range.first; i != range.last; ++i) around.add(box(i));
-    return {range, around.surface()};
+    return {range, half_surface(around)};
   }
 
   std::int32_t* cut_in_two(IndexRange range, std::size_t step) {
@@ -146,9 +132,9 @@ class Ordering {
   Cut best_of_all(IndexRange range, int axis, std::size_t step) {
     std::sort(range.first, range.last, order_along(axis));
     const std::size_t count = size_of(range);
-    GrowingBox around;
+    Box around;
     for (std::size_t k = 0; k < count; ++k) {
-      before_[k] = around.surface();
+      before_[k] = half_surface(around);
       around.add(box(range.first + k));
     }
     Cut best;
@@ -156,7 +142,7 @@ class Ordering {
     for (std::size_t k = count - 1; k > 0; --k) {
       around.add(box(range.first + k));
       if (k % step != 0) continue;
-      const double both = cost(before_[k], k, step) + cost(around.surface(), count - k, step);
+      const double both = cost(before_[k], k, step) + cost(half_surface(around), count - k, step);
       if (both < best.cost) best = {both, axis, k};
     }
     return best;
@@ -169,15 +155,15 @@ class Ordering {
       low = smaller(low, middle(*i, axis)), high = larger(high, middle(*i, axis));
     const double bins = static_cast<double>(kCutBins) / (high - low);
     if (!(bins < kUnbounded)) return {};  // all middles are one, nearly
-    std::array<GrowingBox, kCutBins> around;
+    std::array<Box, kCutBins> around;
     std::array<std::size_t, kCutBins> inside{};
     for (const std::int32_t* i = range.first; i != range.last; ++i) {
       const auto bin = std::min(static_cast<std::size_t>((middle(*i, axis) - low) * bins), kCutBins - 1);
       around[bin].add(box(i)), ++inside[bin];
     }
     std::array<double, kCutBins> after;  // the surface of each bin and those that follow
-    GrowingBox sum;
-    for (std::size_t k = kCutBins; k-- > 0;) sum.add(around[k]), after[k] = sum.surface();
+    Box sum;
+    for (std::size_t k = kCutBins; k-- > 0;) sum.add(around[k]), after[k] = half_surface(sum);
     const std::size_t count = size_of(range), last = (count - 1) / step * step;
     Cut best;
     sum = {};
@@ -185,7 +171,7 @@ class Ordering {
     for (std::size_t k = 0; k + 1 < kCutBins; ++k) {
       sum.add(around[k]), before += inside[k];
       if (before == 0 || before == count) continue;
-      const double both = cost(sum.surface(), before, step) + cost(after[k + 1], count - before, step);
+      const double both = cost(half_surface(sum), before, step) + cost(after[k + 1], count - before, step);
       if (both < best.cost) best = {both, axis, std::clamp((before + step / 2) / step * step, step, last)};
     }
     return best;
@@ -194,7 +180,7 @@ class Ordering {
 
 }  // namespace
 
-TriangleOrder order_triangles(const std::vector<TriangleBounds>& bounds, std::size_t levels) {
+TriangleOrder order_triangles(const std::vector<Box>& bounds, std::size_t levels) {
   return Ordering(bounds).run(levels);
 }
 

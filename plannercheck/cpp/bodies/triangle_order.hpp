@@ -11,14 +11,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "math/vec.hpp"
+#include "math/box.hpp"
 
 namespace plannercheck {
-
-// Along the frame's axes.
-struct TriangleBounds {
-  Vec3 low, high;
-};
 
 struct TriangleOrder {
   std::vector<std::int32_t> order;
@@ -28,6 +23,6 @@ struct TriangleOrder {
 };
 
 // `levels`: how deep the tree may be, leaves counted, which are enough for so many triangles.
-TriangleOrder order_triangles(const std::vector<TriangleBounds>& bounds, std::size_t levels);
+TriangleOrder order_triangles(const std::vector<Box>& bounds, std::size_t levels);
 
 }  // namespace plannercheck

@@ -130,23 +130,20 @@ class NodeBuilder {
 };
 
 // The middle and units of all corners; a box around each triangle in them.
-std::vector<TriangleBounds> framed(TriangleTree& tree, const std::vector<Vec3>& points,
-                                   const std::vector<MeshTriangle>& triangles) {
-  const auto least = [](Vec3 a, Vec3 b) { return Vec3{smaller(a.x, b.x), smaller(a.y, b.y), smaller(a.z, b.z)}; };
-  const auto most = [](Vec3 a, Vec3 b) { return Vec3{larger(a.x, b.x), larger(a.y, b.y), larger(a.z, b.z)}; };
-  Vec3 low = points[at(triangles.front()[0])], high = low;
+std::vector<Box> framed(TriangleTree& tree, const std::vector<Vec3>& points,
+                        const std::vector<MeshTriangle>& triangles) {
+  Box all;
   for (const MeshTriangle& t : triangles) {
-    for (const std::int32_t corner : t) low = least(low, points[at(corner)]), high = most(high, points[at(corner)]);
+    for (const std::int32_t corner : t) all.add(points[at(corner)]);
   }
-  tree.middle = 0.5 * low + 0.5 * high;
-  const double reach = larger(norm_max(high - tree.middle), norm_max(low - tree.middle));
+  tree.middle = 0.5 * all.low + 0.5 * all.high;
+  const double reach = larger(norm_max(all.high - tree.middle), norm_max(all.low - tree.middle));
   if (reach > 0) tree.units = std::ldexp(1.0, std::clamp(-std::ilogb(reach) - 1, -1000, 1000));
-  std::vector<TriangleBounds> bounds;
+  std::vector<Box> bounds;
   bounds.reserve(triangles.size());
   for (const MeshTriangle& t : triangles) {
-    const auto corner = [&](std::size_t k) { return tree.units * (points[at(t[k])] - tree.middle); };
-    const Vec3 a = corner(0), b = corner(1), c = corner(2);
-    bounds.push_back({least(a, least(b, c)), most(a, most(b, c))});
+    Box& box = bounds.emplace_back();
+    for (const std::int32_t corner : t) box.add(tree.units * (points[at(corner)] - tree.middle));
   }
   return bounds;
 }

@@ -19,6 +19,14 @@ using MeshTriangle = std::array<std::int32_t, 3>;
 
 inline constexpr std::size_t kTreeWidth = 8;
 
+// A node, or the complement of a triangle's place.
+struct BoxedNode {
+  std::int32_t child;
+  OrientedBox box;
+
+  bool is_triangle() const { return child < 0; }
+};
+
 // Nodes and leaves begin at cache lines.
 struct alignas(64) TriangleNode {
   // By axis, then by child; lanes without a child hold zeros.
@@ -50,6 +58,7 @@ struct alignas(64) TriangleNode {
     out.axis = unpacked(axes);
     return out;
   }
+  BoxedNode boxed(std::size_t k) const { return {child(k), box(k)}; }
 };
 
 // The triangles of a node, as they were given; the last one of them is in all lanes that are left.

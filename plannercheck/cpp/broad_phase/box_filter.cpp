@@ -47,13 +47,12 @@ BodyBox body_box(const GeometryObject& object) {
   box.upright = true;
   double edges = 0;
   for (std::size_t j = 0; j < 3; ++j) {
-    const auto axis = static_cast<int>(j);
-    box.centre[j] = static_cast<float>(centre[axis]);
+    box.centre[j] = static_cast<float>(centre[j]);
     for (std::size_t i = 0; i < 3; ++i) {
       box.axes[j][i] = static_cast<float>(p.m[4 * i + j]);
       box.upright &= p.m[4 * i + j] == (i == j ? 1 : 0);
     }
-    const double half = 0.5 * (body.high[axis] - body.low[axis]) + body.inflation_radius;
+    const double half = 0.5 * (body.high[j] - body.low[j]) + body.inflation_radius;
     box.half[j] = up(half);
     edges += half;
   }

@@ -92,7 +92,7 @@ class CandidateSearch {
   std::size_t obstacles_ = 0;
   std::vector<std::int32_t> pair_of_;                // pair_of_[mover * obstacles_ + obstacle], or −1
   std::vector<std::int32_t> movers_with_obstacles_;  // movers that have a pair with an obstacle
-  std::vector<WorldBox> world_boxes_;                // of all obstacles, where they are few
+  std::vector<Box> world_boxes_;                     // of all obstacles, where they are few
   std::shared_ptr<const SampledPoses> sampled_;
   LazyValue<MoverGroups> mover_groups_;  // with obstacles where they are few; chosen by the first block
   std::vector<FloatBox> float_boxes_;    // of all obstacles, where they are few

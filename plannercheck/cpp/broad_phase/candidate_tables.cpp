@@ -17,19 +17,10 @@ bool is_unboxed(const GeometryObject& object) {
 }
 
 // The box around a static body, with room for the rounding of its posed vertices.
-WorldBox world_box(const GeometryObject& object) {
+Box world_box(const GeometryObject& object) {
   const Polytope& body = *object.body;
-  const Pose& pose = object.placement;
-  const double infinity = std::numeric_limits<double>::infinity();
-  WorldBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-  for (const Vec3& v : body.inner.points) {
-    const Vec3 p = pose.apply(v);
-    box.low = {smaller(box.low.x, p.x), smaller(box.low.y, p.y), smaller(box.low.z, p.z)};
-    box.high = {larger(box.high.x, p.x), larger(box.high.y, p.y), larger(box.high.z, p.z)};
-  }
-  const double room = body.inflation_radius + kVertexError * (2 * body.origin_radius + norm_1(pose.translation()));
-  const Vec3 margin{room, room, room};
-  return {box.low - margin, box.high + margin};
+  return box_around_hull(object).grown(
+      body.inflation_radius + kVertexError * (2 * body.origin_radius + norm_1(object.placement.translation())));
 }
 
 }  // namespace
@@ -45,7 +36,7 @@ CandidateSearch::CandidateSearch(const std::vector<GeometryObject>& bodies,
     const bool moves = bodies[at(pair[0])].link >= 0 || bodies[at(pair[1])].link >= 0;
     for (const std::int32_t b : pair) used[at(b)] = used[at(b)] || (moves && !is_unboxed(bodies[at(b)]));
   }
-  std::vector<WorldBox> boxes;
+  std::vector<Box> boxes;
   std::vector<const GeometryObject*> objects;  // the movers
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (!used[b]) continue;
@@ -100,7 +91,7 @@ CandidateSearch::CandidateSearch(const std::vector<GeometryObject>& bodies,
   std::vector<SingleStateFilter::Partner> with_movers, with_boxes;
   for (const MovingPair& pair : moving_pairs_) with_movers.push_back({at(pair.a), at(pair.b), pair.pair});
   if (obstacles_ <= kFewObstacles) {
-    for (const WorldBox& box : boxes) float_boxes_.push_back(rounded_outwards(box));
+    for (const Box& box : boxes) float_boxes_.push_back(rounded_outwards(box));
     world_boxes_ = boxes;
     for (const std::int32_t mover : movers_with_obstacles_) {
       for (std::size_t o = 0; o < obstacles_; ++o) {

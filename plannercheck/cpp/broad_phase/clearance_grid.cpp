@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "broad_phase/clearances_at.hpp"
+#include "math/box.hpp"
 
 namespace plannercheck {
 namespace {
@@ -142,12 +143,8 @@ class SquaredGaps {
 namespace {
 
 // Around what a box of a posed set holds.
-struct WorldSides {
-  Vec3 low, high;
-};
-
-WorldSides world_sides(const Pose& pose, const Vec3& low, const Vec3& high) {
-  const Vec3 middle = pose.apply(0.5 * (low + high)), half = 0.5 * (high - low);
+Box world_sides(const Pose& pose, const Box& box) {
+  const Vec3 middle = pose.apply(0.5 * (box.low + box.high)), half = 0.5 * (box.high - box.low);
   std::array<double, 3> out;
   for (std::size_t i = 0; i < 3; ++i) {
     out[i] = std::fabs(pose.m[4 * i]) * half.x + std::fabs(pose.m[4 * i + 1]) * half.y +
@@ -185,7 +182,7 @@ class ClearanceGrid::Marking {
     const PartNode node = level > 0 ? parts_.levels()[level - 1][index] : parts_.leaf_boxes(index);
     for (std::size_t k = 0; k < kChildren; ++k) {
       if (!(node.half[0][k] >= 0)) continue;
-      const WorldSides sides = sides_of(node, k);
+      const Box sides = sides_of(node, k);
       if (is_outside(sides)) continue;
       if (is_in_one_cell(sides) || (level == 0 && !are_balls())) {
         mark(sides);
@@ -205,7 +202,7 @@ class ClearanceGrid::Marking {
     }
   }
 
-  void mark(const WorldSides& sides) {
+  void mark(const Box& sides) {
     const std::size_t from = grid_.cell_of(0, sides.low.x), past = grid_.cell_of(0, sides.high.x) + 1;
     for (std::size_t k = grid_.cell_of(2, sides.low.z); k <= grid_.cell_of(2, sides.high.z); ++k) {
       for (std::size_t j = grid_.cell_of(1, sides.low.y); j <= grid_.cell_of(1, sides.high.y); ++j) {
@@ -214,44 +211,41 @@ class ClearanceGrid::Marking {
     }
   }
 
-  WorldSides sides_of(const PartNode& node, std::size_t child) const {
+  Box sides_of(const PartNode& node, std::size_t child) const {
     std::array<double, 3> low, high;
     for (std::size_t i = 0; i < 3; ++i) {
       const auto centre = static_cast<double>(node.centre[i][child]), half = static_cast<double>(node.half[i][child]);
-      const double middle = parts_.middle()[static_cast<int>(i)];
+      const double middle = parts_.middle()[i];
       const double around = larger(half / parts_.units() - least_radius_, 0);
       low[i] = middle + centre / parts_.units() - around, high[i] = middle + centre / parts_.units() + around;
     }
-    return world_sides(pose_, {low[0], low[1], low[2]}, {high[0], high[1], high[2]});
+    return world_sides(pose_, {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}});
   }
 
   // Beyond a closed side; no part is beyond another one.
-  bool is_outside(const WorldSides& sides) const {
+  bool is_outside(const Box& sides) const {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const int i = static_cast<int>(axis);
       const double low = grid_.low_[axis], high = low + static_cast<double>(grid_.cells_[axis]) * grid_.step_;
-      if (grid_.closed_[axis] && sides.high[i] < low) return true;
-      if (grid_.closed_[axis + 3] && sides.low[i] > high) return true;
+      if (grid_.closed_[axis] && sides.high[axis] < low) return true;
+      if (grid_.closed_[axis + 3] && sides.low[axis] > high) return true;
     }
     return false;
   }
 
-  bool is_in_one_cell(const WorldSides& sides) const {
+  bool is_in_one_cell(const Box& sides) const {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const int i = static_cast<int>(axis);
-      if (grid_.cell_of(axis, sides.low[i]) != grid_.cell_of(axis, sides.high[i])) return false;
+      if (grid_.cell_of(axis, sides.low[axis]) != grid_.cell_of(axis, sides.high[axis])) return false;
     }
     return true;
   }
 };
 
 ClearanceGrid::ClearanceGrid(const PartSet& parts, const Pose& pose, double reach) {
-  const WorldSides all = world_sides(pose, parts.low(), parts.high());
+  const Box all = world_sides(pose, parts.box());
   std::array<double, 3> low, high;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const int i = static_cast<int>(axis);
-    closed_[axis] = all.low[i]<-reach, closed_[axis + 3] = all.high[i]> reach;
-    low[axis] = std::clamp(all.low[i], -reach, reach), high[axis] = std::clamp(all.high[i], -reach, reach);
+    closed_[axis] = all.low[axis]<-reach, closed_[axis + 3] = all.high[axis]> reach;
+    low[axis] = std::clamp(all.low[axis], -reach, reach), high[axis] = std::clamp(all.high[axis], -reach, reach);
   }
   lay_out({low[0], low[1], low[2]}, {high[0], high[1], high[2]});
   if (step_ > kLongestStep) return;
@@ -265,12 +259,11 @@ ClearanceGrid::ClearanceGrid(const PartSet& parts, const Pose& pose, double reac
 void ClearanceGrid::lay_out(const Vec3& low, const Vec3& high) {
   constexpr double kLonger = 1.03;
   const Vec3 size = high - low;
-  const auto count = [&](int axis) { return std::floor(size[axis] / step_) + 1; };
+  const auto count = [&](std::size_t axis) { return std::floor(size[axis] / step_) + 1; };
   for (step_ = kShortestStep; count(0) * count(1) * count(2) > kMostGridCells;) step_ *= kLonger;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const int i = static_cast<int>(axis);
-    cells_[axis] = static_cast<std::size_t>(count(i));
-    low_[axis] = low[i], last_[axis] = count(i) - 1;
+    cells_[axis] = static_cast<std::size_t>(count(axis));
+    low_[axis] = low[axis], last_[axis] = count(axis) - 1;
   }
   row_ = static_cast<std::int32_t>((cells_[0] + 3) / 4), rows_ = static_cast<std::int32_t>((cells_[1] + 3) / 4);
   per_step_ = 1 / step_, unit_ = step_ / kStepParts;

@@ -14,11 +14,10 @@ struct FloatBox {
   std::array<float, 3> low, high;
 };
 
-inline FloatBox rounded_outwards(const WorldBox& box) {
+inline FloatBox rounded_outwards(const Box& box) {
   FloatBox out;
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto axis = static_cast<int>(i);
-    out.low[i] = rounded_down(box.low[axis]), out.high[i] = rounded_up(box.high[axis]);
+    out.low[i] = rounded_down(box.low[i]), out.high[i] = rounded_up(box.high[i]);
   }
   return out;
 }
@@ -33,7 +32,7 @@ struct BoxLanes {
 };
 
 template <FloatVector Numbers>
-std::vector<BoxLanes<Numbers>> side_by_side(const std::vector<WorldBox>& boxes) {
+std::vector<BoxLanes<Numbers>> side_by_side(const std::vector<Box>& boxes) {
   constexpr std::size_t kCount = BoxLanes<Numbers>::kCount;
   std::vector<BoxLanes<Numbers>> out((boxes.size() + kCount - 1) / kCount);
   for (std::size_t b = 0; b < boxes.size(); ++b) {

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "bodies/polytope.hpp"
+#include "math/box.hpp"
 #include "math/vec.hpp"
 
 namespace plannercheck {
@@ -28,5 +29,12 @@ struct GeometryObject {
   std::int32_t link = -1;  // −1: fixed to the world
   Pose placement;          // on the link, or in the world
 };
+
+// Around the placed hull, without the inflation radius.
+inline Box box_around_hull(const GeometryObject& object) {
+  Box box;
+  for (const Vec3& v : object.body->inner.points) box.add(object.placement.apply(v));
+  return box;
+}
 
 }  // namespace plannercheck

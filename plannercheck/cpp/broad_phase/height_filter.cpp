@@ -26,15 +26,15 @@ std::size_t HeightFilter::field_of(std::int32_t index, const GeometryObject& obj
   if (known != fields_.end()) return static_cast<std::size_t>(known - fields_.begin());
   const PartSet& parts = object.body->as<PartSet>();
   const Pose& pose = object.placement;
-  const Vec3 origin = pose.translation(), low = parts.low(), high = parts.high(), corner = parts.ceilings().corner();
+  const Vec3 origin = pose.translation(), low = parts.box().low, high = parts.box().high,
+             corner = parts.ceilings().corner();
   Field field;
   field.index = index, field.parts = std::get<std::shared_ptr<const PartSet>>(object.body->shape),
   field.ceilings = parts.ceilings().values();
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto axis = static_cast<int>(i);
     for (std::size_t j = 0; j < 3; ++j) field.turn[3 * i + j] = static_cast<float>(pose.m[4 * j + i]);
-    field.origin[i] = static_cast<float>(origin[axis]), field.corner[i] = static_cast<float>(corner[axis]);
-    field.low[i] = rounded_down(low[axis]), field.high[i] = rounded_up(high[axis]);
+    field.origin[i] = static_cast<float>(origin[i]), field.corner[i] = static_cast<float>(corner[i]);
+    field.low[i] = rounded_down(low[i]), field.high[i] = rounded_up(high[i]);
   }
   field.unit = static_cast<float>(parts.ceilings().unit());
   field.size = norm_1(origin) + norm_1(low) + norm_1(high) + norm_1(corner);

@@ -52,7 +52,7 @@ class HeightFilter {
   const std::vector<Row>& rows() const { return rows_; }
 
   Masks look(const Row& row, const PosedBalls& ball) const {
-    return {.apart = state_bits(is_clear(fields_[row.field], row.level, ball.x, ball.y, ball.z, ball.radius))};
+    return {.apart = bits(is_clear(fields_[row.field], row.level, ball.x, ball.y, ball.z, ball.radius))};
   }
 
   // Eight balls of one state at a time: calls found(pair) for pairs that may touch.
@@ -61,7 +61,7 @@ class HeightFilter {
     for (const Field& field : fields_) {
       for (const Eight& own : field.eights) {
         const SingleStateFilter::Posed& ball = balls.posed[own.index];
-        const unsigned clear = float_bits(is_clear(field, own.level, ball.x, ball.y, ball.z, ball.radius));
+        const unsigned clear = bits(is_clear(field, own.level, ball.x, ball.y, ball.z, ball.radius));
         for (unsigned near = ~clear & own.paired; near != 0; near &= near - 1)
           found(own.pairs[static_cast<std::size_t>(__builtin_ctz(near))]);
       }

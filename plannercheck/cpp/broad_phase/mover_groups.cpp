@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <map>
 #include <utility>
 
@@ -16,17 +15,13 @@ constexpr std::size_t kMostMovers = 8;  // larger ones never paid off with any o
 constexpr double kBodyCost = 1.5, kGroupCost = 3;
 
 // The box around all movers of a group, by state.
-typedef std::vector<WorldBox> Extent;
+typedef std::vector<Box> Extent;
 
-constexpr double kFarthest = std::numeric_limits<double>::infinity();
-constexpr WorldBox kNothing{{kFarthest, kFarthest, kFarthest}, {-kFarthest, -kFarthest, -kFarthest}};
-
-void add(const BoundingBall& ball, const double* m, WorldBox& box) {
+void add(const BoundingBall& ball, const double* m, Box& box) {
   const double x = ball.centre[0], y = ball.centre[1], z = ball.centre[2], r = ball.radius;
   const Vec3 c{m[0] * x + m[1] * y + m[2] * z + m[3], m[4] * x + m[5] * y + m[6] * z + m[7],
                m[8] * x + m[9] * y + m[10] * z + m[11]};
-  box.low = {smaller(box.low.x, c.x - r), smaller(box.low.y, c.y - r), smaller(box.low.z, c.z - r)};
-  box.high = {larger(box.high.x, c.x + r), larger(box.high.y, c.y + r), larger(box.high.z, c.z + r)};
+  box.add(Box{c, c}.grown(r));
 }
 
 void add(const std::vector<BoundingBall>& movers, std::size_t mover, const SampledPoses& sampled, Extent& extent) {
@@ -35,7 +30,7 @@ void add(const std::vector<BoundingBall>& movers, std::size_t mover, const Sampl
     add(movers[mover], &sampled.poses[s * size + 16 * at(movers[mover].link)], extent[s]);
 }
 
-bool meet(const WorldBox& a, const WorldBox& b) {
+bool meet(const Box& a, const Box& b) {
   return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
          a.low.z <= b.high.z && b.low.z <= a.high.z;
 }
@@ -70,7 +65,7 @@ std::vector<PairsOfGroups> pairs_among(std::vector<MoverGroup>& groups, const st
   std::vector<Extent> extents;
   std::vector<std::size_t> group_of;  // by mover
   for (const MoverGroup& group : groups) {
-    Extent& extent = extents.emplace_back(sampled.states, kNothing);
+    Extent& extent = extents.emplace_back(sampled.states);
     for (std::size_t m = group.first; m < group.last; ++m) {
       add(movers, m, sampled, extent);
       group_of.push_back(extents.size() - 1);
@@ -99,15 +94,15 @@ std::vector<PairsOfGroups> pairs_among(std::vector<MoverGroup>& groups, const st
 }  // namespace
 
 // The cheapest way to cut the row of movers into groups, by the last group of each prefix of the row.
-MoverGroups mover_groups(const std::vector<BoundingBall>& movers, const std::vector<WorldBox>& boxes,
+MoverGroups mover_groups(const std::vector<BoundingBall>& movers, const std::vector<Box>& boxes,
                          const std::vector<std::int32_t>& pair_of, const std::vector<MovingPair>& moving_pairs,
                          const SampledPoses& sampled) {
   const std::size_t n = movers.size();
-  std::vector<double> cost(n + 1, kFarthest);  // of the first i movers
-  std::vector<std::size_t> begin(n + 1, 0);    // of their last group
+  std::vector<double> cost(n + 1, Box::kFarthest);  // of the first i movers
+  std::vector<std::size_t> begin(n + 1, 0);         // of their last group
   cost[0] = 0;
   for (std::size_t first = 0; first < n; ++first) {
-    Extent extent(sampled.states, kNothing);
+    Extent extent(sampled.states);
     for (std::size_t last = first + 1; last <= std::min(first + kMostMovers, n); ++last) {
       add(movers, last - 1, sampled, extent);
       const auto count = static_cast<double>(last - first);
@@ -122,7 +117,7 @@ MoverGroups mover_groups(const std::vector<BoundingBall>& movers, const std::vec
   std::vector<MoverGroup> out;
   for (std::size_t last = n; last > 0; last = begin[last]) {
     MoverGroup group{begin[last], last, obstacles_of(begin[last], last, boxes.size(), pair_of), {}, 0};
-    std::vector<WorldBox> of_obstacles;
+    std::vector<Box> of_obstacles;
     for (const std::int32_t o : group.obstacles) of_obstacles.push_back(boxes[at(o)]);
     group.boxes = side_by_side<StateFloats>(of_obstacles);
     const auto row = [&](std::size_t mover) {

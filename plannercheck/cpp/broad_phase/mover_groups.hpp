@@ -38,7 +38,7 @@ struct MoverGroups {
 };
 
 // pair_of[mover * boxes.size() + obstacle]: −1 where there is no pair.
-MoverGroups mover_groups(const std::vector<BoundingBall>& movers, const std::vector<WorldBox>& boxes,
+MoverGroups mover_groups(const std::vector<BoundingBall>& movers, const std::vector<Box>& boxes,
                          const std::vector<std::int32_t>& pair_of, const std::vector<MovingPair>& moving_pairs,
                          const SampledPoses& sampled);
 

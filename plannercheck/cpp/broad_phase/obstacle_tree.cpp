@@ -5,27 +5,22 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-}  // namespace
-
-WorldBox box_around(const std::vector<WorldBox>& boxes, IndexRange range) {
-  WorldBox out = boxes[at(*range.first)];
-  for (const std::int32_t* i = range.first; i != range.last; ++i) {
-    const WorldBox& box = boxes[at(*i)];
-    out.low = {smaller(out.low.x, box.low.x), smaller(out.low.y, box.low.y), smaller(out.low.z, box.low.z)};
-    out.high = {larger(out.high.x, box.high.x), larger(out.high.y, box.high.y), larger(out.high.z, box.high.z)};
-  }
+Box box_around(const std::vector<Box>& boxes, IndexRange range) {
+  Box out;
+  for (const std::int32_t* i = range.first; i != range.last; ++i) out.add(boxes[at(*i)]);
   return out;
 }
 
-ObstacleTree::ObstacleTree(const std::vector<WorldBox>& boxes) {
+}  // namespace
+
+ObstacleTree::ObstacleTree(const std::vector<Box>& boxes) {
   std::vector<std::int32_t> order = indices_below(boxes.size());
   std::vector<Vec3> centres;
-  for (const WorldBox& box : boxes) centres.push_back(box.twice_centre());
+  for (const Box& box : boxes) centres.push_back(box.low + box.high);
   if (!order.empty()) build(boxes, centres, {order.data(), order.data() + order.size()});
 }
 
-std::int32_t ObstacleTree::build(const std::vector<WorldBox>& boxes, const std::vector<Vec3>& centres,
-                                 IndexRange range) {
+std::int32_t ObstacleTree::build(const std::vector<Box>& boxes, const std::vector<Vec3>& centres, IndexRange range) {
   std::ptrdiff_t capacity = 1;
   while (capacity * kFloats < range.size()) capacity *= kFloats;
   const std::vector<IndexRange> parts = spatial_partition(centres, range, capacity);
@@ -35,7 +30,7 @@ std::int32_t ObstacleTree::build(const std::vector<WorldBox>& boxes, const std::
   Node node;
   for (std::size_t k = 0; k < kFloats; ++k) {
     const bool empty = k >= parts.size();
-    const WorldBox box = empty ? WorldBox{} : box_around(boxes, parts[k]);
+    const Box box = empty ? Box{} : box_around(boxes, parts[k]);
     node.low_x[k] = empty ? kInfinity : rounded_down(box.low.x),
     node.high_x[k] = empty ? -kInfinity : rounded_up(box.high.x);
     node.low_y[k] = empty ? kInfinity : rounded_down(box.low.y),

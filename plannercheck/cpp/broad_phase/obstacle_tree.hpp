@@ -12,20 +12,12 @@
 #include <limits>
 #include <vector>
 
+#include "math/box.hpp"
 #include "math/simd.hpp"
 #include "math/spatial_partition.hpp"
 #include "math/vec.hpp"
 
 namespace plannercheck {
-
-struct WorldBox {
-  Vec3 low, high;
-
-  Vec3 twice_centre() const { return low + high; }
-};
-
-// The box around a range of the boxes.
-WorldBox box_around(const std::vector<WorldBox>& boxes, IndexRange range);
 
 // A ball in the world that holds the body it bounds; its radius includes the rounding of its centre.
 struct FloatSphere {
@@ -58,7 +50,7 @@ inline float rounded_up(double value) { return -rounded_down(-value); }
 
 class ObstacleTree {
  public:
-  explicit ObstacleTree(const std::vector<WorldBox>& boxes);
+  explicit ObstacleTree(const std::vector<Box>& boxes);
 
   // Appends the boxes that the sphere may touch.
   void collect(const FloatSphere& sphere, std::vector<std::int32_t>& found) const;
@@ -74,7 +66,7 @@ class ObstacleTree {
 
   std::vector<Node> nodes_;  // the root first
 
-  std::int32_t build(const std::vector<WorldBox>& boxes, const std::vector<Vec3>& centres, IndexRange range);
+  std::int32_t build(const std::vector<Box>& boxes, const std::vector<Vec3>& centres, IndexRange range);
   static unsigned near_children(const Node& node, const FloatSphere& sphere);
 };
 

@@ -89,9 +89,8 @@ BodyBounds::BoxInside BodyBounds::box_inside(const Polytope& body) {
   if (!inner) return out;
   const Vec3 middle = 0.5 * (body.low + body.high);
   for (std::size_t j = 0; j < 3; ++j) {
-    const auto axis = static_cast<int>(j);
-    out.low[j] = static_cast<float>(inner->low[axis] - middle[axis]);
-    out.high[j] = static_cast<float>(inner->high[axis] - middle[axis]);
+    out.low[j] = static_cast<float>(inner->low[j] - middle[j]);
+    out.high[j] = static_cast<float>(inner->high[j] - middle[j]);
   }
   out.exists = true;
   out.radius = below(inner->radius + body.inflation_radius);

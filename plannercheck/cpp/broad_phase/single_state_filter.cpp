@@ -52,7 +52,7 @@ int place_in_eight(std::size_t ball) { return static_cast<int>(ball % kFloats); 
 
 SingleStateFilter::SingleStateFilter(std::vector<BoundingBall> balls,
                                      const std::vector<std::vector<BoundingBall>>& slices,
-                                     const std::vector<WorldBox>& boxes, const std::vector<Partner>& balls_with_balls,
+                                     const std::vector<Box>& boxes, const std::vector<Partner>& balls_with_balls,
                                      const std::vector<Partner>& balls_with_boxes)
     : balls_(std::move(balls)) {
   std::vector<std::size_t> first_slice;
@@ -118,10 +118,10 @@ void SingleStateFilter::add_slice_tests(const std::vector<Partner>& partners,
   slice_tests_.insert(slice_tests_.end(), tests.begin(), tests.end());
 }
 
-void SingleStateFilter::add_box_tests(std::vector<Partner> partners, const std::vector<WorldBox>& boxes) {
+void SingleStateFilter::add_box_tests(std::vector<Partner> partners, const std::vector<Box>& boxes) {
   const auto eight = [](const Partner& partner) { return partner.ball / kFloats; };
   for (const auto& together : by_eights(partners, eight)) {
-    std::vector<WorldBox> of_partners;
+    std::vector<Box> of_partners;
     for (const Partner& partner : together) of_partners.push_back(boxes[partner.other]);
     BoxTest test{{{}, eight(together[0])}, side_by_side<Floats>(of_partners)[0]};
     for (std::size_t k = 0; k < together.size(); ++k) test.balls.places[k] = place_in_eight(together[k].ball);

@@ -34,7 +34,7 @@ class SingleStateFilter {
   SingleStateFilter() = default;
   // `slices`: by ball, those that hold the body in its place, or none.
   SingleStateFilter(std::vector<BoundingBall> balls, const std::vector<std::vector<BoundingBall>>& slices,
-                    const std::vector<WorldBox>& boxes, const std::vector<Partner>& balls_with_balls,
+                    const std::vector<Box>& boxes, const std::vector<Partner>& balls_with_balls,
                     const std::vector<Partner>& balls_with_boxes);
 
   // Eight posed balls.
@@ -98,7 +98,7 @@ class SingleStateFilter {
                       const std::vector<std::size_t>& first_slice);
   void add_slice_tests(const std::vector<Partner>& partners, const std::vector<std::vector<BoundingBall>>& slices,
                        const std::vector<std::size_t>& first_slice);
-  void add_box_tests(std::vector<Partner> partners, const std::vector<WorldBox>& boxes);
+  void add_box_tests(std::vector<Partner> partners, const std::vector<Box>& boxes);
   static std::uint8_t near_balls(const BallTest& test, const Posed* posed);
   static std::uint8_t near_boxes(const BoxTest& test, const Posed* posed);
 

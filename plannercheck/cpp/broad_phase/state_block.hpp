@@ -17,19 +17,6 @@ static_assert(kBlockGroups * kLanes == kBlockStates);
 typedef float StateFloats __attribute__((vector_size(kBlockStates * 4)));
 typedef int StateMask __attribute__((vector_size(kBlockStates * 4)));
 
-// Bit k of the result: state k of a comparison.
-inline unsigned state_bits(StateMask mask) {
-#if defined(__AVX512DQ__)
-  return _mm512_movepi32_mask(reinterpret_cast<__m512i>(mask));
-#elif defined(__AVX__) && !defined(PLANNERCHECK_EIGHT_LANES)
-  return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
-#else
-  unsigned out = 0;
-  for (int i = 0; i < kBlockStates; ++i) out |= mask[i] != 0 ? 1U << i : 0U;
-  return out;
-#endif
-}
-
 // Index into the link poses of a block: number i of the row-major 3x4 matrix of a link, for the states of a group.
 inline std::size_t pose_index(std::size_t links, std::size_t group, std::size_t link) {
   return (group * links + link) * 12;

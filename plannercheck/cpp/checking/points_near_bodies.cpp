@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "math/box.hpp"
 #include "math/interruption.hpp"
 #include "narrow_phase/distance.hpp"
 #include "narrow_phase/movable_ball.hpp"
@@ -53,17 +54,12 @@ class PointBlock {
 
   void enclose(std::size_t run) {
     const std::size_t first = start(run), past = first + static_cast<std::size_t>(count(run));
-    Vec3 low = point(first), high = low;
+    Box box;
     double most = radius_[first];
-    for (std::size_t i = first + 1; i < past; ++i) {
-      low = {smaller(low.x, x_[i]), smaller(low.y, y_[i]), smaller(low.z, z_[i])};
-      high = {larger(high.x, x_[i]), larger(high.y, y_[i]), larger(high.z, z_[i])};
-      most = larger(most, radius_[i]);
-    }
+    for (std::size_t i = first; i < past; ++i) box.add(point(i)), most = larger(most, radius_[i]);
     // Halves first: sums of large numbers overflow.
-    const Vec3 middle = 0.5 * low + 0.5 * high;
-    const Vec3 half{larger(high.x - middle.x, middle.x - low.x), larger(high.y - middle.y, middle.y - low.y),
-                    larger(high.z - middle.z, middle.z - low.z)};
+    const Vec3 middle = 0.5 * box.low + 0.5 * box.high;
+    const Vec3 half = larger(box.high - middle, middle - box.low);
     middle_x_[run] = middle.x, middle_y_[run] = middle.y, middle_z_[run] = middle.z;
     run_radius_[run] = (norm_above(half) + most) * kBodyRunRounding;
   }

@@ -19,8 +19,7 @@ ReachCells::ReachCells(const std::vector<std::vector<Vec3>>& centres, std::vecto
     const std::size_t whole = (set.size() + kCellsAtOnce - 1) / kCellsAtOnce * kCellsAtOnce;
     Centres out;
     for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t k = 0; k < whole; ++k)
-        out.along[i].push_back(set[k < set.size() ? k : set.size() - 1][static_cast<int>(i)]);
+      for (std::size_t k = 0; k < whole; ++k) out.along[i].push_back(set[k < set.size() ? k : set.size() - 1][i]);
     }
     centres_.push_back(std::move(out));
   }
@@ -45,9 +44,8 @@ bool ReachCells::is_clear(const ReachCut& cut, const ReachObstacle& obstacle) co
     const Lanes x = load_lanes(&along[0][k]), y = load_lanes(&along[1][k]), z = load_lanes(&along[2][k]);
     Lanes square{};
     for (std::size_t j = 0; j < 3; ++j) {
-      const int axis = static_cast<int>(j);
-      const Lanes offset = ((m[j] * x + m[4 + j] * y) + m[8 + j] * z) - middle[axis];
-      const Lanes beyond = larger(absolute(offset) - half[axis], Lanes{});
+      const Lanes offset = ((m[j] * x + m[4 + j] * y) + m[8 + j] * z) - middle[j];
+      const Lanes beyond = larger(absolute(offset) - half[j], Lanes{});
       square += beyond * beyond;
     }
     if (bits(square > room * room) != (1U << kLanes) - 1) return false;  // NaN counts as near

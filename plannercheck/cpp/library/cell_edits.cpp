@@ -148,8 +148,6 @@ struct NewPairs {
   std::vector<CertifiedPair> chains;
 };
 
-const ChainedTable& whole_table(const PreparedCell& cell) { return cell.has_limits ? cell.all : cell.within_limits; }
-
 // The place of each of the cell's rows among a table's pairs, or −1.
 Rows places_in(const ChainedTable& table, std::size_t rows) {
   Rows place(rows, -1);
@@ -250,7 +248,7 @@ PreparedCell with_pairs(const PreparedCell& old, PreparedCell cell, const Rows& 
   }
   cell.pairs = made.pairs;
   cell.has_limits |= std::find(cell.unreachable.begin(), cell.unreachable.end(), 1) != cell.unreachable.end();
-  const ChainedTable& whole = whole_table(old);
+  const ChainedTable& whole = old.chained(Table::kAll);
   const auto table = [&](Table which) {
     const Rows rows = rows_of(cell, which);
     ChainedTable out = chained(cell, whole, old.pairs.size(), made, rows);
@@ -290,7 +288,7 @@ PreparedCell with_new(const PreparedCell& old, PreparedCell cell, const Edit& ed
     cell.paddings[at(body)] = padding;
   }
   cell.obstacles.push_back(edit.name);
-  const auto& from_world = whole_table(old).from_world;
+  const auto& from_world = old.chained(Table::kAll).from_world;
   std::vector<CertifiedPair> added;
   for (const auto& [meeting, which] : as.pairs) {
     const auto chain = std::find_if(from_world.begin(), from_world.end(),

@@ -8,17 +8,6 @@
 namespace plannercheck {
 namespace {
 
-std::size_t columns_of(PartKind kind) {
-  switch (kind) {
-    case PartKind::kCircle:
-      return 2;
-    case PartKind::kFree:
-      return 7;
-    default:
-      return 4;
-  }
-}
-
 void read_drives(CellFile& file, PreparedCell& cell) {
   const auto drives = file.integers("drives", 2);
   const auto factors = file.doubles("factors", 2);
@@ -37,7 +26,7 @@ void read_parts(CellFile& file, PreparedCell& cell) {
   for (std::size_t k = 0; k < parts.size(); k += 2) {
     require_sound(parts[k] >= 0 && parts[k] <= static_cast<std::int32_t>(PartKind::kFree), "a part's kind");
     const PathPart part{static_cast<PartKind>(parts[k]), parts[k + 1]};
-    const std::size_t columns = columns_of(part.kind);
+    const std::size_t columns = part.width();
     require_sound(part.column >= 0 && at(part.column) + columns <= cell.width(), "a part's columns");
     for (std::size_t c = at(part.column); c < at(part.column) + columns; ++c) {
       require_sound(!covered[c], "a part's columns");

@@ -159,7 +159,7 @@ Result<std::size_t> Checker::check_motions(std::span<const double> q0, std::span
     for (const Table table : kTables) {
       const std::vector<std::size_t>& rows = state.rows[index_of(table)];
       if (rows.empty()) continue;
-      if (!chained(*impl_->cell, table).touching.empty()) {  // at every state, so no motion is free
+      if (!impl_->cell->chained(table).touching.empty()) {  // at every state, so no motion is free
         for (const std::size_t row : rows) free[row] = 0;
         continue;
       }
@@ -211,7 +211,7 @@ Result<MotionVerdict> Checker::explain_motion(std::span<const double> q0, std::s
     Workspace::State& state = state_of(workspace);
     const double* const end = impl_->turned(q0, q1, state.ends);
     const Table table = impl_->table_of_motion(q0.data(), q1.data(), end, 0);
-    const std::vector<std::int32_t>& touching = chained(*impl_->cell, table).touching;
+    const std::vector<std::int32_t>& touching = impl_->cell->chained(table).touching;
     if (!touching.empty()) return MotionVerdict{false, 0, -1, impl_->named(at(touching[0]))};
     const MotionReport report = impl_->engine().explain_motion(table, {q0.data(), end}, tolerance, *state.scratch);
     check_precise(report.answer, "motion 0", tolerance);

@@ -63,10 +63,6 @@ inline void check_precise(MotionAnswer answer, const std::string& what, double t
                   rounded(tolerance, 6) + " m; choose a larger tolerance, or smaller numbers");
 }
 
-inline const ChainedTable& chained(const PreparedCell& cell, Table table) {
-  return table == Table::kAll && cell.has_limits ? cell.all : cell.within_limits;
-}
-
 [[noreturn]] inline void refuse_range(const PreparedCell& cell, const char* what, std::size_t row, std::size_t column) {
   throw CallError(what + (' ' + std::to_string(row)) + ": column " + std::to_string(column) + " leaves " +
                   listed(std::array{cell.usual_low[column], cell.usual_high[column]}) +

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "library/checker_impl.hpp"
+#include "math/box.hpp"
 
 namespace plannercheck {
 namespace {
@@ -35,11 +36,8 @@ Result<Checker> Checker::with_box(const std::string& name, std::span<const doubl
                         shown(size[k]));
     }
     Edit edit = edit_of(Edit::Kind::kHull, name, pose);
-    for (const double x : {-0.5, 0.5}) {
-      for (const double y : {-0.5, 0.5}) {
-        for (const double z : {-0.5, 0.5}) edit.points.push_back({x * size[0], y * size[1], z * size[2]});
-      }
-    }
+    const Vec3 half = 0.5 * Vec3{size[0], size[1], size[2]};
+    edit.points = Box{-half, half}.corners();
     return Checker(std::make_shared<const Impl>(*impl_, edit));
   });
 }

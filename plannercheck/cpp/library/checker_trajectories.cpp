@@ -263,7 +263,7 @@ Result<bool> Checker::check_trajectory(const Trajectory& trajectory, Workspace& 
       };
       for (past = k + 1; past < count && is_alike(past); ++past) {
       }
-      if (!chained(*impl_->cell, judged.tables[k]).touching.empty()) return false;
+      if (!impl_->cell->chained(judged.tables[k]).touching.empty()) return false;
       impl_->engine().check_motions(judged.tables[k], judged.from(trajectory, k), past - k, tolerance,
                                     state.answers.data() + k, *state.scratch);
       for (std::size_t i = k; i < past; ++i) {
@@ -285,7 +285,7 @@ Result<MotionVerdict> Checker::explain_trajectory(const Trajectory& trajectory, 
     for (std::size_t k = 0; k < judged.tables.size(); ++k) {
       const double start = trajectory.breaks[k], end = trajectory.breaks[k + 1];
       const auto time = [&](double s) { return s < 0 ? -1 : std::min(start + (end - start) * s, end); };
-      const std::vector<std::int32_t>& touching = chained(*impl_->cell, judged.tables[k]).touching;
+      const std::vector<std::int32_t>& touching = impl_->cell->chained(judged.tables[k]).touching;
       if (!touching.empty()) return MotionVerdict{false, start, -1, impl_->named(at(touching[0]))};
       const MotionReport report =
           impl_->engine().explain_motion(judged.tables[k], judged.from(trajectory, k)[0], tolerance, *state.scratch);

@@ -58,7 +58,7 @@ class CompiledTable {
  public:
   CompiledTable(std::shared_ptr<const PreparedCell> cell, Table table)
       : cell_(std::move(cell)),
-        chained_(table == Table::kAll && cell_->has_limits ? cell_->all : cell_->within_limits),
+        chained_(cell_->chained(table)),
         rows_(rows_of(*cell_, table)),
         is_within_limits_(table == Table::kWithinLimits) {}
 

@@ -78,6 +78,7 @@ struct PreparedCell {
   ChainedTable all;  // none unless `has_limits`
 
   std::size_t width() const { return lower.size(); }
+  const ChainedTable& chained(Table table) const { return table == Table::kAll && has_limits ? all : within_limits; }
 };
 
 // The rows of a cell's pairs that are in a table, ascending.

@@ -228,63 +228,45 @@ inline Indices gathered_shorts(const unsigned short* from, Indices index) {
 }
 
 // Bit k of the result: lane k of a comparison.
-inline unsigned bits(LaneMask mask) {
-#if defined(__AVX512DQ__)
-  return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask));
-#elif defined(__AVX__) && !defined(PLANNERCHECK_EIGHT_LANES)
-  return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
-#else
-  unsigned out = 0;
-  for (int i = 0; i < kLanes; ++i) out |= mask[i] != 0 ? 1U << i : 0U;
-  return out;
-#endif
-}
-
-// Whether a comparison of doubles holds in any lane.
 template <class Mask>
-inline bool any(Mask mask) {
-  if constexpr (std::is_same_v<Mask, LaneMask>) return bits(mask) != 0;
-#if defined(__AVX__)
-  if constexpr (sizeof(Mask) == 32) return _mm256_movemask_pd(reinterpret_cast<__m256d>(mask)) != 0;
+inline unsigned bits(Mask mask) {
+  [[maybe_unused]] constexpr bool are_doubles = sizeof mask[0] == sizeof(double);
+#if defined(__AVX512DQ__)
+  if constexpr (sizeof mask == 64 && are_doubles) return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask));
+  if constexpr (sizeof mask == 64 && !are_doubles) return _mm512_movepi32_mask(reinterpret_cast<__m512i>(mask));
 #endif
-  bool out = false;
-  for (std::size_t k = 0; k < sizeof mask / sizeof mask[0]; ++k) out |= mask[k] != 0;
-  return out;
-}
-
-inline unsigned float_bits(FloatMask mask) {
 #if defined(__AVX__)
-  return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
-#else
-  unsigned out = 0;
-  for (int i = 0; i < kFloats; ++i) out |= mask[i] != 0 ? 1U << i : 0U;
-  return out;
+  if constexpr (sizeof mask == 32 && are_doubles)
+    return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
+  if constexpr (sizeof mask == 32 && !are_doubles)
+    return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
 #endif
-}
-
-template <class Vector>
-inline unsigned bits_of_lanes(Vector mask) {
   unsigned out = 0;
   for (std::size_t k = 0; k < sizeof mask / sizeof mask[0]; ++k) out |= mask[k] != 0 ? 1U << k : 0U;
   return out;
 }
 
-// Bit k of the result: whether a > b in lane k. AVX-512 compares into bits at once, of which GCC makes a mask in lanes
-// before it can be asked for its bits.
+#if defined(__AVX512VL__) && defined(__AVX512DQ__)
+// AVX-512 compares into bits at once, of which GCC makes a mask in lanes before it can be asked for its bits.
+template <int comparison, class Vector>
+inline unsigned compared_bits(Vector a, Vector b) {
+  if constexpr (!FloatVector<Vector>) {
+    return _mm512_cmp_pd_mask(reinterpret_cast<__m512d>(a), reinterpret_cast<__m512d>(b), comparison);
+  } else if constexpr (sizeof(Vector) == 64) {
+    return _mm512_cmp_ps_mask(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b), comparison);
+  } else {
+    return _mm256_cmp_ps_mask(reinterpret_cast<__m256>(a), reinterpret_cast<__m256>(b), comparison);
+  }
+}
+#endif
+
+// Bit k of the result: whether a > b in lane k.
 template <class Vector>
 inline unsigned bits_above(Vector a, Vector b) {
 #if defined(__AVX512VL__) && defined(__AVX512DQ__)
-  if constexpr (!FloatVector<Vector>) {
-    return _mm512_cmp_pd_mask(reinterpret_cast<__m512d>(a), reinterpret_cast<__m512d>(b), _CMP_GT_OS);
-  } else if constexpr (sizeof(Vector) == 64) {
-    return _mm512_cmp_ps_mask(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b), _CMP_GT_OS);
-  } else {
-    return _mm256_cmp_ps_mask(reinterpret_cast<__m256>(a), reinterpret_cast<__m256>(b), _CMP_GT_OS);
-  }
+  return compared_bits<_CMP_GT_OS>(a, b);
 #else
-  if constexpr (std::is_same_v<Vector, Lanes>) return bits(a > b);
-  if constexpr (std::is_same_v<Vector, Floats>) return float_bits(a > b);
-  return bits_of_lanes(a > b);
+  return bits(a > b);
 #endif
 }
 
@@ -304,8 +286,7 @@ class BitsOfAny {
 #if defined(__AVX512VL__) && defined(__AVX512DQ__)
     return bits_;
 #else
-    if constexpr (std::is_same_v<Vector, Floats>) return float_bits(mask_);
-    return bits_of_lanes(mask_);
+    return plannercheck::bits(mask_);
 #endif
   }
 
@@ -321,17 +302,9 @@ class BitsOfAny {
 template <class Vector>
 inline unsigned bits_at_most(Vector a, Vector b) {
 #if defined(__AVX512VL__) && defined(__AVX512DQ__)
-  if constexpr (!FloatVector<Vector>) {
-    return _mm512_cmp_pd_mask(reinterpret_cast<__m512d>(a), reinterpret_cast<__m512d>(b), _CMP_LE_OS);
-  } else if constexpr (sizeof(Vector) == 64) {
-    return _mm512_cmp_ps_mask(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b), _CMP_LE_OS);
-  } else {
-    return _mm256_cmp_ps_mask(reinterpret_cast<__m256>(a), reinterpret_cast<__m256>(b), _CMP_LE_OS);
-  }
+  return compared_bits<_CMP_LE_OS>(a, b);
 #else
-  if constexpr (std::is_same_v<Vector, Lanes>) return bits(a <= b);
-  if constexpr (std::is_same_v<Vector, Floats>) return float_bits(a <= b);
-  return bits_of_lanes(a <= b);
+  return bits(a <= b);
 #endif
 }
 

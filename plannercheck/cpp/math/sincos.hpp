@@ -88,7 +88,7 @@ template <class Numbers>
   Numbers tail = (second - r) - low;
 
   const Mask beyond = ~((angle <= Numbers{} + kLargestReduced) & (angle >= Numbers{} - kLargestReduced));
-  if (any(beyond)) [[unlikely]] {
+  if (bits(beyond) != 0) [[unlikely]] {
     const Reduced<Numbers> all = reduced_in_integers<Numbers>(angle, beyond, {r, tail, quarter});
     r = all.r, tail = all.tail, quarter = all.quarter;
   }

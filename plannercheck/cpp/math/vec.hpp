@@ -23,7 +23,7 @@ inline std::vector<std::int32_t> indices_below(std::size_t count) {
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 
-  double operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  double operator[](std::size_t axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
 };
 
 inline Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
@@ -37,6 +37,9 @@ inline double norm(Vec3 a) { return std::sqrt(dot(a, a)); }
 // std::fmax is a function call, as it has to handle NaN.
 inline double larger(double a, double b) { return a > b ? a : b; }
 inline double smaller(double a, double b) { return a < b ? a : b; }
+inline Vec3 larger(Vec3 a, Vec3 b) { return {larger(a.x, b.x), larger(a.y, b.y), larger(a.z, b.z)}; }
+inline Vec3 smaller(Vec3 a, Vec3 b) { return {smaller(a.x, b.x), smaller(a.y, b.y), smaller(a.z, b.z)}; }
+inline Vec3 absolute(Vec3 a) { return {std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)}; }
 inline double norm_max(Vec3 a) { return larger(std::fabs(a.x), larger(std::fabs(a.y), std::fabs(a.z))); }
 inline double norm_1(Vec3 a) { return std::fabs(a.x) + std::fabs(a.y) + std::fabs(a.z); }
 
@@ -76,7 +79,8 @@ inline double norm_above(Vec3 v) {
 struct Pose {
   std::array<double, 12> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
-  Vec3 translation() const { return {m[3], m[7], m[11]}; }
+  Vec3 column(std::size_t j) const { return {m[j], m[j + 4], m[j + 8]}; }
+  Vec3 translation() const { return column(3); }
 
   // M v
   Vec3 rotate(Vec3 v) const {

@@ -1,7 +1,6 @@
 #include "motions/link_bounds.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <span>
 
 #include "motions/motion_filters.hpp"
@@ -25,29 +24,7 @@ bool is_bounded_by(const MotionChains& chains, std::int32_t chain, std::int32_t 
   return std::ranges::equal(entries(chain), entries(other), is_no_longer);
 }
 
-LinkBound around_nothing(std::int32_t link) {
-  const double far = std::numeric_limits<double>::infinity();
-  return {at(link), {}, 0, {link, {far, far, far}, {-far, -far, -far}}, 0};
-}
-
-void extend(LinkBox& around, const WorldBox& box) {
-  around.low = {smaller(around.low.x, box.low.x), smaller(around.low.y, box.low.y), smaller(around.low.z, box.low.z)};
-  around.high = {larger(around.high.x, box.high.x), larger(around.high.y, box.high.y),
-                 larger(around.high.z, box.high.z)};
-}
-
 }  // namespace
-
-WorldBox box_around_hull(const GeometryObject& object) {
-  const double far = std::numeric_limits<double>::infinity();
-  WorldBox box{{far, far, far}, {-far, -far, -far}};
-  for (const Vec3& v : object.body->inner.points) {
-    const Vec3 p = object.placement.apply(v);
-    box.low = {smaller(box.low.x, p.x), smaller(box.low.y, p.y), smaller(box.low.z, p.z)};
-    box.high = {larger(box.high.x, p.x), larger(box.high.y, p.y), larger(box.high.z, p.z)};
-  }
-  return box;
-}
 
 std::vector<LinkBound> link_bounds(const MotionModel& model, const std::vector<std::int32_t>& movers,
                                    std::vector<std::size_t>& bound_of) {
@@ -63,7 +40,7 @@ std::vector<LinkBound> link_bounds(const MotionModel& model, const std::vector<s
     const std::int32_t link = model.bodies[at(body)].link;
     if (of_link[at(link)] == none) {
       of_link[at(link)] = bounds.size();
-      bounds.push_back(around_nothing(link)), count.push_back(0);
+      bounds.push_back({at(link), {}, 0, {{}, link}, 0}), count.push_back(0);
     }
     const std::size_t place = bound_of[at(body)] = of_link[at(link)];
     bounds[place].centre = bounds[place].centre + centre(body), ++count[place];
@@ -77,7 +54,7 @@ std::vector<LinkBound> link_bounds(const MotionModel& model, const std::vector<s
     const double way = norm(centre(body) - bound.centre) * kStretch;
     bound.radius = larger(bound.radius, way + sphere_radius(*object.body));
     bound.inflation_radius = larger(bound.inflation_radius, object.body->inflation_radius * kStretch);
-    extend(bound.box, box_around_hull(object));
+    bound.box.add(box_around_hull(object));
   }
   return bounds;
 }

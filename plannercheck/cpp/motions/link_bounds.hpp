@@ -9,15 +9,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "broad_phase/obstacle_tree.hpp"
+#include "math/box.hpp"
 #include "motions/motion_certifier.hpp"
 
 namespace plannercheck {
 
-// A box around the hulls of bodies of one link, in the link's frame.
-struct LinkBox {
-  std::int32_t link;
-  Vec3 low, high;
+// Around the hulls of bodies of one link, in the link's frame.
+struct LinkBox : Box {
+  std::int32_t link = -1;
 };
 
 struct LinkBound {
@@ -31,9 +30,6 @@ struct LinkBound {
 // One for each link with bodies of `movers`; writes the place of each body's.
 std::vector<LinkBound> link_bounds(const MotionModel& model, const std::vector<std::int32_t>& movers,
                                    std::vector<std::size_t>& bound_of);
-
-// The box around a placed hull, without the inflation radius.
-WorldBox box_around_hull(const GeometryObject& object);
 
 // Some of the chains, each once, without those whose bounds are at most another one's on any motion.
 std::vector<std::int32_t> longest_chains(const MotionChains& chains, std::vector<std::int32_t> some);

@@ -41,7 +41,7 @@ Lanes least_of_box(const Box& box, const Lanes* m, const LaneVector& d) {
   Lanes sum = (d[0] * m[3] + d[1] * m[7]) + d[2] * m[11];
   for (std::size_t k = 0; k < 3; ++k) {
     const Lanes along = (d[0] * m[k] + d[1] * m[k + 4]) + d[2] * m[k + 8];
-    sum = sum + (along * middle[static_cast<int>(k)] - absolute(along) * half[static_cast<int>(k)]);
+    sum = sum + (along * middle[k] - absolute(along) * half[k]);
   }
   return sum;
 }
@@ -129,8 +129,7 @@ unsigned MotionFilters::chord_meets_box(const CertifiedPair& pair, double apart)
     Lanes square{};
     for (std::size_t k = 0; k < 3; ++k) {
       const Lanes from = (m[k] * x + m[k + 4] * y) + m[k + 8] * z, to = next_lanes(from, after[k]);
-      const int axis = static_cast<int>(k);
-      const Lanes beyond = larger(b.low[axis] - larger(from, to), smaller(from, to) - b.high[axis]);
+      const Lanes beyond = larger(b.low[k] - larger(from, to), smaller(from, to) - b.high[k]);
       const Lanes outside = larger(Lanes{}, beyond);
       square = square + outside * outside;
       after[k] = from;
@@ -185,7 +184,7 @@ unsigned MotionFilters::near_plane(const CertifiedPair& pair, const WorldPlane& 
     const std::size_t i = past - kStep;
     Lanes height = broadcast(-plane.offset);
     for (std::size_t k = 0; k < 3; ++k) {
-      height = height + load_lanes(c + k * kGridRow + i) * plane.normal[static_cast<int>(k)];
+      height = height + load_lanes(c + k * kGridRow + i) * plane.normal[k];
     }
     open |= bits_at_most(smaller(height, next_lanes(height, after)), apart) << i;
     after = height;

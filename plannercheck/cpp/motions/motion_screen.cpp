@@ -151,16 +151,13 @@ void MotionScreen::group_pairs(const MotionModel& model, const std::vector<std::
 
 void MotionScreen::bound_obstacles(const MotionModel& model, const std::vector<std::int32_t>& still) {
   eights_.resize((still.size() + kFloats - 1) / kFloats);
-  std::vector<WorldBox> boxes;
+  std::vector<Box> boxes;
   for (std::size_t s = 0; s < still.size(); ++s) {
     const GeometryObject& object = model.bodies[at(still[s])];
-    const WorldBox box = box_around_hull(object);
-    const double inflated = object.body->inflation_radius;
-    boxes.push_back({box.low - Vec3{inflated, inflated, inflated}, box.high + Vec3{inflated, inflated, inflated}});
+    boxes.push_back(box_around_hull(object).grown(object.body->inflation_radius));
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto axis = static_cast<int>(k);
-      eights_[s / kFloats].side[k][s % kFloats] = rounded_down(boxes.back().low[axis]);
-      eights_[s / kFloats].side[k + 3][s % kFloats] = -rounded_up(boxes.back().high[axis]);
+      eights_[s / kFloats].side[k][s % kFloats] = rounded_down(boxes.back().low[k]);
+      eights_[s / kFloats].side[k + 3][s % kFloats] = -rounded_up(boxes.back().high[k]);
     }
   }
   if (still.size() > kFewObstaclesOnPaths) tree_ = ObstacleTree(boxes);

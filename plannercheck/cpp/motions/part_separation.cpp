@@ -156,9 +156,9 @@ class PartSeparation {
     const double from = (dot(out.way, set_.middle()) + out.offset - mid) * units;
     double sum = 2 + std::fabs(from);
     for (std::size_t i = 0; i < 3; ++i) {
-      out.along[i] = static_cast<float>(out.way[static_cast<int>(i)]);
+      out.along[i] = static_cast<float>(out.way[i]);
       out.size[i] = std::fabs(out.along[i]);
-      sum += 2 * std::fabs(out.way[static_cast<int>(i)]);
+      sum += 2 * std::fabs(out.way[i]);
     }
     out.middle = static_cast<float>(from);
     const double half = 0.5 * (out.body.high - out.body.low) * units;
@@ -184,8 +184,8 @@ class PartSeparation {
       Lanes middle = (row(3) * d.x + row(7) * d.y) + row(11) * d.z, size{};
       for (std::size_t k = 0; k < 3; ++k) {
         const Lanes along = (row(k) * d.x + row(k + 4) * d.y) + row(k + 8) * d.z;
-        middle = middle + along * centre[static_cast<int>(k)];
-        size = size + absolute(along) * half[static_cast<int>(k)];
+        middle = middle + along * centre[k];
+        size = size + absolute(along) * half[k];
       }
       size = size * kBoxSums;
       least = smaller(least, middle - size), most = larger(most, middle + size);
@@ -215,7 +215,7 @@ class PartSeparation {
       return (by[0] * load_floats(from[0].data()) + by[1] * load_floats(from[1].data())) +
              by[2] * load_floats(from[2].data());
     };
-    unsigned left = ~float_bits(load_floats(node.half[0].data()) < 0.0F) & ((1U << kChildren) - 1);
+    unsigned left = ~bits(load_floats(node.half[0].data()) < 0.0F) & ((1U << kChildren) - 1);
     for (std::size_t k = kept_; k-- > 0 && left != 0;) {
       FloatMask before = ~FloatMask{}, after = before;
       for (std::size_t p = 0; p < looks_; ++p) {
@@ -223,7 +223,7 @@ class PartSeparation {
         const Floats way = row(node.centre, to.along) + to.middle, room = row(node.half, to.size) + to.least;
         before &= way > room, after &= -way > room;
       }
-      left &= ~float_bits(before | after);
+      left &= ~bits(before | after);
     }
     return left;
   }
@@ -286,11 +286,7 @@ class PartSeparation {
   }
 
   bool each_swept_apart() {
-    for (std::size_t place = 0; place < kPartsInLeaf * set_.leaf_count(); ++place) {
-      const PartShape part = set_.shape(place);
-      if (part.corners != 0 && !swept_apart(part)) return false;
-    }
-    return true;
+    return !set_.any_part([this](const PartShape& part, std::size_t) { return !swept_apart(part); });
   }
 
   // Whether the body sweeps past a part, which gives a direction for the next ones.
@@ -336,14 +332,11 @@ bool sets_further(const Polytope& a, const Polytope& b, const PosedPair* poses, 
   const bool first = a.as<PartSet>().part_count() >= b.as<PartSet>().part_count();
   const PartSet& smaller_set = (first ? b : a).as<PartSet>();
   thread_local PartBody mover;
-  for (std::size_t place = 0; place < kPartsInLeaf * smaller_set.leaf_count(); ++place) {
-    const PartShape part = smaller_set.shape(place);
-    if (part.corners == 0) continue;
+  return !smaller_set.any_part([&](const PartShape& part, std::size_t) {
     mover.fill(part, 0);
     const double apart = limit + part.radius * kPartStretch;
-    if (!PartSeparation(first ? a : b, mover.body(), first, poses, count, apart, counters, trees).run()) return false;
-  }
-  return true;
+    return !PartSeparation(first ? a : b, mover.body(), first, poses, count, apart, counters, trees).run();
+  });
 }
 
 }  // namespace

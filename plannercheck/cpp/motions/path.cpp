@@ -10,11 +10,6 @@ namespace {
 
 using Quaternion = std::array<double, 4>;  // x, y, z, w
 
-std::size_t width_of(PartKind kind) {
-  constexpr std::array<std::size_t, 4> widths{2, 4, 4, 7};
-  return widths[static_cast<std::size_t>(kind)];
-}
-
 Quaternion normalised(const double* q) {
   const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   return {q[0] / length, q[1] / length, q[2] / length, q[3] / length};
@@ -100,9 +95,9 @@ double off_unit_length(const double* q, std::size_t n) {
   return std::fabs(std::sqrt(square) - 1);
 }
 
-double excess_length(PartKind kind, const double* q) {
-  const std::size_t skipped = kind == PartKind::kPlanar ? 2 : kind == PartKind::kFree ? 3 : 0;
-  return off_unit_length(q + skipped, width_of(kind) - skipped);
+double excess_length(const PathPart& part, const double* q) {
+  const std::size_t skipped = part.kind == PartKind::kPlanar ? 2 : part.kind == PartKind::kFree ? 3 : 0;
+  return off_unit_length(q + skipped, part.width() - skipped);
 }
 
 constexpr double kHalfUnit = 0x1p-53;
@@ -113,7 +108,7 @@ Path::Path(std::size_t width, std::vector<PathPart> parts)
     : q0_(width), q1_(width), sizes_(width), on_curve_(width), parts_(std::move(parts)), twists_(parts_.size()) {
   std::vector<bool> covered(width, false);
   for (const PathPart& part : parts_) {
-    for (std::size_t k = 0; k < width_of(part.kind); ++k) covered[at_column(part.column) + k] = true;
+    for (std::size_t k = 0; k < part.width(); ++k) covered[at_column(part.column) + k] = true;
   }
   for (std::size_t c = 0; c < width; ++c) {
     if (!covered[c]) linear_.push_back(static_cast<std::int32_t>(c));
@@ -208,7 +203,7 @@ void Path::cut_from(double place) {
 void Path::set_part(std::size_t part) {
   const PathPart& p = parts_[part];
   const double *a = &q0_[at_column(p.column)], *b = &q1_[at_column(p.column)];
-  off_unit_ = larger(off_unit_, larger(excess_length(p.kind, a), excess_length(p.kind, b)));
+  off_unit_ = larger(off_unit_, larger(excess_length(p, a), excess_length(p, b)));
   Twist twist;
   if (p.kind == PartKind::kCircle) {
     twist.turn.z = std::atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);

@@ -84,6 +84,8 @@ enum class PartKind : int {
 struct PathPart {
   PartKind kind;
   std::int32_t column;  // the first one
+
+  std::size_t width() const { return kind == PartKind::kCircle ? 2 : kind == PartKind::kFree ? 7 : 4; }
 };
 
 // Bounds of how fast a part or joint turns (rad) and slides (m) by the parameter, and of its largest distance from its

@@ -57,7 +57,7 @@ Projection projection(const Solid& solid, const Pose& pose, Vec3 direction, doub
   const Vec3 along = (1 / solid.tree.units) * pose.rotate_back(direction);
   Projection out;
   for (std::size_t k = 0; k < 3; ++k) {
-    out.along[k] = static_cast<float>(along[static_cast<int>(k)]);
+    out.along[k] = static_cast<float>(along[k]);
   }
   out.offset = static_cast<float>(offset);
   return out;
@@ -67,13 +67,6 @@ double sum_of(const Projection& p) {
   const auto size = [](float entry) { return std::fabs(static_cast<double>(entry)); };
   return size(p.along[0]) + size(p.along[1]) + size(p.along[2]) + size(p.offset);
 }
-
-struct SolidNode {
-  std::int32_t child;  // see TriangleTree
-  OrientedBox box;
-
-  bool is_triangle() const { return child < 0; }
-};
 
 // The part of a way along a segment that starts at 0, where it ends or before.
 double clamped(double part) { return larger(0, smaller(1, part)); }
@@ -129,7 +122,7 @@ class Separation {
   }
 
   bool run() {
-    std::array<std::pair<SolidNode, SolidNode>, kMostWaiting> waiting;
+    std::array<std::pair<BoxedNode, BoxedNode>, kMostWaiting> waiting;
     std::size_t count = 0;
     waiting[count++] = {{0, a_.tree.root}, {0, b_.tree.root}};
     while (count > 0) {
@@ -144,7 +137,7 @@ class Separation {
           splits_a ? near(node, b.box, &Projected::a, &Projected::b) : near(node, a.box, &Projected::b, &Projected::a);
       for (; left != 0; left &= left - 1) {
         const auto k = static_cast<std::size_t>(__builtin_ctz(left));
-        const SolidNode child{node.child(k), node.box(k)};
+        const BoxedNode child = node.boxed(k);
         waiting[count++] = splits_a ? std::pair{child, b} : std::pair{a, child};
       }
     }
@@ -164,8 +157,7 @@ class Separation {
 
   void project(std::size_t k) {
     const Pose& pose = k < 3 ? poses_[0].a : poses_[0].b;
-    const std::size_t axis = k % 3;
-    directions_[k] = unit(poses_[0].frame.from_world({pose.m[axis], pose.m[axis + 4], pose.m[axis + 8]}));
+    directions_[k] = unit(poses_[0].frame.from_world(pose.column(k % 3)));
     for (std::size_t p = 0; p < count_; ++p) {
       const Vec3 d = poses_[p].frame.to_world(directions_[k]);
       const Vec3 way = poses_[p].a.apply(a_.tree.middle) - poses_[p].b.apply(b_.tree.middle);
@@ -192,7 +184,7 @@ class Separation {
       }
       apart |= before | after;
     }
-    return ~float_bits(apart) & node.all();
+    return ~bits(apart) & node.all();
   }
 
   TrianglePoints posed(const Solid& solid, std::int32_t triangle, const Pose& pose) const {

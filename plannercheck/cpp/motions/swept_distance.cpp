@@ -61,14 +61,17 @@ Vec3 nearest_on_triangle(NearSimplex& s, Vec3 a, Vec3 b, Vec3 c) {
   return a + (vb * scale) * ab + (vc * scale) * ac;
 }
 
+// The corners of each face of a tetrahedron, and the other one.
+constexpr std::array<std::array<std::size_t, 4>, 4> kSimplexFaces{
+    {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}}};
+
 // The nearest point of a tetrahedron. If the origin is inside, the origin itself, and all four corners are kept.
 Vec3 nearest_on_tetrahedron(NearSimplex& s) {
   const std::array<Vec3, 4> p = s.point;
-  constexpr std::array<std::array<std::size_t, 4>, 4> faces{{{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}}};
   bool outside = false;
   double least = 0;
   Vec3 best;
-  for (const auto& f : faces) {
+  for (const auto& f : kSimplexFaces) {
     const Vec3 n = cross(p[f[1]] - p[f[0]], p[f[2]] - p[f[0]]);
     const double origin = -dot(n, p[f[0]]), opposite = dot(n, p[f[3]] - p[f[0]]);
     if (origin * opposite > 0) continue;
@@ -85,9 +88,8 @@ Vec3 nearest_on_tetrahedron(NearSimplex& s) {
 // tell. A normal errs by at most 8u of its edges' product, in |.|_1, and a product with it by as much of both.
 double depth_inside(const NearSimplex& s) {
   const auto& p = s.point;
-  constexpr std::array<std::array<std::size_t, 4>, 4> faces{{{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}}};
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& f : faces) {
+  for (const auto& f : kSimplexFaces) {
     const Vec3 first = p[f[1]] - p[f[0]], second = p[f[2]] - p[f[0]], third = p[f[3]] - p[f[0]];
     const Vec3 n = cross(first, second);
     const double error = kFaceRounding * norm_1(first) * norm_1(second);

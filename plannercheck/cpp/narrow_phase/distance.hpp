@@ -31,6 +31,14 @@ struct PairDistance {
 
   // The distance of bodies apart; of others minus a depth that surely separates them.
   double measured() const { return overlap ? lower : upper; }
+
+  // The least of some, of which none has been found yet.
+  static PairDistance nothing_near() { return {false, kNoLimit, kNoLimit, {}, {}, {}}; }
+  void take(const PairDistance& found) {
+    const double least = smaller(lower, found.lower);
+    if (found.upper < upper) *this = found;
+    lower = least;
+  }
 };
 
 // Is shown two convex bodies or parts and their distance; over a half-space, A is always the other body.

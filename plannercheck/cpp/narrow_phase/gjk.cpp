@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "narrow_phase/simplex_projection.hpp"
+
 namespace plannercheck {
 namespace {
 
@@ -35,24 +37,6 @@ struct Simplex {
   }
 };
 
-// Weights of the projection of the origin on the span of 1 to 4 points, of any sum; all of one sign where it is inside.
-std::array<double, 1> weights(const std::array<Vec3, 1>&) { return {1}; }
-std::array<double, 2> weights(const std::array<Vec3, 2>& p) {
-  const Vec3 e = p[1] - p[0];
-  return {dot(p[1], e), -dot(p[0], e)};
-}
-std::array<double, 3> weights(const std::array<Vec3, 3>& p) {
-  const auto [a, b, c] = p;
-  const Vec3 n = cross(b - a, c - a);
-  return {dot(n, cross(b, c)), dot(n, cross(c, a)), dot(n, cross(a, b))};
-}
-std::array<double, 4> weights(const std::array<Vec3, 4>& p) {
-  const auto [a, b, c, d] = p;
-  const Vec3 ab = cross(a, b), cd = cross(c, d);
-  const std::array<double, 4> w{dot(b, cd), -dot(a, cd), dot(d, ab), -dot(c, ab)};
-  return w[0] < 0 ? std::array<double, 4>{-w[0], -w[1], -w[2], -w[3]} : w;
-}
-
 // The face of a simplex whose point is the nearest so far.
 struct NearestFace {
   double square;        // of its distance
@@ -64,24 +48,21 @@ struct NearestFace {
 // Takes the face of some corners if the origin's projection is inside of it, and nearer.
 template <std::size_t kCount>
 bool take_face(const Simplex& simplex, unsigned chosen, NearestFace& best) {
-  std::array<Vec3, kCount> p;
+  std::array<const Vec3*, 4> p{};
   unsigned left = chosen;
-  for (Vec3& point : p) {
-    point = simplex.corner[static_cast<std::size_t>(__builtin_ctz(left))].difference;
-    left &= left - 1;
+  for (std::size_t i = 0; i < kCount; ++i, left &= left - 1) {
+    p[i] = &simplex.corner[static_cast<std::size_t>(__builtin_ctz(left))].difference;
   }
-  const std::array<double, kCount> weight = weights(p);
+  SimplexProjection<double, Vec3> face;
+  if (!face.run(p, kCount)) return false;
   double sum = 0;
-  for (const double w : weight) {
-    if (!(w > 0)) return false;
-    sum += w;
-  }
-  if (!(sum > 0) || !std::isfinite(sum)) return false;
+  for (std::size_t i = 0; i < kCount; ++i) sum += face.weight[i];
+  if (!std::isfinite(sum)) return false;
   std::array<double, 4> parts{};
   Vec3 v;
   for (std::size_t i = 0; i < kCount; ++i) {
-    parts[i] = weight[i] / sum;
-    v = v + parts[i] * p[i];
+    parts[i] = face.weight[i] / sum;
+    v = v + parts[i] * *p[i];
   }
   const double square = kCount == 4 ? 0 : dot(v, v);
   if (!(square < best.square)) return false;

@@ -150,19 +150,15 @@ double more_radius(const PosedPolytope& part, const PosedPolytope& body) {
   return more * (1 + kPlaneReachRounding) + kPlaneReachRounding * part.body->inflation_radius;
 }
 
-// Hands the parts of a set to a function, with their places, until it returns true; of another body its hull, whose
-// place is −1.
+// As PartSet::any_part; of another body its hull, whose place is −1.
 template <class Visit>
 void each_part(const PosedPolytope& body, Visit visit) {
   if (!body.body->traits().has_parts) return static_cast<void>(visit(body, -1));
-  const PartSet& parts = body.body->as<PartSet>();
   PartBody filled;
-  for (std::size_t place = 0; place < parts.leaf_count() * kPartsInLeaf; ++place) {
-    const PartShape shape = parts.shape(place);
-    if (shape.corners == 0) continue;
-    filled.fill(shape, body.body->inflation_radius);
-    if (visit(PosedPolytope{&filled.body(), body.pose}, static_cast<std::int32_t>(place))) return;
-  }
+  body.body->as<PartSet>().any_part([&](const PartShape& part, std::size_t place) {
+    filled.fill(part, body.body->inflation_radius);
+    return visit(PosedPolytope{&filled.body(), body.pose}, static_cast<std::int32_t>(place));
+  });
 }
 
 // The body's place is `a`.
@@ -201,13 +197,11 @@ PairDistance hull_distance_over(const PosedPolytope& half_space, const PosedPoly
 
 PairDistance distance_over(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters,
                            const PartVisitor* visit) {
-  PairDistance least{false, kNoLimit, kNoLimit, {}, {}, {}};
+  PairDistance least = PairDistance::nothing_near();
   each_part(body, [&](const PosedPolytope& part, std::int32_t) {
     const PairDistance found = hull_distance_over(half_space, part, counters);
     if (visit != nullptr) visit->show(part, half_space, found);
-    const double lower = smaller(least.lower, found.lower);
-    if (found.upper < least.upper) least = found;
-    least.lower = lower;
+    least.take(found);
     return false;
   });
   return least;

@@ -25,11 +25,10 @@ struct BetweenFrames {
 };
 
 BetweenFrames between(const Pose& from, const Pose& to) {
-  const auto column = [](const Pose& pose, std::size_t j) { return Vec3{pose.m[j], pose.m[j + 4], pose.m[j + 8]}; };
-  const Vec3 x = column(from, 0), y = column(from, 1), z = column(from, 2);
+  const Vec3 x = from.column(0), y = from.column(1), z = from.column(2);
   BetweenFrames out;
   for (std::size_t j = 0; j < 3; ++j) {
-    const Vec3 axis = column(to, j);
+    const Vec3 axis = to.column(j);
     out.rows[j] = {dot(axis, x), dot(axis, y), dot(axis, z)};
   }
   out.shift = to.rotate_back(from.translation() - to.translation());
@@ -62,10 +61,9 @@ bool samples_meet(const InnerShapes& of_samples, const InnerShapes& inner, const
       const Lanes radius = (entry(3) + inflation) * kShrunkInFrame - room;
       LanePoints at_sample, off_box;
       for (std::size_t j = 0; j < 3; ++j) {
-        const auto axis = static_cast<int>(j);
         const Vec3 row = way.rows[j];
-        at_sample[j] = ((x * row.x + y * row.y) + z * row.z) + way.shift[axis];
-        const Lanes in_box = smaller(larger(at_sample[j], broadcast(box.low[axis])), broadcast(box.high[axis]));
+        at_sample[j] = ((x * row.x + y * row.y) + z * row.z) + way.shift[j];
+        const Lanes in_box = smaller(larger(at_sample[j], broadcast(box.low[j])), broadcast(box.high[j]));
         off_box[j] = at_sample[j] - in_box;
       }
       if (is_below(square_of(off_box), radius + box.radius)) return true;

@@ -105,13 +105,13 @@ bool PairFrame::boxes_apart() const {
     const std::size_t row = 3 * i;
     const double half =
         std::fabs(m_[row]) * half_a.x + std::fabs(m_[row + 1]) * half_a.y + std::fabs(m_[row + 2]) * half_a.z;
-    if (std::fabs(d[static_cast<int>(i)]) > half + half_b[static_cast<int>(i)] + room) return true;
+    if (std::fabs(d[i]) > half + half_b[i] + room) return true;
   }
   const double skew = kAxisDefect * (half_a.x + half_a.y + half_a.z);
   for (std::size_t j = 0; j < 3; ++j) {
     const double half = std::fabs(m_[j]) * half_b.x + std::fabs(m_[j + 3]) * half_b.y + std::fabs(m_[j + 6]) * half_b.z;
     const double along = m_[j] * d.x + m_[j + 3] * d.y + m_[j + 6] * d.z;
-    if (std::fabs(along) > half + half_a[static_cast<int>(j)] + skew + room) return true;
+    if (std::fabs(along) > half + half_a[j] + skew + room) return true;
   }
   return boxes_apart_at_edges(d, half_a, half_b, room);
 }

@@ -171,26 +171,15 @@ class Pieces {
     const TriangleTree& tree = solid().tree;
     const Vec3 place = tree.units * (middle - tree.middle);
     const auto room = static_cast<float>(tree.units * reach) * (1 + kNearRoom) + kNearRoom;
-    std::vector<std::int32_t> waiting{0};
-    while (!waiting.empty()) {
-      const TriangleNode& node = tree.nodes[at(waiting.back())];
-      waiting.pop_back();
-      const LaneBoxes boxes = lane_boxes(node);
-      const std::array<Floats, 3> around = aligned_half(boxes);
-      FloatMask misses{};
-      for (std::size_t i = 0; i < 3; ++i) {
-        misses |= absolute(boxes.centre[i] - static_cast<float>(place[static_cast<int>(i)])) > around[i] + room;
-      }
-      for (unsigned left = ~float_bits(misses) & node.all(); left != 0; left &= left - 1) {
-        const std::int32_t child = node.child(static_cast<std::size_t>(__builtin_ctz(left)));
-        if (child >= 0) {
-          waiting.push_back(child);
-        } else {
-          const std::array<Vec3, 3> t = tree.corners(~child);
+    const std::array<float, 3> from{static_cast<float>(place.x), static_cast<float>(place.y),
+                                    static_cast<float>(place.z)};
+    any_triangle(
+        tree, [&](const TriangleNode& node) { return children_within(node, from, {room, room, room}); },
+        [&](std::int32_t triangle) {
+          const std::array<Vec3, 3> t = tree.corners(triangle);
           show({{t[0], t[1], t[2]}, t.size(), 0}, visit);
-        }
-      }
-    }
+          return false;
+        });
   }
 };
 

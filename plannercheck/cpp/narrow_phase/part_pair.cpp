@@ -39,7 +39,6 @@ PairVerdict convex_contact(const PosedPolytope& part, const PosedPolytope& body,
 // Whether one part, posed as its set, shares a point with a body that is no set.
 bool part_meets(const PartShape& shape, const PosedPolytope& set, const PosedPolytope& body, PartBody& filled,
                 PairCounters& counters) {
-  if (shape.corners == 0) return false;
   filled.fill(shape, set.body->inflation_radius);
   const PairVerdict hulls = convex_contact({&filled.body(), set.pose}, body, counters);
   if (!hulls.shared || hulls.settles) return hulls.shared;
@@ -112,10 +111,12 @@ std::int32_t place_met(const PosedPolytope& set, const PosedPolytope& body, cons
 std::int32_t first_place_met(const PosedPolytope& set, const PosedPolytope& body, PairCounters& counters) {
   const PartSet& parts = set.body->as<PartSet>();
   PartBody& filled = part_bodies().a;
-  for (std::size_t place = 0; place < parts.leaf_count() * kPartsInLeaf; ++place) {
-    if (part_meets(parts.shape(place), set, body, filled, counters)) return static_cast<std::int32_t>(place);
-  }
-  return -1;
+  std::int32_t met = -1;
+  parts.any_part([&](const PartShape& part, std::size_t place) {
+    if (part_meets(part, set, body, filled, counters)) met = static_cast<std::int32_t>(place);
+    return met >= 0;
+  });
+  return met;
 }
 
 // A node's child as a box in its set's frame, with room for rounding.
@@ -125,7 +126,7 @@ PartShape box_of(const PartSet& set, const PartNode& node, std::size_t child) {
   for (std::size_t i = 0; i < 3; ++i) {
     const auto centre = static_cast<double>(node.centre[i][child]), half = static_cast<double>(node.half[i][child]);
     if (!(half >= 0)) return box;
-    const double middle = set.middle()[static_cast<int>(i)], units = set.units();
+    const double middle = set.middle()[i], units = set.units();
     const double room = std::fabs(middle) * kNodeMiddleError + kNodeUnitError / units;
     side[i] = {middle + (centre - half) / units - room, middle + (centre + half) / units + room};
   }
@@ -147,7 +148,7 @@ class SetsContact {
   // Each part of one set against each of the other.
   PartContact run_without_trees() {
     trees_ = false;
-    for (std::size_t leaf = 0; leaf < parts_.leaf_count() && !found_.shared; ++leaf) try_leaf(leaf);
+    parts_.any_part([this](const PartShape& part, std::size_t place) { return try_part(part, place); });
     return found_;
   }
 
@@ -181,26 +182,20 @@ class SetsContact {
     for (std::size_t k = 0; k < kPartsInLeaf && !found_.shared; ++k) {
       const std::size_t place = leaf * kPartsInLeaf + k;
       const PartShape shape = parts_.shape(place);
-      if (shape.corners == 0) continue;
-      PartBody& filled = part_bodies().b;
-      filled.fill(shape, a_.body->inflation_radius);
-      const InnerBall inner = filled.inner_ball();
-      const PosedPolytope part{&filled.body(), a_.pose};
-      const std::int32_t met =
-          trees_ ? place_met(b_, part, &inner, -1, counters_) : first_place_met(b_, part, counters_);
-      if (met >= 0) found_ = {true, static_cast<std::int32_t>(place), met};
+      if (shape.corners != 0) try_part(shape, place);
     }
   }
+
+  bool try_part(const PartShape& shape, std::size_t place) {
+    PartBody& filled = part_bodies().b;
+    filled.fill(shape, a_.body->inflation_radius);
+    const InnerBall inner = filled.inner_ball();
+    const PosedPolytope part{&filled.body(), a_.pose};
+    const std::int32_t met = trees_ ? place_met(b_, part, &inner, -1, counters_) : first_place_met(b_, part, counters_);
+    if (met >= 0) found_ = {true, static_cast<std::int32_t>(place), met};
+    return found_.shared;
+  }
 };
-
-// Before any part has been measured.
-PairDistance nothing_near() { return {false, kNoLimit, kNoLimit, {}, {}, {}}; }
-
-void take(const PairDistance& found, PairDistance& least) {
-  const double lower = smaller(least.lower, found.lower);
-  if (found.upper < least.upper) least = found;
-  least.lower = lower;
-}
 
 // Parts that are further away are not looked for.
 double farthest(const PairDistance& best, const PartVisitor* visit) {
@@ -258,7 +253,7 @@ class PartsDistance {
   const PartVisitor* visit_;
   bool set_is_a_ = false;
   std::priority_queue<Waiting> waiting_;
-  PairDistance best_ = nothing_near();
+  PairDistance best_ = PairDistance::nothing_near();
 
   void open(const Waiting& node) {
     const PartNode& boxes = parts_.levels()[node.level - 1][node.index];
@@ -276,7 +271,7 @@ class PartsDistance {
     for (std::size_t k = 0; k < kPartsInLeaf; ++k) {
       const PartShape shape = parts_.shape(leaf * kPartsInLeaf + k);
       if (shape.corners == 0) continue;
-      take(of_part(shape, filled, smaller(limit_, farthest(best_, visit_))), best_);
+      best_.take(of_part(shape, filled, smaller(limit_, farthest(best_, visit_))));
     }
   }
 
@@ -300,15 +295,14 @@ class PartsDistance {
 PairDistance sets_distance(const PosedPolytope& body_a, const PosedPolytope& body_b, double limit,
                            PairCounters& counters, bool trees, const PartVisitor* visit) {
   const PartSet& parts = body_a.body->as<PartSet>();
-  PairDistance best = nothing_near();
-  for (std::size_t place = 0; place < parts.leaf_count() * kPartsInLeaf; ++place) {
-    const PartShape shape = parts.shape(place);
-    if (shape.corners == 0) continue;
-    PartBody filled;
+  PairDistance best = PairDistance::nothing_near();
+  PartBody filled;
+  parts.any_part([&](const PartShape& shape, std::size_t) {
     filled.fill(shape, body_a.body->inflation_radius);
     const PosedPolytope posed{&filled.body(), body_a.pose};
-    take(PartsDistance(body_b, posed, smaller(limit, farthest(best, visit)), counters, visit).run(false, trees), best);
-  }
+    best.take(PartsDistance(body_b, posed, smaller(limit, farthest(best, visit)), counters, visit).run(false, trees));
+    return false;
+  });
   return best;
 }
 

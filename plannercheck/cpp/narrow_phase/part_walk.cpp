@@ -23,11 +23,6 @@ constexpr double kTurnError = 1e-5;
 // what the margin was stretched by (kRadiusStretch).
 constexpr double kWithinFrames = 1 - 1e-5;
 
-Vec3 box_reach(const Polytope& box) {
-  return {larger(std::fabs(box.low.x), std::fabs(box.high.x)), larger(std::fabs(box.low.y), std::fabs(box.high.y)),
-          larger(std::fabs(box.low.z), std::fabs(box.high.z))};
-}
-
 }  // namespace
 
 RigidTurn::RigidTurn(const Pose& body, const Pose& set) {
@@ -50,7 +45,7 @@ PartWalk::PartWalk(const PosedPolytope& body, const PosedPolytope& set, double m
       turn_(body.pose, set.pose),
       margin_(margin * kRadiusStretch) {
   const Polytope& box = *body.body;
-  const Vec3 reach = box_reach(box), parts = set_.reach();
+  const Vec3 reach = Box{box.low, box.high}.reach(), parts = set_.box().reach();
   box_centre_ = 0.5 * (box.low + box.high), box_half_ = 0.5 * (box.high - box.low);
   const double both = norm_1(reach) + norm_1(parts) + margin_;
   room_ = turn_.error(both);
@@ -61,17 +56,15 @@ void PartWalk::frame_tree() {
   const double units = set_.units();
   const Vec3 there = units * (turn_.to_set(box_centre_) - set_.middle());
   for (std::size_t i = 0; i < 3; ++i) {
-    const int axis = static_cast<int>(i);
     double half = margin_ + room_;
-    for (std::size_t j = 0; j < 3; ++j) half += std::fabs(turn_.entry(i, j)) * box_half_[static_cast<int>(j)];
-    centre_[i] = static_cast<float>(there[axis]);
+    for (std::size_t j = 0; j < 3; ++j) half += std::fabs(turn_.entry(i, j)) * box_half_[j];
+    centre_[i] = static_cast<float>(there[i]);
     half_[i] = static_cast<float>(units * half * kPartRoundedUp) * (1 + kPartFloats) +
-               static_cast<float>(std::fabs(there[axis]) + 2) * kPartFloats;
+               static_cast<float>(std::fabs(there[i]) + 2) * kPartFloats;
   }
   const Vec3 way = turn_.to_body(set_.middle()) - box_centre_;
   for (std::size_t i = 0; i < 3; ++i) {
-    const int axis = static_cast<int>(i);
-    axes_[i] = along({turn_.entry(0, i), turn_.entry(1, i), turn_.entry(2, i)}, way[axis], box_half_[axis]);
+    axes_[i] = along({turn_.entry(0, i), turn_.entry(1, i), turn_.entry(2, i)}, way[i], box_half_[i]);
   }
 }
 
@@ -82,7 +75,7 @@ inline PartWalk::Along PartWalk::along(Vec3 to, double way, double half) const {
   Along out;
   const double units = set_.units(), turned = norm_1(to);
   for (std::size_t i = 0; i < 3; ++i) {
-    out.along[i] = static_cast<float>(to[static_cast<int>(i)]);
+    out.along[i] = static_cast<float>(to[i]);
     out.size[i] = std::fabs(out.along[i]);
   }
   const double larger_by = set_.has_one_radius() ? units * set_.radius(0) * larger(turned - 1, 0) : 0;
@@ -129,7 +122,7 @@ inline NearParts PartWalk::with_directions(const PartNode& node, Floats own) con
   for (const Along& axis : axes_) all = larger(all, absolute(there(axis)) - around(axis));
   for (std::size_t k = 0; k < beyond_count_; ++k) all = larger(all, there(beyond_[k]) - around(beyond_[k]));
   const FloatMask missing = u < 0.0F;
-  return {~(float_bits(own > 0.0F) | float_bits((all > 0.0F) | missing)) & ((1U << kChildren) - 1), all};
+  return {~(bits(own > 0.0F) | bits((all > 0.0F) | missing)) & ((1U << kChildren) - 1), all};
 }
 
 NearParts PartWalk::near(const PartNode& node) const { return with_directions(node, own_gaps(node)); }
@@ -137,7 +130,7 @@ NearParts PartWalk::near(const PartNode& node) const { return with_directions(no
 // Along the set's axes most boxes of the last nodes are far from the body.
 NearParts PartWalk::near_children(const PartNode& node) const {
   const Floats own = own_gaps(node);
-  if (float_bits(own > 0.0F) == (1U << kChildren) - 1) return {0, own};
+  if (bits(own > 0.0F) == (1U << kChildren) - 1) return {0, own};
   return with_directions(node, own);
 }
 
@@ -150,10 +143,9 @@ unsigned PartWalk::near_in_leaf(std::size_t leaf) const {
     const Lanes x = load_lanes(&points.x[k]), y = load_lanes(&points.y[k]), z = load_lanes(&points.z[k]);
     Lanes beyond = broadcast(-1e300);
     for (std::size_t i = 0; i < 3; ++i) {
-      const int axis = static_cast<int>(i);
-      const double shift = turn_.in_body()[axis] - box_centre_[axis];
+      const double shift = turn_.in_body()[i] - box_centre_[i];
       const Lanes there = ((turn_.entry(0, i) * x + turn_.entry(1, i) * y) + turn_.entry(2, i) * z) + shift;
-      beyond = larger(beyond, absolute(there) - box_half_[axis]);
+      beyond = larger(beyond, absolute(there) - box_half_[i]);
     }
     const double room = set_.largest_radius() * kRadiusStretch + margin_ + room_;
     near |= (~bits(beyond > broadcast(room)) & ((1U << kLanes) - 1)) << k;
@@ -175,7 +167,7 @@ unsigned PartWalk::surely_shared(std::size_t leaf) const {
       const Lanes x = load_lanes(&points.x[k]), y = load_lanes(&points.y[k]), z = load_lanes(&points.z[k]);
       Lanes square{};
       for (std::size_t i = 0; i < 3; ++i) {
-        const double shift = turn_.in_body()[static_cast<int>(i)] - ball.centre[static_cast<int>(i)];
+        const double shift = turn_.in_body()[i] - ball.centre[i];
         const Lanes d = ((turn_.entry(0, i) * x + turn_.entry(1, i) * y) + turn_.entry(2, i) * z) + shift;
         square = square + d * d;
       }
@@ -193,8 +185,7 @@ bool PartWalk::surely_shares(const PartShape& part) const {
   const Vec3 low = part.corner[0], high = part.corner[7];
   for (const InnerBall& ball : inner_balls()) {
     const Vec3 c = turn_.to_set(ball.centre);
-    const Vec3 d{larger(0, larger(low.x - c.x, c.x - high.x)), larger(0, larger(low.y - c.y, c.y - high.y)),
-                 larger(0, larger(low.z - c.z, c.z - high.z))};
+    const Vec3 d = larger(Vec3{}, larger(low - c, c - high));
     const double near = (ball.radius + margin_) * kWithinFrames - room_;
     if (near > kTrustedLength && dot(d, d) < near * near) return true;
   }

@@ -25,7 +25,7 @@ struct NearParts {
 
   // A child with the least gap.
   unsigned deepest() const {
-    return static_cast<unsigned>(__builtin_ctz(float_bits(gap == Floats{} - largest(-gap)) | 1U << kChildren)) %
+    return static_cast<unsigned>(__builtin_ctz(plannercheck::bits(gap == Floats{} - largest(-gap)) | 1U << kChildren)) %
            kChildren;
   }
 };

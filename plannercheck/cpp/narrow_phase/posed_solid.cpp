@@ -17,8 +17,7 @@ constexpr double kRelativeError = 48 * kRoundoff;
 }  // namespace
 
 InversePose::InversePose(const Pose& pose) : translation_(pose.translation()) {
-  const auto column = [&](std::size_t j) { return Vec3{pose.m[j], pose.m[j + 4], pose.m[j + 8]}; };
-  const Vec3 x = column(0), y = column(1), z = column(2);
+  const Vec3 x = pose.column(0), y = pose.column(1), z = pose.column(2);
   const Vec3 across = cross(y, z);
   const double inverse = 1 / dot(x, across);
   rows_ = {inverse * across, inverse * cross(z, x), inverse * cross(x, y)};
@@ -30,12 +29,10 @@ double InversePose::error(double magnitude) const {
 
 RelativePose::RelativePose(const Pose& from, const Pose& to) {
   const InversePose inverse(to);
-  const auto& m = from.m;
   const Vec3 way = from.translation() - to.translation();
-  const std::array<Vec3, 4> columns{inverse.rotate({m[0], m[4], m[8]}), inverse.rotate({m[1], m[5], m[9]}),
-                                    inverse.rotate({m[2], m[6], m[10]}), inverse.rotate(way)};
   for (std::size_t j = 0; j < 4; ++j) {
-    pose_.m[j] = columns[j].x, pose_.m[j + 4] = columns[j].y, pose_.m[j + 8] = columns[j].z;
+    const Vec3 column = inverse.rotate(j == 3 ? way : from.column(j));
+    pose_.m[j] = column.x, pose_.m[j + 4] = column.y, pose_.m[j + 8] = column.z;
   }
   distance_ = norm_1(way);
 }

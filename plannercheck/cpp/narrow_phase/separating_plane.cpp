@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bodies/half_space.hpp"
+#include "math/box.hpp"
 #include "narrow_phase/intersection.hpp"
 #include "narrow_phase/support_exact_direction.hpp"
 
@@ -136,29 +137,17 @@ Polytope hull_of_surface(const Polytope& body) {
 
 // Around all parts of a set; none if it has no parts.
 std::optional<Polytope> hull_of_parts(const Polytope& body) {
-  const PartSet& parts = body.as<PartSet>();
   std::vector<Vec3> corners;
   std::size_t count = 0;
   double radius = 0;
-  for (std::size_t place = 0; place < parts.leaf_count() * kPartsInLeaf; ++place) {
-    const PartShape shape = parts.shape(place);
-    if (shape.corners == 0) continue;
+  body.as<PartSet>().any_part([&](const PartShape& shape, std::size_t) {
     corners.insert(corners.end(), shape.corner.begin(),
                    shape.corner.begin() + static_cast<std::ptrdiff_t>(shape.corners));
     radius = std::max(radius, shape.radius + body.inflation_radius), ++count;
-  }
+    return false;
+  });
   if (count == 0) return std::nullopt;
-  if (count > kMostInHull) {
-    Vec3 low = corners[0], high = corners[0];
-    for (const Vec3& c : corners) {
-      low = {std::min(low.x, c.x), std::min(low.y, c.y), std::min(low.z, c.z)};
-      high = {std::max(high.x, c.x), std::max(high.y, c.y), std::max(high.z, c.z)};
-    }
-    corners.clear();
-    for (const double x : {low.x, high.x}) {
-      for (const double y : {low.y, high.y}) corners.insert(corners.end(), {{x, y, low.z}, {x, y, high.z}});
-    }
-  }
+  if (count > kMostInHull) corners = box_around(corners).corners();
   const auto key = [](const Vec3& v) { return std::tuple(v.x, v.y, v.z); };
   std::stable_sort(corners.begin(), corners.end(), [&](const Vec3& u, const Vec3& v) { return key(u) < key(v); });
   const auto past =

@@ -1,4 +1,4 @@
-// The projection of the origin on the span of one to four corners, in double-double or exactly.
+// The projection of the origin on the span of one to four corners, in doubles, in double-double or exactly.
 //
 // In: differences of vertices. Out: whether it lies strictly inside of their hull and, if so, its weights. Only
 // positive weights are needed, so the work ends with the first weight that is not positive.
@@ -12,7 +12,9 @@
 
 namespace plannercheck {
 
+inline bool positive(double x) { return x > 0; }
 inline bool positive(const Dyadic& x) { return x.sign() > 0; }
+inline void set_to_one(double& x) { x = 1; }
 inline void set_to_one(Dyadic& x) { x = 1.0; }
 inline void set_to_one(DoubleDouble& x) { x = {1, 0}; }
 

@@ -14,13 +14,6 @@ namespace {
 // Frames stretch lengths by at most 4e-6, and directions by half of 2^-13.
 constexpr double kGapRounding = 1 - 0x1p-13;
 
-struct BoxedNode {
-  std::int32_t child;  // see TriangleTree
-  OrientedBox box;
-
-  bool is_triangle() const { return child < 0; }
-};
-
 struct WaitingPair {
   BoxedNode a, b;
   double gap;  // a lower bound of the distance of all below, m
@@ -39,9 +32,7 @@ class DistanceSearch {
         radii_(a.body->inflation_radius + b.body->inflation_radius),
         limit_(limit),
         counters_(counters),
-        visit_(visit) {
-    best_.lower = best_.upper = kNoLimit;
-  }
+        visit_(visit) {}
 
   PairDistance run() {
     waiting_.push_back({{0, a_.solid->tree.root}, {0, b_.solid->tree.root}, 0});
@@ -67,7 +58,7 @@ class DistanceSearch {
   double radii_, limit_;
   PairCounters& counters_;
   const PartVisitor* visit_;
-  PairDistance best_;
+  PairDistance best_ = PairDistance::nothing_near();
   std::vector<WaitingPair> waiting_;
   PartBody filled_a_, filled_b_;  // one object each, filled again for every triangle
 
@@ -85,7 +76,7 @@ class DistanceSearch {
     const Floats gaps = children_gaps(node, abroad);
     const auto first = static_cast<std::ptrdiff_t>(waiting_.size());
     for (std::size_t k = 0; k < node.children; ++k) {
-      const BoxedNode child{node.child(k), node.box(k)};
+      const BoxedNode child = node.boxed(k);
       const double gap = static_cast<double>(gaps[k]) / tree.units * kGapRounding;
       const double least = std::isfinite(gap) ? larger(pair.gap, gap) : pair.gap;
       waiting_.push_back({divides_a ? child : pair.a, divides_a ? pair.b : child, least});
@@ -99,9 +90,7 @@ class DistanceSearch {
     const PosedPolytope a{&filled_a_.body(), a_.pose}, b{&filled_b_.body(), b_.pose};
     const PairDistance found = convex_distance(a, b, farthest(), counters_);
     if (visit_ != nullptr) visit_->show(a, b, found);
-    const double lower = std::min(best_.lower, found.lower);
-    if (found.upper < best_.upper) best_ = found;
-    best_.lower = lower;
+    best_.take(found);
   }
 
   static void fill(PartBody& out, const PosedSolid& posed, std::int32_t index, const PosedPolytope& of) {

@@ -230,7 +230,7 @@ class ContactSearch {
       const Vec3 place = tree.units * (own.to_other.apply(solid(side).points[at(vertex)]) - tree.middle);
       const double room = tree.units * own.error + (1 + norm_max(place)) * kPlaceError;
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double beyond = std::fabs(place[static_cast<int>(axis)] - static_cast<double>(box.centre[axis]));
+        const double beyond = std::fabs(place[axis] - static_cast<double>(box.centre[axis]));
         if (beyond > static_cast<double>(box.half[axis]) + room) return true;
       }
     }

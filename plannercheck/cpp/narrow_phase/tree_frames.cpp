@@ -46,7 +46,7 @@ TreeMap::TreeMap(const PosedSolid& from, const PosedSolid& to, const RelativePos
       const double entry = relative.pose().m[4 * i + j];
       place_[j][i] = scale * entry, turn_[j][i] = static_cast<float>(entry);
     }
-    const double shift = target.units * middle[static_cast<int>(i)];
+    const double shift = target.units * middle[i];
     place_[3][i] = shift;
     most += std::fabs(shift);
   }

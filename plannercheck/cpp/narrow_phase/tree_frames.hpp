@@ -145,7 +145,7 @@ inline unsigned nearest_of(const NearChildren& near) {
   constexpr Bits kLane{1, 2, 4, 8, 16, 32, 64, 128};
   const FloatMask is_near = (kLane & near.bits) != 0;
   const Floats away = is_near ? -near.gap : Floats{} - __builtin_inff();
-  const unsigned nearest = float_bits(away == largest(away)) & near.bits;
+  const unsigned nearest = bits(away == largest(away)) & near.bits;
   return static_cast<unsigned>(__builtin_ctz(nearest != 0 ? nearest : near.bits));  // gaps may be no numbers
 }
 
@@ -153,10 +153,10 @@ inline unsigned nearest_of(const NearChildren& near) {
 [[gnu::always_inline]] inline NearChildren children_near(const TriangleNode& node, const BoxAbroad& other) {
   const Meeting m = meeting(node, other);
   const Floats gap = gap_along_axes(m, other) - m.room;
-  const unsigned near = ~float_bits(gap > 0.0F) & node.all();
+  const unsigned near = ~bits(gap > 0.0F) & node.all();
   if (near == 0) return {near, gap};
   const Floats edge_gap = gap_along_edges(m, other) - kEdgeRoom * m.room;
-  return {near & ~float_bits(edge_gap > 0.0F), gap};
+  return {near & ~bits(edge_gap > 0.0F), gap};
 }
 
 // Lower bounds of the children's distances from the box, in units of the node's tree; also along the way between

@@ -85,10 +85,9 @@ class FramedPoint {
   }
 
   void make_exact() {
-    const auto& m = around_.pose.m;
-    const auto column = [&](std::size_t j) { return DyadicVec3(Vec3{m[j], m[j + 4], m[j + 8]}); };
-    const DyadicVec3 x = column(0), y = column(1), z = column(2), yz = cross(y, z);
-    const DyadicVec3 to = apply_exactly(from_, point_) - DyadicVec3(around_.pose.translation());
+    const Pose& pose = around_.pose;
+    const DyadicVec3 x(pose.column(0)), y(pose.column(1)), z(pose.column(2)), yz = cross(y, z);
+    const DyadicVec3 to = apply_exactly(from_, point_) - DyadicVec3(pose.translation());
     determinant_ = dot(x, yz);
     exact_ = DyadicVec3(dot(yz, to), dot(cross(z, x), to), dot(cross(x, y), to));
   }
@@ -109,16 +108,6 @@ int side_of_line(FramedPoint& point, const std::array<Vec3, 3>& t) {
   return side;
 }
 
-// Children that the ray upwards from a point, in the tree's units, may meet.
-unsigned children_on_ray(const TriangleNode& node, const std::array<float, 3>& from, float room) {
-  const LaneBoxes boxes = lane_boxes(node);
-  const std::array<Floats, 3> half = aligned_half(boxes);
-  const auto way = [&](std::size_t axis) { return boxes.centre[axis] - from[axis]; };
-  const auto reach = [&](std::size_t axis) { return half[axis] + room; };
-  const FloatMask misses = (absolute(way(0)) > reach(0)) | (absolute(way(1)) > reach(1)) | (way(2) < -reach(2));
-  return ~float_bits(misses) & node.all();
-}
-
 }  // namespace
 
 int winding_number(const PosedSolid& around, const Pose& from, Vec3 in_from) {
@@ -130,24 +119,16 @@ int winding_number(const PosedSolid& around, const Pose& from, Vec3 in_from) {
   const auto room = static_cast<float>(
       (1 + norm_max(place)) * static_cast<double>(kFloatWay) +
       2 * tree.units * (point.error() + kRoundoff * (norm_max(tree.middle) + norm_max(point.rounded()))));
-  std::array<std::int32_t, kTreeWidth * TriangleTree::kMostLevels> waiting;
-  std::size_t count = 0;
-  waiting[count++] = 0;
   int number = 0;
-  while (count > 0) {
-    const TriangleNode& node = tree.nodes[at(waiting[--count])];
-    for (unsigned left = children_on_ray(node, start, room); left != 0; left &= left - 1) {
-      const std::int32_t child = node.child(static_cast<std::size_t>(__builtin_ctz(left)));
-      if (child >= 0) {
-        waiting[count++] = child;
-        continue;
-      }
-      const std::array<Vec3, 3> corners = tree.corners(~child);
-      const int side = side_of_line(point, corners);
-      const bool is_up = side > 0;
-      if (side != 0 && point.is_below(corners[0], corners[is_up ? 1 : 2], corners[is_up ? 2 : 1])) number += side;
-    }
-  }
+  any_triangle(
+      tree, [&](const TriangleNode& node) { return children_on_ray(node, start, room); },
+      [&](std::int32_t triangle) {
+        const std::array<Vec3, 3> corners = tree.corners(triangle);
+        const int side = side_of_line(point, corners);
+        const bool is_up = side > 0;
+        if (side != 0 && point.is_below(corners[0], corners[is_up ? 1 : 2], corners[is_up ? 2 : 1])) number += side;
+        return false;
+      });
   return number;
 }
 

@@ -107,12 +107,9 @@ class CoalLoop:
     """A loop over posed states in C++."""
 
     def __init__(self, bodies: PosedBodies, placed: Floats, mesh_boxes: str = "OBBRSS") -> None:
-        """Hands bodies and pairs to coal.
+        """Hands bodies and pairs to coal; at the poses (k, 4, 4), m, those that stand still are kept.
 
-        Args:
-            bodies: The bodies.
-            placed: (k, 4, 4) poses, m, of which those of bodies that stand still are kept.
-            mesh_boxes: What coal has around the triangles of solids: "OBB" or "OBBRSS".
+        `mesh_boxes` is what coal has around the triangles of solids: "OBB" or "OBBRSS".
 
         Raises:
             PlannercheckError: If there is no compiler, or coal has no shape for a body.

@@ -31,13 +31,7 @@ _STATES_A_MOTION = 64
 
 
 class MotionCase(NamedTuple):
-    """Motions of one robot in one scene.
-
-    Attributes:
-        checker: The exact one.
-        starts: (n, nq) rad.
-        ends: (n, nq) rad.
-    """
+    """Motions of one robot in one scene, from starts (n, nq) to ends (n, nq), rad; the checker is the exact one."""
 
     checker: Checker
     starts: Floats
@@ -50,13 +44,7 @@ class MotionCase(NamedTuple):
 
 @dataclass(frozen=True)
 class MotionSet:
-    """Motions of one kind.
-
-    Attributes:
-        where: The scene, or the problem set.
-        kind: E.g. "0.4 rad, free".
-        cases: The motions, scene by scene.
-    """
+    """Motions of one kind, e.g. "0.4 rad, free", in a scene or a problem set, scene by scene."""
 
     where: str
     kind: str
@@ -107,13 +95,9 @@ def random_motions(checker: Checker, length: float, n: int, rng: np.random.Gener
 
 
 def recorded_set(where: str, tasks: Sequence[Task], longest: float, n: int) -> MotionSet:
-    """The motions that RRTConnect asks for on problems.
+    """The motions that RRTConnect asks for on the problems of a set, at least one, with a range of `longest`, rad.
 
-    Args:
-        where: The set's name.
-        tasks: The problems, at least one.
-        longest: The planner's range, rad.
-        n: Number of motions in all, as many of each problem, which is searched with several seeds for that.
+    They are `n` in all, as many of each problem, which is searched with several seeds for that.
     """
     each = -(-n // len(tasks))
     cases = []

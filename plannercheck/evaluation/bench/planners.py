@@ -34,12 +34,7 @@ from plannercheck.ompl.planning import OMPL_SILENCE, seed_ompl
 
 
 class Settings(NamedTuple):
-    """How planners of OMPL search.
-
-    Attributes:
-        longest: The range, rad.
-        limit: Time limit of a search, s.
-    """
+    """How planners of OMPL search: the longest motion of a tree, and the time limit of a search, s."""
 
     longest: float
     limit: float

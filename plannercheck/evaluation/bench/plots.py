@@ -121,15 +121,10 @@ def _panels(
 def against_size(
     rows: Mapping[str, Mapping[str, Mapping[str, Sequence[tuple[float, float]]]]], across: str, path: Path
 ) -> list[Path]:
-    """Draws curves on logarithmic axes: a row for each quantity, panels side by side, a colour a name.
+    """Draws curves on logarithmic axes into files: a row for each quantity, panels side by side, a colour a name.
 
-    Args:
-        rows: For each label of the y axis, title and name of a curve, its points (x, y), both positive.
-        across: The label of the x axis.
-        path: Path of the files that are written, without suffix.
-
-    Returns:
-        The files.
+    By label of the y axis, then title, then name, curves are points (x, y), both positive; `across` is the label of the
+    x axis. The path is without suffix.
     """
     columns = len(next(iter(rows.values())))
     figure = _figure(4.6 * columns, 4.4 * len(rows))

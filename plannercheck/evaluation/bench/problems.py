@@ -19,13 +19,7 @@ from plannercheck.scenes.motion_bench_maker import Problem, load_problems
 
 
 class Task(NamedTuple):
-    """What is planned.
-
-    Attributes:
-        checker: Checker of the problem's robot in its scene.
-        start: (nq,) rad.
-        goal: (nq,) rad.
-    """
+    """What is planned: from a start to a goal (nq,), rad, by the checker of the problem's robot in its scene."""
 
     checker: Checker
     start: Floats

@@ -27,11 +27,9 @@ _CHECKOUT = Path(__file__).parents[3]
 
 
 def write_record(path: Path, rows: Sequence[Any]) -> None:
-    """Writes rows and the circumstances in which they were measured.
+    """Writes frozen dataclasses or mappings of one kind, and the circumstances in which they were measured.
 
-    Args:
-        path: Path of the file that is written, a `.json`; its stem names the measurement.
-        rows: Frozen dataclasses or mappings of one kind.
+    The path is a `.json`, whose stem names the measurement.
     """
     record = {
         "measurement": path.stem,
@@ -46,11 +44,7 @@ def write_record(path: Path, rows: Sequence[Any]) -> None:
 
 
 def command_line(arguments: Sequence[str]) -> str:
-    """The command as anyone may repeat it: without `--output` and without folders of this machine.
-
-    Args:
-        arguments: As in `sys.argv`: the program's or the script's file first.
-    """
+    """The command `sys.argv` as anyone may repeat it: without `--output` and without folders of this machine."""
     script, rest = Path(arguments[0]).absolute(), list(arguments[1:])
     while "--output" in rest:
         k = rest.index("--output")

@@ -55,16 +55,9 @@ def run(
     processes: int = 1,
     progress: Callable[[Tally[Case]], object] | None = None,
 ) -> Tally[Case]:
-    """Runs a campaign.
+    """Runs a campaign until so many pairs or motions are judged; a longer run starts with the draws of a shorter one.
 
-    Args:
-        campaign: What is drawn and judged.
-        wanted: Least number of pairs or motions to judge; a longer run starts with the draws of a shorter one.
-        processes: Number of processes to use.
-        progress: Called after each draw.
-
-    Returns:
-        The tally.
+    `progress` is called after each draw.
     """
     tally = Tally[Case]()
     with uncached() if campaign.is_of_one_use else contextlib.nullcontext(), workers(processes) as some:

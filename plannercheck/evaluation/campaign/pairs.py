@@ -57,15 +57,7 @@ AnyBody = TypeVar("AnyBody", bound=CaseBody)
 
 @dataclass(frozen=True, eq=False)
 class PairCase(Generic[AnyBody]):
-    """Two bodies at their poses.
-
-    Attributes:
-        name: What failed.
-        p: The first body.
-        r: The second body.
-        pose_p: (4, 4), m.
-        pose_r: (4, 4), m.
-    """
+    """Two bodies at their poses (4, 4), m; the name says what failed."""
 
     name: str
     p: AnyBody

@@ -22,10 +22,7 @@ USUAL_FIELD = 1.134
 class DepthCamera:
     """A camera without distortion, its principal point in the middle.
 
-    Attributes:
-        width: In pixels.
-        height: In pixels.
-        field: Field of view across the width, rad.
+    Width and height are in pixels; the field of view across the width is in rad.
     """
 
     width: int

@@ -50,12 +50,7 @@ SHARP = Closeness((-9.0, -6.0), 0.1, 0.8)
 
 @dataclass(frozen=True, eq=False)
 class Extent:
-    """A shape as the hull of points, all within a distance of it.
-
-    Attributes:
-        vertices: (n, 3), m.
-        inflation_radius: Inflation radius, m.
-    """
+    """A shape as all that is within the inflation radius of the hull of vertices (n, 3), m."""
 
     vertices: Floats
     inflation_radius: float

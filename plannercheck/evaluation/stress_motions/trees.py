@@ -12,6 +12,7 @@ import numpy as np
 
 from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.stress.contact_poses import random_directions, turns_onto
+from plannercheck.evaluation.stress_motions.curve_numbers import unit_columns
 from plannercheck.evaluation.stress_motions.recipes import JointRecipe, Matrix, SpaceRecipe, tree_recipe
 from plannercheck.robots.robot import Robot
 
@@ -146,9 +147,6 @@ def random_states(robot: Robot, n: int, rng: np.random.Generator) -> Floats:
     q = robot.random_configurations(n, rng)
     unlimited = np.isinf(robot.lower) | np.isinf(robot.upper)
     roles = robot.configuration_map.roles_of_columns()
-    units = np.zeros(robot.nq, dtype=bool)
-    for start, stop in robot.configuration_map.units:
-        units[start:stop] = True
-    lengths = unlimited & ~units & (roles == 0)
+    lengths = unlimited & ~unit_columns(robot) & (roles == 0)
     q[:, lengths] *= SHIFT
     return q

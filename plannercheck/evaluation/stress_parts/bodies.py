@@ -21,12 +21,7 @@ from plannercheck.evaluation.stress_solids.bodies import Body as SolidBody
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A body.
-
-    Attributes:
-        family: What it is.
-        given: The numbers that it is made of.
-    """
+    """A body of a family, and the numbers that it is made of."""
 
     family: str
     given: Given

@@ -194,16 +194,8 @@ def _radius(share: float, rng: np.random.Generator) -> float:
 
 
 def decided(p: Body, poses_p: Floats, r: Body, poses_r: Floats, every: bool = False) -> Any:
-    """The oracle's reasons (n,) at poses (n, 4, 4); 0 where the bodies share no point.
+    """The oracle's reasons (n,) at poses (n, 4, 4), Meeting in cpp/oracle/mesh_pairs.hpp; 0 where no point is shared.
 
-    Args:
-        p: The first body.
-        poses_p: Its poses.
-        r: The second body.
-        poses_r: Its poses.
-        every: Whether all pairs of triangles and all vertices are compared, in whole numbers alone.
-
-    Returns:
-        See Meeting in cpp/oracle/mesh_pairs.hpp.
+    `every`: all pairs of triangles and all vertices are compared, in whole numbers alone.
     """
     return compiled_oracle().decide_meshes(p.truth, poses_p, r.truth, poses_r, every)

@@ -31,16 +31,11 @@ _POINTS = 4
 
 
 def questions(drawn: Draw, truth: list[bool], number: int) -> Asked:
-    """Each way of asking about a draw's pairs; UNFIT where a pair is not asked.
+    """Each way of asking about a draw's pairs, whose verdicts by the oracle are given; UNFIT where a pair is not asked.
 
-    Args:
-        drawn: The draw.
-        truth: The oracle's verdicts.
-        number: The draw's number, which chooses the method, and the pairs that are asked one by one.
-
-    Returns:
-        Outcomes (k,) by contestant; of DISTANCE, POINTS and CAPS, which are asked for more than verdicts, the truth if
-        all that they say is right, else not.
+    The draw's number chooses the method, and the pairs that are asked one by one. Outcomes (k,) are by contestant; of
+    DISTANCE, POINTS and CAPS, which are asked for more than verdicts, the truth if all that they say is right, else
+    not.
     """
     method, single = method_of(number), some_of(len(drawn.poses_p), number)
     return {

@@ -37,12 +37,7 @@ _TINY_ANGLE = 1e-9  # rad
 
 
 class Place(NamedTuple):
-    """Where two bodies are but for a shift of the first.
-
-    Attributes:
-        turn_p: Rotation (3, 3) of the first.
-        pose_r: Pose (4, 4) of the second.
-    """
+    """Where two bodies are but for a shift of the first: its rotation (3, 3), and the second one's pose (4, 4)."""
 
     turn_p: Floats
     pose_r: Floats

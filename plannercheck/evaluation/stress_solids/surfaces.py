@@ -24,12 +24,7 @@ _UPPER_FACE = np.array([[1, 0, 0], [1, 1, 0], [1, 1, 1], [1, 0, 1]])
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Triangles.
-
-    Attributes:
-        points: (n, 3) m.
-        triangles: (m, 3) indices of points.
-    """
+    """Triangles (m, 3) of points (n, 3), m."""
 
     points: Floats
     triangles: Corners

@@ -146,16 +146,9 @@ def columns_of(
     ignored: Sequence[str] = (),
     degrees: bool = False,
 ) -> Columns:
-    """The columns that a robot's configurations need.
+    """The columns that a robot's configurations need; those `ignored` are left out though they are of held joints.
 
-    Args:
-        robot: The robot.
-        named: Names of its joints in files, in its order; None for its own names.
-        ignored: Columns that are left out though they are of held joints.
-        degrees: Whether files have angles in degrees.
-
-    Returns:
-        The columns.
+    `named` are the names of its joints in files, in its order; None for its own names. With `degrees`, angles are so.
     """
     if named is not None and len(named) != len(robot.joint_names):
         raise PlannercheckError(

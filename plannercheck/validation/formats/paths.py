@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.checking.protocols import AnyRobot
 from plannercheck.common.array_types import Bools, Floats, Ints64
-from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.arrays import OwnsArrays, shown_array, truth_in
 from plannercheck.common.checked_yaml import check_keys, error_context, mapping, parse_yaml, read_bytes, sequence, text
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.file_kinds import kind_of
@@ -278,6 +278,8 @@ def _real(value: Any) -> float:
 
 def _table(rows: Sequence[Any], width: int) -> Floats:
     """(k, width) of rows, or of blocks of rows."""
+    if truth_in(rows):
+        raise PlannercheckError(f"is no table of numbers but has {shown_array(rows)}")
     try:
         table = np.array([[_real(x) for x in row] for block in rows for row in np.atleast_2d(np.asarray(block))])
     except (TypeError, ValueError, OverflowError):  # the last of whole numbers beyond all doubles

@@ -57,10 +57,7 @@ class GateLimits:
     def kept(self, run: Run, velocities: Floats, dq: Floats) -> Bools:
         """(m,) which pieces surely keep all limits, by their control points; straight ones exactly.
 
-        Args:
-            run: The pieces.
-            velocities: (m, degree, nq) of them.
-            dq: (nq,) the robot's velocities at the start.
+        Velocities (m, degree, nq) are theirs, dq (nq,) is the robot's at the start.
         """
         good = np.asarray(((run.points >= self.lower) & (run.points <= self.upper)).all(axis=(1, 2)))
         good &= (np.abs(velocities) <= self.velocity).all(axis=(1, 2))

@@ -91,7 +91,9 @@ def _changes(old: Any, new: Any, place: str) -> list[str]:
         return [
             words for k, pair in enumerate(zip(old, new, strict=True)) for words in _changes(*pair, f"{place}[{k}]")
         ]
-    if old == new or (_is_number(old) and _is_number(new) and math.isclose(old, new, rel_tol=_SAME, abs_tol=_SAME)):
+    if (old == new and type(old) is type(new)) or (
+        _is_number(old) and _is_number(new) and math.isclose(old, new, rel_tol=_SAME, abs_tol=_SAME)
+    ):
         return []
     return [f"{place}: {_shown(old)}, now {_shown(new)}"]
 

@@ -6,7 +6,6 @@ In: a robot, numbers. Out: `GateSettings`, every number a row of the robot's joi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ from numpy.typing import ArrayLike
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.real_numbers import positive_number
 from plannercheck.robots.robot import Robot
 from plannercheck.trajectories.controllers import CONTROLLERS, Controller
 from plannercheck.trajectories.joint_columns import check_plain_joints
@@ -70,14 +70,13 @@ def settings_of(
         if controller == "motoros2":
             raise PlannercheckError("motoros2 refuses points without velocities, and chunks have positions alone")
         raise unknown_name("controller", controller, OF_POSITIONS)
-    if not isinstance(margin, Real) or not 0 <= margin < np.inf:
-        raise PlannercheckError(f"margin must be a length of at least 0, m, not {margin!r:.80}")
+    margin = positive_number(margin, "margin must be a length of at least 0, m", or_zero=True)
     speeds = largest_speeds(robot, velocity)
     bends = np.full(robot.nq, np.inf) if acceleration is None else largest_accelerations(robot, acceleration)
     decelerations = bends if brake is None else largest_accelerations(robot, brake, "brake")
     _check_finite(robot, speeds, "no largest speed, by which jumps are told: give velocity=")
     _check_finite(robot, decelerations, "no deceleration of stops: give brake=")
-    return GateSettings(controller, speeds, bends, tube, float(margin), decelerations, float(tolerance))
+    return GateSettings(controller, speeds, bends, tube, margin, decelerations, float(tolerance))
 
 
 def _check_finite(robot: Robot, row: Floats, lacking: str) -> None:

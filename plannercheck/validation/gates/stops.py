@@ -42,12 +42,9 @@ class Stops:
         return np.asarray(self.points[:, -1, -1])
 
     def curve(self, k: int, begin: float, error: Floats) -> Curve | None:
-        """Stop k as a curve that begins at an instant, s; None if the robot rests already.
+        """Stop k as a curve that begins at a whole nanosecond, s; None if the robot rests already.
 
-        Args:
-            k: Number of the stop.
-            begin: s, a whole nanosecond.
-            error: (nq,) the error of the state in which it begins.
+        `error` (nq,) is that of the state in which it begins.
         """
         lasting = self.lasting[k]
         if not lasting.any():
@@ -58,13 +55,7 @@ class Stops:
 
 
 def stops_from(positions: Floats, velocities: Floats, brake: Floats) -> Stops:
-    """The stops from n states.
-
-    Args:
-        positions: (n, nq) rad and m.
-        velocities: (n, nq) rad/s and m/s.
-        brake: (nq,) decelerations, rad/s² and m/s².
-    """
+    """The stops from n positions (n, nq), rad and m, and velocities, by decelerations (nq,), rad/s² and m/s²."""
     speeds = np.abs(velocities)
     rest = np.ceil(speeds / brake * 1e9) / 1e9
     times = np.zeros((len(positions), rest.shape[1] + 1))

@@ -52,7 +52,7 @@ package_dirs: [.]
 floating: false
 group: {name: arm, joints: [j]}
 reference: {j: 0.5}
-held: {k: 0.04}
+held: {k: 0.35}
 disabled_pairs:
   - reason: adjacent
     pairs: [[a, b], [b, c]]
