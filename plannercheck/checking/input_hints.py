@@ -22,7 +22,10 @@ def limits_hint(robot: AnyRobot, rows: Floats) -> str:
     """Says what configurations (n, nq) look like if most of them are beyond the limits; else an empty string."""
     start = f"most configurations are beyond the limits of {robot.name!r}"
     if are_degrees(rows, robot.lower, robot.upper):
-        return f"{start}, and as degrees they would not be: angles are in rad, convert them by numpy.radians"
+        return (
+            f"{start}, and as degrees they would not be: angles are in rad, convert them by numpy.radians, or on the"
+            " command line by --degrees"
+        )
     if share_within(rows[:, ::-1], robot.lower, robot.upper) >= _SUSPICIOUS_SHARE:
         return f"{start}, and in reverse order they would not be: {_order(robot)}"
     return f"{start}: {_order(robot)}, in rad and m"

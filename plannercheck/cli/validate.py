@@ -176,8 +176,10 @@ def _outcome(options: argparse.Namespace, checker: AnyChecker, judge: Judge, jou
     began = time.perf_counter()
     chunks = read_sets(options.files, columns, options.key, _chunk_rows(options))
     this = Run(judge, journal, Progress(options.progress))
+    # A cluster's workers warn elsewhere; the local engine's warning says more.
+    hints = [] if options.engine == "local" else [_warn_of_units]
     with _engine(options, checker, judge) as engine:
-        report = replace(this.over(chunks, engine, [verification, _warn_of_units]), all_pairs=judge.all_pairs)
+        report = replace(this.over(chunks, engine, [verification, *hints]), all_pairs=judge.all_pairs)
     if len(judge.times) > 1 and len(judge.times) != report.states:
         raise PlannercheckError(f"--times has {len(judge.times)} numbers, and {options.files[0]} {report.states} rows")
     if options.output is not None and journal is not None:
