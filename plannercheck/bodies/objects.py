@@ -217,8 +217,10 @@ def scene_object(
         shapes: tuple[Part, ...] = (Part(parts),)
     else:
         shapes = tuple(_known_part(part, f"object {name!r}") for part in _listed(parts))
-    if not isinstance(name, str) or not name or not shapes:
-        raise PlannercheckError(f"object {name!r:.80} needs a name, which is a text, and at least one shape")
+    if not isinstance(name, str):
+        raise PlannercheckError(f"the name of an object must be a text, not {name!r:.80}")
+    if not name or not shapes:
+        raise PlannercheckError(f"object {name!r} needs a name and at least one shape")
     moving = pose if isinstance(pose, Moving) else None
     placed: Any = None if moving is pose else pose
     return SceneObject(name, shapes, placed, subframes=subframes or {}, moving=moving)

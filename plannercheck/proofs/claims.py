@@ -116,8 +116,9 @@ def named_columns(proof: ProofData, known: Collection[str] = ()) -> tuple[str, .
         leaders = _leaders(proof.model, known)
         for joint in filter(_is_plain, proof.model.joints):
             leader = leaders.get(joint.columns[0], joint)
-            # The signs of multipliers and axes are those of the file only where a joint slides.
-            same = joint.kind == leader.kind == "slide" and joint.multipliers == leader.multipliers
+            # The signs of multipliers and axes are those of the file only where a joint slides and does not turn.
+            form = JOINTS[joint.kind]
+            same = form.lengths == form.numbers and (joint.kind, joint.multipliers) == (leader.kind, leader.multipliers)
             if joint is not leader and not same and leader.name not in known:
                 raise PlannercheckError(
                     f"joints {leader.name!r} and {joint.name!r} take the same number of a configuration, and the robot"

@@ -126,7 +126,7 @@ def test_a_frame_in_a_scene() -> None:
     [
         (np.full((2, 2), 1200, dtype=np.int32), r"floats \(m\) or uint16 \(mm\), not int32: convert it to m"),
         (np.full((2, 2), 12, dtype=np.uint8), r"not uint8"),
-        (np.full((2, 2), True), r"not bool"),
+        (np.full((2, 2), True), r"not an array of dtype bool"),
         (np.full((2, 2, 1), 1.0), r"must have shape \(h, w\), not \(2, 2, 1\)"),
         (np.full(4, 1.0), r"must have shape \(h, w\)"),
         (np.full((2, 2), 1j), r"must be an array \(h, w\)"),

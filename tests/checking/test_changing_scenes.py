@@ -475,7 +475,7 @@ def carrying_twice(scene, checker):
         (lambda s, c: s.attach("box", HAND, touch_links=None), "must be a list of names, not None"),
         (lambda s, c: s.attach("box", HAND, touch_links=[["panda_link1"]]), "must be a list of names"),
         (lambda s, c: s.attach("box", None), "'box' is attached to a link by its name, not None"),
-        (lambda s, c: s.add_sphere(7, 1.0), "object 7 needs a name, which is a text"),
+        (lambda s, c: s.add_sphere(7, 1.0), "name of an object must be a text, not 7"),
         (lambda s, c: s.allow("box", HAND, "no"), "allow takes two names, and True or False, not 'box', .* and 'no'"),
         (lambda s, c: s.allow("box", [HAND]), "allow takes two names"),
         (lambda s, c: carrying_twice(s, c), "carries two objects named 'mug'"),

@@ -83,7 +83,7 @@ def test_start_time_is_the_scenes_clock_at_the_beginning() -> None:
         checker.check_trajectories(trajectory)
     with pytest.raises(pc.PlannercheckError, match=r"must be some pc\.Trajectory, not int"):
         checker.check_trajectories(3)
-    with pytest.raises(pc.PlannercheckError, match=r"no pc\.Trajectory"):
+    with pytest.raises(pc.PlannercheckError, match=r"must be a pc\.Trajectory, not ndarray"):
         checker.check_trajectory(trajectory.position([0, 1]))
     with pytest.raises(pc.PlannercheckError, match="3 columns"):
         checker.check_trajectory(pc.Trajectory([0, 1], np.zeros((2, 3)), controller="linear"))

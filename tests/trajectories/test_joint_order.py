@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from poses import at
 
 import plannercheck as pc
-from tests.support.poses import at
 
 PANDA = pc.Robot.load("panda")
 NAMES = list(PANDA.joint_names)

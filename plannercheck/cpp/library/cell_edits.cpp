@@ -48,8 +48,11 @@ void check_pose(const std::string& name, const Matrix& m) {
   if (!are_finite(rows))
     throw EditError(what + " has values that are not finite: [" + listed(rows.first(4)) + ", " +
                     listed(rows.subspan(4, 4)) + ", " + listed(rows.subspan(8, 4)) + ", " + listed(rows.last(4)) + "]");
-  if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
-    throw EditError(what + ": last row must be 0 0 0 1, not " + listed(rows.last(4)));
+  if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1) {
+    const bool is_transposed = m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1;
+    throw EditError(what + ": last row must be 0 0 0 1, not " + listed(rows.last(4)) +
+                    (is_transposed ? "; it looks transposed" : ""));
+  }
   const Pose pose = pose_of(m);
   const double defect = rigidity_defect(pose);
   if (!(defect <= kRigidTolerance))
