@@ -7,6 +7,7 @@ its middle, or a surface of differences of vertices around 0, or a point of thei
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -278,16 +279,19 @@ def point_near_0(
     corners' hull the point next to 0 shows the direction of the next corner.
     """
     corners, weights = _corners(first, second, _FIRST[:1]), np.ones(1)
+    nearest = math.inf
     while len(corners) <= _MOST_CORNERS:
         points = np.array([first[a] - second[b] for a, b in corners])
         point = weights @ points
-        if np.linalg.norm(point) * _ROOM < distance:
+        length = float(np.linalg.norm(point))
+        if length * _ROOM < distance:
             kept = weights > 0
             chosen = tuple(each for each, keep in zip(corners, kept.tolist(), strict=True) if keep)
             return chosen, (), tuple(weights[kept].tolist())
         (new,) = _corners(first, second, -point[None])
-        if new in corners:
+        if new in corners or length >= nearest:  # rounding took the last corner out again, so it would for ever
             return None
+        nearest = length
         corners, weights = [*corners, new], np.append(weights, 0.0)
         points = np.vstack([points, first[new[0]] - second[new[1]]])
         rows, weights = _next_to_0(points, weights)
