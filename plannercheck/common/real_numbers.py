@@ -17,9 +17,10 @@ def positive_number(value: Any, wanted: str, *, or_zero: bool = False) -> float:
         PlannercheckError: "`wanted`, not …", also for truth values and texts.
     """
     number = -1.0
-    if not isinstance(value, str | bytes | bool | np.bool_) and not np.iscomplexobj(value):
+    is_plain = type(value) is float or type(value) is int
+    if is_plain or not (isinstance(value, str | bytes | bool | np.bool_) or np.iscomplexobj(value)):
         with suppress(TypeError, ValueError, OverflowError):
-            number = float(value) if np.ndim(value) == 0 else -1.0
+            number = float(value) if is_plain or np.ndim(value) == 0 else -1.0
     if not (0 < number < np.inf or (or_zero and number == 0)):
         raise PlannercheckError(f"{wanted}, not {value!r:.80}")
     return number

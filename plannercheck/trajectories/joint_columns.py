@@ -82,7 +82,9 @@ def check_order(robot: Robot, points: Points | None, prefix: str = "") -> None:
 
     A cell puts a prefix before its names. Without points or names, nothing is known of the columns.
     """
-    names = [] if points is None else [name.removeprefix(prefix) for name in points.joint_names]
+    if points is None or points.joint_names == robot.joint_names:
+        return
+    names = [name.removeprefix(prefix) for name in points.joint_names]
     if len(names) != len(robot.joint_names) or len(names) != robot.nq:
         return
     for k, (name, own) in enumerate(zip(names, robot.joint_names, strict=True)):
