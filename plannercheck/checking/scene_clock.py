@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -144,7 +144,8 @@ class SceneClock:
         )
 
 
-class MovingScene(NamedTuple, Generic[AnyChecker]):
+@dataclass(frozen=True)
+class MovingScene(Generic[AnyChecker]):
     """A scene's clock, and the checker of the robot that carries what moves."""
 
     clock: SceneClock

@@ -1,5 +1,6 @@
 """The package's face: the public names are there, and importing it loads nothing that is not needed."""
 
+import ast
 import importlib
 import importlib.metadata
 import inspect
@@ -139,3 +140,14 @@ def test_modules_open_with_what_they_are_for():
 def test_the_core_says_what_it_is():
     assert importlib.import_module(f"plannercheck._core_{core.level}") is core
     assert core.body_format > 0
+
+
+def test_named_tuples_have_no_other_base():
+    """Named case: from Python 3.11 on a named tuple may be generic; under 3.10 nothing could be imported."""
+    classes = [
+        f"{file.name}: {node.name}"
+        for file in sorted(Path(pc.__file__).parent.rglob("*.py"))
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ClassDef) and len(node.bases) > 1 and "NamedTuple" in map(ast.unparse, node.bases)
+    ]
+    assert classes == []
