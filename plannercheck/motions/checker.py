@@ -292,7 +292,7 @@ class Checker(StateChecker):
         times = np.broadcast_to(given, len(trajectories)).tolist()
         for trajectory in trajectories:
             check_trajectory_of(self.robot, trajectory)
-        clock, checker = self._moving
+        clock, checker = self._moving.clock, self._moving.checker
         return checker, [clock.on_clock(*each) for each in zip(trajectories, times, strict=True)]
 
     def explain_trajectory(
