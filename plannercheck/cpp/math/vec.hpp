@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
@@ -23,7 +24,7 @@ inline std::vector<std::int32_t> indices_below(std::size_t count) {
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 
-  double operator[](std::size_t axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  double operator[](std::integral auto axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
 };
 
 inline Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
