@@ -23,7 +23,7 @@ from pathlib import Path
 import coal
 import numpy as np
 import pinocchio as pin
-from scipy.optimize import nnls
+from scipy.optimize import lsq_linear
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
@@ -57,7 +57,8 @@ def random_poses(rng, n, far):
 def mixture(points, target, face):
     """The point nearest to the target that some weights mix from points near it (k, 3)."""
     moved = (points - target) / face
-    weights = nnls(np.vstack([moved.T, np.ones(len(points))]), np.array([0.0, 0, 0, 1]))[0]
+    rows = np.vstack([moved.T, np.ones(len(points))])
+    weights = lsq_linear(rows, np.array([0.0, 0, 0, 1]), (0, np.inf), method="bvls", tol=1e-15).x
     return (weights / weights.sum()) @ moved * face + target
 
 

@@ -6,7 +6,7 @@ verdict of the library depends on it.
 
 The point of a hull of points d_k nearest to the origin: the weights w >= 0 that minimise |Σ w_k d_k|² + (1 − Σ w_k)²
 are a multiple of the weights of this point, since for any given sum of weights the first term is least there (Lawson
-and Hanson 1974, non-negative least squares).
+and Hanson 1974; solved by Stark and Parker's bounded least squares, 1995).
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ Support: TypeAlias = Callable[[Floats], Floats]
 
 # m, for bodies of about 1 m: closer than this is contact. Least squares leave about 1e-13 of a squared distance.
 TOUCHING = 1e-6
+# Rounding leaves such weights of points that are put aside.
+_NO_WEIGHT = 1e-12
 # Near contact, rounding may let rounds go on without progress.
 _MOST_ROUNDS = 100
 
@@ -92,7 +94,9 @@ def share_a_point(first: Support, second: Support, start: Floats) -> tuple[bool,
 def _weights(points: Floats) -> Floats:
     """Weights of sum 1 that mix the point of a hull nearest to the origin."""
     rows = np.vstack([points.T, np.ones(len(points))])
-    weights = _optimize().nnls(rows, np.array([0.0, 0.0, 0.0, 1.0]))[0]
+    # Not `nnls`: SciPy 1.15, the last one for Python 3.10, ends before the optimum.
+    weights = _optimize().lsq_linear(rows, np.array([0.0, 0.0, 0.0, 1.0]), (0, np.inf), method="bvls", tol=1e-15).x
+    weights[weights < _NO_WEIGHT] = 0
     return np.asarray(weights / weights.sum())
 
 
