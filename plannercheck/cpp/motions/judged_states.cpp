@@ -21,16 +21,15 @@ namespace {
 // ends were judged before (measured).
 constexpr std::array<double, kLooks> kLookAt{0.5, 0.75, 1};
 
-// When it is due, the next kTried motions are looked at in all places, to learn how often they collide there. If at
-// least one in so many collides at the likeliest place, all motions are looked at there; the rest then at a second
-// place. A motion found colliding saves so many times the cost of a look, which is less where states are judged one by
-// one (measured).
+// Fewer states would be judged one by one, which costs more than it saves (measured). Sets of parts are an exception:
+// no descent finds collisions with them, so such motions are refused late.
+constexpr std::size_t kFewestLooks = 3;
+
+// When it is due, the first kTried motions are looked at in all places, to learn how often they collide there. If at
+// least one in kFirstWorth collides at the likeliest place, all motions are looked at there; the rest then at a second
+// place, by kSecondWorth. A motion found colliding saves so many times the cost of a look (measured).
 constexpr std::size_t kTried = 8;
-struct Worth {
-  std::uint32_t first, second;
-};
-constexpr Worth kInBlocks{16, 12}, kOneByOne{6, 6};
-constexpr std::size_t kFewestInBlocks = 3;
+constexpr std::uint32_t kFirstWorth = 16, kSecondWorth = 12;
 
 void add(RecentRate& rate, const std::uint8_t* is_free, std::size_t n) {
   const auto free = static_cast<std::size_t>(std::count(is_free, is_free + n, std::uint8_t{1}));
@@ -51,19 +50,18 @@ std::size_t likeliest(const LookRates& rates, std::size_t but) {
 void MotionCertifier::judge_states(const Kinematics& kinematics, const Segments& motions, std::size_t count,
                                    Workspace& w) const {
   std::fill_n(w.is_free.begin(), count, std::uint8_t{1});
-  if (states_ == nullptr) return;
-  if (w.looks[0].is_due(static_cast<std::uint32_t>(count))) w.tries_left = kTried;
-  const std::size_t tried = std::min(count, w.tries_left);
-  if (tried > 0) try_all_looks(kinematics, motions, tried, w);
-  w.tries_left -= tried;
+  if (states_ == nullptr || (count < kFewestLooks && !has_parts_)) return;
+  std::size_t tried = 0;
+  if (w.looks[0].is_due(static_cast<std::uint32_t>(count))) {
+    tried = std::min(count, kTried);
+    try_all_looks(kinematics, motions, tried, w);
+  }
   const std::size_t first = likeliest(w.looks, kLooks);
-  const Worth worth = count < kFewestInBlocks ? kOneByOne : kInBlocks;
-  // No descent finds collisions with sets of parts, so their motions are refused late.
-  if (!has_parts_ && !w.looks[first].is_at_least_one_in(worth.first)) return;
+  if (!has_parts_ && !w.looks[first].is_at_least_one_in(kFirstWorth)) return;
   judge_at(kinematics, motions, {first, tried, count}, w.looks[first], w);
   const std::size_t second = likeliest(w.later_looks[first], first);
   RecentRate& rate = w.later_looks[first][second];
-  if (rate.is_at_least_one_in(worth.second)) judge_at(kinematics, motions, {second, tried, count}, rate, w);
+  if (rate.is_at_least_one_in(kSecondWorth)) judge_at(kinematics, motions, {second, tried, count}, rate, w);
 }
 
 // Judges all looks at the first motions.

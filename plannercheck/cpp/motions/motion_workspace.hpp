@@ -55,7 +55,6 @@ struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
   std::array<std::uint8_t, kMotionsAtOnce> found{};  // verdicts of `rows`
   std::array<std::size_t, kMotionsAtOnce> motion_of_row{};
   std::vector<double> rows;                                        // configurations that are judged together
-  std::size_t tries_left = 0;                                      // motions that are looked at in all places
   LookRates looks{kUnknownLook, kUnknownLook, kUnknownLook};       // of all motions
   std::array<LookRates, kLooks> later_looks{looks, looks, looks};  // by a place where the motions were found free
 };
