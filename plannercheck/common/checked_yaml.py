@@ -26,7 +26,7 @@ from plannercheck.common.errors import PlannercheckError, shortened, unknown_nam
 from plannercheck.common.file_kinds import file_kind
 from plannercheck.common.input_limits import YAML_LOADER, check_yaml
 from plannercheck.common.user_warnings import warn
-from plannercheck.common.yaml_loader import YamlLoader
+from plannercheck.common.yaml_loader import WrittenFloat, WrittenInt, YamlLoader
 
 Node: TypeAlias = dict[str, Any]
 
@@ -51,7 +51,7 @@ BROKEN_FILE = (
 )
 
 _TEXT = frozenset({str})
-_PLAIN_NUMBERS = frozenset({float, int})
+_PLAIN_NUMBERS = frozenset({float, int, WrittenFloat, WrittenInt})
 
 # What PyYAML calls a text that it was handed; whoever read it from a file names the file.
 _NAMELESS = re.compile('in "<(?:byte|unicode) string>", ')
@@ -169,9 +169,9 @@ def required(node: Node, key: str) -> Any:
 
 
 def text(value: Any, key: str) -> str:
-    """A name, path or word; numbers pass as their text."""
+    """A name, path or word; numbers pass as they are written."""
     if isinstance(value, str) or (isinstance(value, int | float) and not isinstance(value, bool)):
-        return str(value)
+        return getattr(value, "written", str(value))
     raise PlannercheckError(f"{key!r} must be a text, not {_shortened(value)}")
 
 

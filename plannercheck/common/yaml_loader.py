@@ -2,7 +2,8 @@
 
 In: YAML text. Out: plain Python values. A key that stands twice in a mapping is refused (YAML 1.2, 3.2.1.3: keys are
 unique); a key beside `<<` may stand in the merged mapping as well, and counts. `010`, `1_2` and `1:30` are texts, not
-8, 12 and 90: MoveIt's yaml-cpp writes names so, reads 10 where it needs a number, and refuses `1:30`.
+8, 12 and 90: MoveIt's yaml-cpp writes names so, reads 10 where it needs a number, and refuses `1:30`. Keys are texts as
+they are written, and numbers know how they are: a name `1.10` is not `1.1`.
 """
 
 from __future__ import annotations
@@ -22,6 +23,18 @@ _NO_NUMBER = "(?![^:]*:|[^_]*_|[-+]?0[0-7]+$)"
 
 # What `ros2 topic echo` writes in place of a list's entries after the 128th.
 _CUT = "..."
+
+
+class WrittenInt(int):
+    """A number that the file has as another text than Python."""
+
+    written: str
+
+
+class WrittenFloat(float):
+    """A number that the file has as another text than Python."""
+
+    written: str
 
 
 class YamlLoader(YAML_LOADER):  # type: ignore[misc]  # which of two PyYAML has depends on the platform
@@ -50,6 +63,9 @@ class YamlLoader(YAML_LOADER):  # type: ignore[misc]  # which of two PyYAML has 
             lines = ", ".join(str(key.start_mark.line + 1) for key, _ in node.value if key.value == twice)
             raise PlannercheckError(f"a mapping has the key {shortened(twice)!r} twice, on lines {lines}: give it once")
         super().flatten_mapping(node)
+        for key, _ in node.value:
+            if isinstance(key, yaml.ScalarNode):
+                key.tag = _TEXT
         for key, value in node.value if self._as_written else ():
             if key.value == self._as_written and isinstance(value, yaml.MappingNode):
                 self._keep_texts(value)
@@ -69,3 +85,23 @@ class YamlLoader(YAML_LOADER):  # type: ignore[misc]  # which of two PyYAML has 
                 " `ros2 topic echo` cuts lists short without --full-length"
             )
         return super().construct_sequence(node, deep)  # type: ignore[no-any-return]
+
+    def construct_yaml_int(self, node: yaml.ScalarNode) -> Any:
+        """A whole number."""
+        return self._number(node, super().construct_yaml_int(node), WrittenInt)
+
+    def construct_yaml_float(self, node: yaml.ScalarNode) -> Any:
+        """A number."""
+        return self._number(node, super().construct_yaml_float(node), WrittenFloat)
+
+    def _number(self, node: yaml.ScalarNode, value: Any, kind: Any) -> Any:
+        """The value, with its text if that is another one."""
+        if str(value) == node.value:
+            return value
+        number = kind(value)
+        number.written = node.value
+        return number
+
+
+YamlLoader.add_constructor(_NUMBERS[0], YamlLoader.construct_yaml_int)
+YamlLoader.add_constructor(_NUMBERS[1], YamlLoader.construct_yaml_float)

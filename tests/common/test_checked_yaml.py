@@ -13,7 +13,7 @@ import pytest
 import yaml
 
 import plannercheck as pc
-from plannercheck.common.checked_yaml import error_context, number, parse_yaml, warn_here
+from plannercheck.common.checked_yaml import error_context, number, numbers, parse_yaml, text, warn_here
 from plannercheck.common.unique_keys import object_of
 from plannercheck.coverings import plain_files
 from plannercheck.ompl.plans import Plan
@@ -42,8 +42,8 @@ from plannercheck.validation.formats.paths import read_path
     ],
 )
 def test_scalars_are_those_of_yaml_1_1(scalar: str) -> None:
-    for text in (f"a: {scalar}", f"a: [1, {scalar}]", f"a: '{scalar}'", f"a: &x {scalar}\nb: *x"):
-        assert repr(parse_yaml(text)) == repr(yaml.safe_load(text)) == repr(parse_yaml(text.encode()))
+    for given in (f"a: {scalar}", f"a: [1, {scalar}]", f"a: '{scalar}'", f"a: &x {scalar}\nb: *x"):
+        assert repr(parse_yaml(given)) == repr(yaml.safe_load(given)) == repr(parse_yaml(given.encode()))
 
 
 def test_a_key_that_begins_as_parquet_does_is_read() -> None:
@@ -69,6 +69,22 @@ def test_octal_and_base_60_are_texts(scalar: str) -> None:
             number(value, "a")
     else:
         assert number(value, "a") == int(scalar.replace("_", ""), 10)
+
+
+@pytest.mark.parametrize("scalar", ["1.10", "0x1F", "+1", "1.5e+3", "-.5", "7", "0.1"])
+def test_names_are_as_they_are_written(scalar: str) -> None:
+    """As MoveIt's yaml-cpp has them; where a number is needed they are numbers."""
+    document = parse_yaml(f"a: {scalar}\n{scalar}: [1, {scalar}]")
+    assert text(document["a"], "a") == scalar
+    assert document[scalar] == yaml.safe_load(f"[1, {scalar}]")
+    assert [*map(type, numbers(document[scalar], "a"))] == [float, float]
+
+
+def test_scenes_keep_names_that_look_like_numbers(tmp_path: Path) -> None:
+    """Two names of one number are two obstacles."""
+    objects = [f"- {{name: {name}, box: {{size: [1, 1, 1]}}, position: [2, 0, 0]}}" for name in ("1.10", "1.1")]
+    (tmp_path / "s.yaml").write_text("\n".join(["objects:", *objects]))
+    assert [each.name for each in pc.Scene.load(tmp_path / "s.yaml").objects] == ["1.10", "1.1"]
 
 
 @pytest.mark.parametrize(
