@@ -1,4 +1,4 @@
-"""Small mesh files for readers, right ones and broken ones: those of tests/bodies/test_mesh_files.py, and some more.
+"""Small mesh files for readers, right ones and broken ones: those of the tests, and some more.
 
 For mesh_readers.py. In: a folder to write into. Out: `Case`, a file's content and what is to be read from it.
 """
@@ -13,15 +13,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "bodies"))
+sys.path += [str(Path(__file__).parents[1] / folder) for folder in ("bodies", "support")]
 
+import mesh_samples as samples
 import mutated_meshes
-import test_mesh_files as given
+import test_collada_files as collada
+import test_gltf_files as gltf_files
+import test_mesh_files as every
+import test_stl_obj_ply as words
 
 from plannercheck.bodies.mesh_files import read_mesh
 from plannercheck.common.errors import PlannercheckError
 
-WHOLE = given.CORNERS[given.TRIANGLES]
+WHOLE = samples.CORNERS[samples.TRIANGLES]
 # From y up and from x up to z up.
 Y_UP, _X_UP = [[1, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, -1, 0], [0, 0, -1], [1, 0, 0]]
 
@@ -51,33 +55,33 @@ def all_files(folder: Path) -> Iterator[Case]:
     """Right files, broken ones, and those to be mutated."""
     yield from right_files(folder)
     yield from broken_files(folder)
-    for name in given.FORMATS:
-        yield Case(name, "mutated", _one_file(folder, name, given.CORNERS), None)
+    for name in samples.FORMATS:
+        yield Case(name, "mutated", _one_file(folder, name, samples.CORNERS), None)
 
 
 def right_files(folder: Path) -> Iterator[Case]:
     """Files that are to be read: corners, scene graphs, names, units, primitives, and blank lines and comments."""
-    for name in given.FORMATS:
+    for name in samples.FORMATS:
         single = name in ("bytes.stl", "m.gltf", "m.glb")
         for at, size in ((0, 1), (100, 1e-5), (100, 1e4)):
-            corners = given.CORNERS * size + at
+            corners = samples.CORNERS * size + at
             content = _one_file(folder, name, corners)
             corners = corners.astype(np.float32).astype(np.float64) if single else corners
             corners = corners @ np.transpose(Y_UP) if name in ("m.gltf", "m.glb") else corners
-            yield Case(name, "corners", content, {"": corners[given.TRIANGLES]})
-    single_corners = given.CORNERS.astype(np.float32).astype(np.float64)
-    part = single_corners[given.TRIANGLES]
+            yield Case(name, "corners", content, {"": corners[samples.TRIANGLES]})
+    single_corners = samples.CORNERS.astype(np.float32).astype(np.float64)
+    part = single_corners[samples.TRIANGLES]
     to_z_up = np.transpose(Y_UP)
     for name in ("m.gltf", "m.glb"):
-        for root in given.ROOTS:
+        for root in gltf_files.ROOTS:
             nodes = [{"name": "root", "children": [1], **root}, {"name": "part", "mesh": 0, "translation": [5, 6, 7]}]
-            content = _gltf(name, *given.gltf(given.CORNERS, given.TRIANGLES, nodes))
+            content = _gltf(name, *samples.gltf(samples.CORNERS, samples.TRIANGLES, nodes))
             yield Case(name, "transforms", content, {"part": _posed(root, part + np.array([5, 6, 7])) @ to_z_up})
         pair = [{"name": n, "mesh": 0, "translation": [x, 0, 0]} for n, x in (("left", -0.5), ("right", 0.5))]
-        content = _gltf(name, *given.gltf(given.CORNERS, given.TRIANGLES, [{"children": [1, 2]}, *pair]))
+        content = _gltf(name, *samples.gltf(samples.CORNERS, samples.TRIANGLES, [{"children": [1, 2]}, *pair]))
         yield Case(name, "names", content, _pair(part @ to_z_up))
-        for mode, triangles in ((5, given.STRIP), (6, [[0, 1, 2], [0, 2, 3]])):
-            file, body = given.gltf(given.CORNERS, np.arange(4), [{"mesh": 0}])
+        for mode, triangles in ((5, samples.STRIP), (6, [[0, 1, 2], [0, 2, 3]])):
+            file, body = samples.gltf(samples.CORNERS, np.arange(4), [{"mesh": 0}])
             file["meshes"][0]["primitives"][0]["mode"] = mode
             yield Case(name, "primitives", _gltf(name, file, body), {"": single_corners[triangles] @ to_z_up})
         yield from _accessors(name)
@@ -88,8 +92,8 @@ def right_files(folder: Path) -> Iterator[Case]:
 
 def _accessors(name: str) -> Iterator[Case]:
     """A glTF with a sparse place, and one whose places are whole numbers."""
-    corners, indices = given.CORNERS.astype("<f4"), given.TRIANGLES.astype("<u4").tobytes()
-    file, body = given.gltf(corners, given.TRIANGLES, [{"mesh": 0}])
+    corners, indices = samples.CORNERS.astype("<f4"), samples.TRIANGLES.astype("<u4").tobytes()
+    file, body = samples.gltf(corners, samples.TRIANGLES, [{"mesh": 0}])
     file["bufferViews"] += [{"buffer": 0, "byteOffset": len(body) + a, "byteLength": n} for a, n in ((0, 2), (4, 12))]
     file["buffers"][0]["byteLength"] = len(body) + 16
     sparse = {"indices": {"bufferView": 2, "componentType": 5123}, "values": {"bufferView": 3}}
@@ -97,17 +101,17 @@ def _accessors(name: str) -> Iterator[Case]:
     wanted = corners.astype(np.float64)
     wanted[1] = 9, 8, 7
     content = _gltf(name, file, body + struct.pack("<H2x3f", 1, 9, 8, 7))
-    yield Case(name, "primitives", content, {"": wanted[given.TRIANGLES] @ np.transpose(Y_UP)})
-    steps = np.round(given.CORNERS * 32767).astype("<i2")
+    yield Case(name, "primitives", content, {"": wanted[samples.TRIANGLES] @ np.transpose(Y_UP)})
+    steps = np.round(samples.CORNERS * 32767).astype("<i2")
     body = np.column_stack([steps, np.zeros(4, "<i2")]).astype("<i2").tobytes() + indices
-    file, _ = given.gltf(corners, given.TRIANGLES, [{"mesh": 0}], {"extensionsRequired": ["KHR_mesh_quantization"]})
+    file, _ = samples.gltf(corners, samples.TRIANGLES, [{"mesh": 0}], {"extensionsRequired": ["KHR_mesh_quantization"]})
     file["bufferViews"] = [
         {"buffer": 0, "byteLength": 32, "byteStride": 8},
         {"buffer": 0, "byteOffset": 32, "byteLength": len(indices)},
     ]
     file["accessors"][0] |= {"componentType": 5122, "normalized": True}
     file["buffers"][0] = {"byteLength": len(body)}
-    wanted = (steps / 32767)[given.TRIANGLES] @ np.transpose(Y_UP)
+    wanted = (steps / 32767)[samples.TRIANGLES] @ np.transpose(Y_UP)
     yield Case(name, "primitives", _gltf(name, file, body), {"": wanted})
 
 
@@ -122,10 +126,10 @@ def _strips_of_ply() -> Iterator[Case]:
 
 
 def _collada() -> Iterator[Case]:
-    places = np.array(given.PLACES.split(), dtype=float).reshape(-1, 3)[given.TRIANGLES]
+    places = np.array(samples.PLACES.split(), dtype=float).reshape(-1, 3)[samples.TRIANGLES]
     for transform, matrix in _TRANSFORMS.items():
         node = f'<node id="n">{transform}<node id="m"><translate>0 0 7</translate><instance_geometry url="#g"/></node>'
-        content = given.dae(given.PLACES, given.TETRAHEDRON, f"{node}</node>").encode()
+        content = samples.dae(samples.PLACES, samples.TETRAHEDRON, f"{node}</node>").encode()
         yield Case(
             "m.dae", "transforms", content, {"m": (places + np.array([0, 0, 7])) @ matrix[:, :3].T + matrix[:, 3]}
         )
@@ -133,13 +137,13 @@ def _collada() -> Iterator[Case]:
         f'<node id="{n}"><translate>{x} 0 0</translate><instance_geometry url="#g"/></node>'
         for n, x in (("left", -0.5), ("right", 0.5))
     )
-    yield Case("m.dae", "names", given.dae(given.PLACES, given.TETRAHEDRON, nodes).encode(), _pair(places))
+    yield Case("m.dae", "names", samples.dae(samples.PLACES, samples.TETRAHEDRON, nodes).encode(), _pair(places))
     for asset, unit, turn in _ASSETS:
-        content = given.dae(given.PLACES, given.TETRAHEDRON, asset=asset).encode()
+        content = samples.dae(samples.PLACES, samples.TETRAHEDRON, asset=asset).encode()
         yield Case("m.dae", "units and axes", content, {"": places * unit @ np.array(turn).T})
     square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    for primitive, triangles in parameters(given.test_primitives_of_collada):
-        content = given.dae("0 0 0 1 0 0 1 1 0 0 1 0", primitive).encode()
+    for primitive, triangles in parameters(collada.test_primitives_of_collada):
+        content = samples.dae("0 0 0 1 0 0 1 1 0 0 1 0", primitive).encode()
         yield Case("m.dae", "primitives", content, {"": square[triangles]})
 
 
@@ -163,26 +167,28 @@ _ASSETS = (
 
 def _texts(folder: Path) -> Iterator[Case]:
     left, right = (
-        given.write(folder / "text.stl", given.CORNERS + np.array([x, 0, 0])).read_text() for x in (-0.5, 0.5)
+        samples.write(folder / "text.stl", samples.CORNERS + np.array([x, 0, 0])).read_text() for x in (-0.5, 0.5)
     )
     two = left.replace("solid s", "solid left") + right.replace("solid s", "solid right")
     yield Case("text.stl", "names", two.encode(), _pair(WHOLE))
     for letter in "og":
         text = ""
         for name, at, first in (("left", -0.5, 1), ("right", 0.5, 5)):
-            text += f"{letter} {name}\n" + "".join(f"v {x + at!r} {y!r} {z!r}\n" for x, y, z in given.CORNERS.tolist())
-            text += "".join(f"f {a} {b} {c}\n" for a, b, c in (given.TRIANGLES + first).tolist())
+            text += f"{letter} {name}\n" + "".join(
+                f"v {x + at!r} {y!r} {z!r}\n" for x, y, z in samples.CORNERS.tolist()
+            )
+            text += "".join(f"f {a} {b} {c}\n" for a, b, c in (samples.TRIANGLES + first).tolist())
         yield Case("m.obj", "names", text.encode(), _pair(WHOLE))
     vertices = "v 0 0 0\nv 1 0 0 1\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0 1.0 0.5 0.5 0.5\n"
     square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    for text, count in parameters(given.test_faces_of_obj):
+    for text, count in parameters(words.test_faces_of_obj):
         if text != "f 1 2":  # what two corners are is a matter of taste
             content = f"{vertices}{text}\n".encode()
             yield Case("m.obj", "primitives", content, {"": square[[[0, 1, 2], [0, 2, 3]][:count]]})
-    for layout in parameters(given.test_stl_is_words_on_any_lines):
-        yield Case("text.stl", "blanks, comments", given.stl_text(layout).replace(b"endsolid_a", b"a"), {"": WHOLE})
+    for layout in parameters(words.test_stl_is_words_on_any_lines):
+        yield Case("text.stl", "blanks, comments", words.stl_text(layout).replace(b"endsolid_a", b"a"), {"": WHOLE})
     for name, blanks in (("m.obj", ("\n", "# v 1 2 3\n")), ("text.ply", ("\n",)), ("m.off", ("\n", "# v 1 2 3\n"))):
-        lines = given.write(folder / name).read_text().splitlines(keepends=True)
+        lines = samples.write(folder / name).read_text().splitlines(keepends=True)
         for blank in blanks:
             for at in range(1, len(lines) + 1):
                 yield Case(name, "blanks, comments", "".join([*lines[:at], blank, *lines[at:]]).encode(), {"": WHOLE})
@@ -190,39 +196,39 @@ def _texts(folder: Path) -> Iterator[Case]:
 
 def broken_files(folder: Path) -> Iterator[Case]:
     """Files that are to be refused; those that are cut are whole where nothing but an end of line is missing."""
-    for name in given.FORMATS:
-        content = _one_file(folder, name, given.CORNERS)
+    for name in samples.FORMATS:
+        content = _one_file(folder, name, samples.CORNERS)
         for end in range(len(content)):
             cut = content[:end]
             if name != "m.obj" and _is_refused(folder / name, cut):
                 yield Case(name, "broken: cut short", cut, None, len(WHOLE))
-        for nothing in parameters(given.test_files_of_nothing, 1):
+        for nothing in parameters(every.test_files_of_nothing, 1):
             yield Case(name, "broken: words", nothing, None)
-    for name in parameters(given.test_a_word_among_places_is_refused, 1):
-        for word in parameters(given.test_a_word_among_places_is_refused):
-            text = given.write(folder / name).read_text().replace("0.7", word)
+    for name in parameters(every.test_a_word_among_places_is_refused, 1):
+        for word in parameters(every.test_a_word_among_places_is_refused):
+            text = samples.write(folder / name).read_text().replace("0.7", word)
             yield Case(name, "broken: words", text.encode(), None)
-    for name in parameters(given.test_an_index_of_no_vertex_is_refused, 1):
-        for index in parameters(given.test_an_index_of_no_vertex_is_refused):
-            triangles = given.TRIANGLES.copy()
+    for name in parameters(every.test_an_index_of_no_vertex_is_refused, 1):
+        for index in parameters(every.test_an_index_of_no_vertex_is_refused):
+            triangles = samples.TRIANGLES.copy()
             triangles[2, 1] = index if name != "m.obj" or index > 0 else -6
-            content = given.write(folder / name, triangles=triangles).read_bytes()
+            content = samples.write(folder / name, triangles=triangles).read_bytes()
             yield Case(name, "broken: indices", content, None, len(WHOLE))
-    text = given.write(folder / "text.ply").read_text()
-    for index in parameters(given.test_indices_of_a_ply_are_whole):
+    text = samples.write(folder / "text.ply").read_text()
+    for index in parameters(words.test_indices_of_a_ply_are_whole):
         yield Case(
             "text.ply", "broken: indices", text.replace("3 1 2 3\n", f"3 1 2 {index}\n").encode(), None, len(WHOLE)
         )
-    text = given.dae(given.PLACES, given.TETRAHEDRON)
-    for word in parameters(given.test_indices_of_a_collada_file_are_whole):
+    text = samples.dae(samples.PLACES, samples.TETRAHEDRON)
+    for word in parameters(collada.test_indices_of_a_collada_file_are_whole):
         yield Case("m.dae", "broken: indices", text.replace("0 2 1 0", f"0 2 {word} 0").encode(), None)
-    for old, new, _ in parameters(given.test_what_collada_files_are_refused_for):
+    for old, new, _ in parameters(collada.test_what_collada_files_are_refused_for):
         yield Case("m.dae", "broken: elements", text.replace(old, new).encode(), None)
-    for more, _ in parameters(given.test_what_gltf_files_are_refused_for):
+    for more, _ in parameters(gltf_files.test_what_gltf_files_are_refused_for):
         for name in ("m.gltf", "m.glb"):
-            content = _gltf(name, *given.gltf(given.CORNERS, given.TRIANGLES, [{"mesh": 0}], more))
+            content = _gltf(name, *samples.gltf(samples.CORNERS, samples.TRIANGLES, [{"mesh": 0}], more))
             yield Case(name, "broken: elements", content, None)
-    for text, _ in parameters(given.test_what_obj_files_are_refused_for):
+    for text, _ in parameters(words.test_what_obj_files_are_refused_for):
         if "surf" not in text:
             yield Case("m.obj", "broken: elements", f"v 0 0 0\nv 1 0 0\nv 0 1 0\n{text}\n".encode(), None)
 
@@ -240,13 +246,13 @@ def _is_refused(path: Path, content: bytes) -> bool:
 def _one_file(folder: Path, name: str, corners: np.ndarray) -> bytes:
     """A mesh in a format, without a file beside it."""
     if name == "m.gltf":
-        return _gltf(name, *given.gltf(corners, given.TRIANGLES, [{"mesh": 0}]))
-    return given.write(folder / name, corners).read_bytes()
+        return _gltf(name, *samples.gltf(corners, samples.TRIANGLES, [{"mesh": 0}]))
+    return samples.write(folder / name, corners).read_bytes()
 
 
 def _gltf(name: str, file: dict[str, Any], body: bytes) -> bytes:
     if name == "m.glb":
-        return given.glb(file, body)
+        return samples.glb(file, body)
     if "uri" not in file["buffers"][0]:
         file["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64.b64encode(body).decode()
     return json.dumps(file).encode()

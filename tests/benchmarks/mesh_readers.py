@@ -1,8 +1,8 @@
 """What trimesh's readers (with pycollada) and ours make of small files: `python tests/benchmarks/mesh_readers.py`.
 
-In: the files of tests/bodies/test_mesh_files.py, right ones and broken ones, and mutated ones. Out: a line a format and
-demand, with how many files each reader got right, rounded to single precision, lost triangles of, read otherwise,
-accepted though broken, refused, or did not return from; and a table of trimesh's by format. Trimesh is asked for all
+In: the files of the tests, right ones and broken ones, and mutated ones. Out: a line a format and demand, with how many
+files each reader got right, rounded to single precision, lost triangles of, read otherwise, accepted though broken,
+refused, or did not return from; and a table of trimesh's by format. Trimesh is asked for all
 that it offers: its scene, nothing merged or reordered, OBJ objects apart, units converted, broken Collada an error. Any
 exception of it is a refusal. A file that is cut short is broken if we refuse it: others lack the end of a line alone.
 
