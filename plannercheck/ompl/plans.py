@@ -67,6 +67,7 @@ class Plan(OwnsArrays):
             content = read_bytes(Path(path))
         try:
             values = json.loads(content.decode("utf-8"), object_pairs_hook=object_of)
+            _check_kinds(values)
             with error_context(f"plan file {str(path)!r}"):
                 rows = named_numbers(values["path"], "path")
             joints = len(values["joint_names"])
@@ -86,6 +87,28 @@ class Plan(OwnsArrays):
         header = self.joint_names if len(self.joint_names) == self.path.shape[1] else range(self.path.shape[1])
         rows = [(k, *(f"{value:.4f}" for value in row)) for k, row in enumerate(self.path.tolist())]
         return html_table(repr(self), ("state", *map(str, header)), rows)
+
+
+# What a plan's JSON has beside its numbers: types that stand for themselves, truth values for no number.
+_KINDS: dict[str, tuple[type, ...]] = {
+    "solved": (bool,),
+    "length": (float, int),
+    "time": (float, int),
+    "simplification_time": (float, int),
+    "planner": (str,),
+    "reason": (str,),
+    "goal": (int, type(None)),
+}
+
+
+def _check_kinds(values: dict[str, Any]) -> None:
+    for key, kinds in _KINDS.items():
+        if key in values and type(values[key]) not in kinds:
+            wanted = " or ".join("null" if kind is type(None) else kind.__name__ for kind in kinds)
+            raise ValueError(f"{key!r} must be {wanted}, not {values[key]!r:.60}")
+    names = values["joint_names"]
+    if type(names) is not list or not all(type(name) is str for name in names):
+        raise ValueError(f"'joint_names' must be a list of texts, not {names!r:.60}")
 
 
 def check_suffix(path: Path) -> None:

@@ -1,5 +1,7 @@
 """Plans keep their numbers in files."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -47,6 +49,27 @@ def test_bad_files(tmp_path, plan):
     for message in ("bad.json' is no plan", "missing.json': can't be read"):
         with pytest.raises(PlannercheckError, match=message):
             Plan.load(tmp_path / message.partition("'")[0])
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "wanted"),
+    [
+        ("solved", "no", "bool, not 'no'"),
+        ("solved", 1, "bool, not 1"),
+        ("time", True, "float or int, not True"),
+        ("simplification_time", None, "float or int, not None"),
+        ("goal", False, "int or null, not False"),
+        ("planner", 3, "str, not 3"),
+        ("joint_names", "abc", "a list of texts, not 'abc'"),
+        ("joint_names", ["a", "b", 3], r"a list of texts, not \['a', 'b', 3\]"),
+    ],
+)
+def test_words_of_a_plan_have_their_types(tmp_path, plan, key, value, wanted):
+    plan.save(tmp_path / "plan.json")
+    values = json.loads((tmp_path / "plan.json").read_text())
+    (tmp_path / "plan.json").write_text(json.dumps(values | {key: value}))
+    with pytest.raises(PlannercheckError, match=f"plan.json' is no plan in JSON: '{key}' must be {wanted}"):
+        Plan.load(tmp_path / "plan.json")
 
 
 def test_a_failed_write_leaves_the_old_file(tmp_path):
