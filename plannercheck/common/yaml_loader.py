@@ -87,20 +87,25 @@ class YamlLoader(YAML_LOADER):  # type: ignore[misc]  # which of two PyYAML has 
         return super().construct_sequence(node, deep)  # type: ignore[no-any-return]
 
     def construct_yaml_int(self, node: yaml.ScalarNode) -> Any:
-        """A whole number."""
-        return self._number(node, super().construct_yaml_int(node), WrittenInt)
+        """A whole number, by Python's reading where that will do: PyYAML's takes longer."""
+        try:
+            value = int(node.value)
+        except ValueError:
+            value = super().construct_yaml_int(node)
+        return value if str(value) == node.value else _written(WrittenInt(value), node)
 
     def construct_yaml_float(self, node: yaml.ScalarNode) -> Any:
-        """A number."""
-        return self._number(node, super().construct_yaml_float(node), WrittenFloat)
+        """A number, in the same way."""
+        try:
+            value = float(node.value)
+        except ValueError:
+            value = super().construct_yaml_float(node)
+        return value if str(value) == node.value else _written(WrittenFloat(value), node)
 
-    def _number(self, node: yaml.ScalarNode, value: Any, kind: Any) -> Any:
-        """The value, with its text if that is another one."""
-        if str(value) == node.value:
-            return value
-        number = kind(value)
-        number.written = node.value
-        return number
+
+def _written(number: Any, node: yaml.ScalarNode) -> Any:
+    number.written = node.value
+    return number
 
 
 YamlLoader.add_constructor(_NUMBERS[0], YamlLoader.construct_yaml_int)
