@@ -127,6 +127,7 @@ def consumer(prefix: Path, folder: Path, options: argparse.Namespace) -> Path:
             "judge",
             "edit_scene",
             "say_faults",
+            "refuse_calls",
             "test_execution_proof",
             *(() if options.quick else ("share", "fuzz_cell")),
         ):
@@ -270,6 +271,11 @@ def check_sentences(programs: Path, folder: Path, options: argparse.Namespace) -
         if cpp != python or cpp.endswith("no fault"):
             sys.exit(f"OTHER SENTENCES:\n{cpp}\n{python}")
     print(f"{len(said)} faults: the same sentences")
+    scene, folder = pc.Scene(), Path(tempfile.mkdtemp(dir=folder))
+    scene.add("tool", pc.Sphere(0.05))
+    scene.attach("tool", "panda_hand")
+    pc.Checker(pc.Robot.load("panda"), scene).save(folder / "carried.plannercheck")
+    subprocess.run([*emulator(options), programs / "refuse_calls", folder / "carried.plannercheck", folder], check=True)
 
 
 def padded_checker() -> pc.Checker:

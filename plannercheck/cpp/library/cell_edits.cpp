@@ -89,12 +89,17 @@ void check_shape(const Edit& edit) {
   if (is_cloud && !std::all_of(edit.points.begin(), edit.points.end(), is_in_range)) throw EditError(what + kTooLarge);
 }
 
+void check_not_carried(const PreparedCell& cell, const std::string& name) {
+  if (is_carried(cell, name))
+    throw EditError("object '" + name + "' is attached to a link: change it in Python, and save the cell again");
+}
+
 // What Python's scene checks of the name, before and after the pose.
 void check_name(const PreparedCell& cell, const Edit& edit) {
   const std::string what = "object '" + edit.name + "'";
   if (edit.name.empty()) throw EditError(what + " needs a name and at least one shape");
   check_pose(edit.name, edit.matrix);
-  if (is_carried(cell, edit.name)) throw EditError(what + " exists already: remove it first, or choose another name");
+  check_not_carried(cell, edit.name);
   for (std::size_t k = 0; k < cell.bodies.size(); ++k) {
     if (cell.part_names[k] == edit.name && cell.body_names[k] != edit.name)
       throw EditError(what + ": another object is named '" + edit.name + "', as its part would be");
@@ -106,6 +111,7 @@ void check_edit(const PreparedCell& cell, const Edit& edit) {
   if (is_added) {
     check_shape(edit), check_name(cell, edit);
   } else {
+    check_not_carried(cell, edit.name);
     if (bodies_of(cell, edit.name).empty()) throw EditError(unknown_name("object", edit.name, cell.obstacles));
     if (edit.kind == Edit::Kind::kMove) check_pose(edit.name, edit.matrix);
   }

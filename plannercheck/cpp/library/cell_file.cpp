@@ -11,9 +11,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "prepared cells are little-endian");
 
-constexpr char kMagic[16] = "plannercheck\n";  // and three zeros
-constexpr std::size_t kMagicBytes = sizeof kMagic, kHeaderBytes = 48, kEntryBytes = 64, kNameBytes = 32,
-                      kAlignment = 64;
+constexpr std::size_t kHeaderBytes = 48, kEntryBytes = 64, kNameBytes = 32, kAlignment = 64;
 
 // Header: magic, u32 format, u32 body format, u64 size of the file, u32 sections, u32 CRC-32 of all after the header,
 // u64 zero.
@@ -73,7 +71,7 @@ void require_sound(bool sound, const char* what) {
 }
 
 CellFile::CellFile(std::span<const std::byte> bytes) : file_(bytes) {
-  if (file_.size() < kMagicBytes || std::memcmp(file_.data(), kMagic, kMagicBytes) != 0)
+  if (file_.size() < kMagic.size() || std::memcmp(file_.data(), kMagic.data(), kMagic.size()) != 0)
     throw CellError("is no prepared cell: it does not start with 'plannercheck'");
   if (file_.size() < kHeaderBytes) throw CellError("is cut short");
   const auto format = read_at<std::uint32_t>(file_, kFormatAt), bodies = read_at<std::uint32_t>(file_, kBodyFormatAt);

@@ -6,6 +6,7 @@
 // little-endian. Nothing is trusted: sizes are compared with the file's before anything is allocated or read.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -22,6 +23,9 @@ class CellError : public std::runtime_error {
 
 // Raise it with any change to the sections, their order or meaning: other files are then refused.
 inline constexpr std::uint32_t kCellFormat = 6;
+
+// What a file starts with: zeros fill the array.
+inline constexpr std::array<char, 16> kMagic{"plannercheck\n"};
 
 class CellFile {
  public:

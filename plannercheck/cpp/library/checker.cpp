@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <system_error>
 
 #include "library/checker_impl.hpp"
 
@@ -16,14 +17,24 @@ namespace plannercheck {
 namespace {
 
 Bytes bytes_of(const std::string& path) {
-  if (std::filesystem::is_directory(path)) throw CallError("can't read a cell from " + path + ": it is a folder");
+  const auto refused = [&](const char* why) { return CallError("can't read a cell from " + path + ": " + why); };
+  std::error_code unknown;  // then opening the file says what is wrong
+  const std::filesystem::file_status found = std::filesystem::status(path, unknown);
+  if (is_directory(found)) throw refused("it is a folder");
+  if (!unknown && !is_regular_file(found)) throw refused("it is a pipe or a device");  // opening it may never end
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   const std::streamoff end = file ? static_cast<std::streamoff>(file.tellg()) : -1;
-  if (end < 0) throw CallError("can't read a cell from " + path + ": " + std::strerror(errno));
-  Bytes bytes(static_cast<std::size_t>(end));
-  file.seekg(0);
-  if (!file.read(reinterpret_cast<char*>(bytes.data()), end)) throw CallError("can't read a cell from " + path);
-  return bytes;
+  if (end < 0) throw refused(std::strerror(errno));
+  const auto first = [&](std::streamoff size) {
+    Bytes bytes(static_cast<std::size_t>(size));
+    file.seekg(0);
+    if (!file.read(reinterpret_cast<char*>(bytes.data()), size)) throw refused("it can't be read to its end");
+    return bytes;
+  };
+  Bytes head = first(std::min<std::streamoff>(end, kMagic.size()));
+  const char* const start = reinterpret_cast<const char*>(head.data());
+  const bool is_cell = std::equal(start, start + head.size, kMagic.begin());
+  return is_cell ? first(end) : head;  // another file may be larger than the memory
 }
 
 }  // namespace

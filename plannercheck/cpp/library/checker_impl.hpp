@@ -86,9 +86,9 @@ struct Checker::Impl {
   void check_width(std::span<const double> q, std::size_t n) const {
     if (q.size() == n * width()) return;
     const std::string nq = std::to_string(width()), size = std::to_string(q.size());
-    if (n > 1 && width() > 0 && q.size() % width() == 0)
+    if ((n != 1 || !q.empty()) && width() > 0 && q.size() % width() == 0)
       throw CallError(size + " numbers are " + std::to_string(q.size() / width()) + " configurations, not " +
-                      std::to_string(n) + ", as there are answers");
+                      std::to_string(n) + ": one for each answer");
     throw CallError("configurations must have shape (" + nq + ",) or (n, " + nq + "), not (" + size + ",); " +
                     cell->columns);
   }

@@ -27,6 +27,13 @@ void check_durations(std::span<const double> breaks) {
   }
 }
 
+void check_finite(const char* what, std::span<const double> numbers) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!std::isfinite(numbers[i]))
+      throw CallError(std::string(what) + " must be finite: " + numbered("number", i) + " is " + shown(numbers[i]));
+  }
+}
+
 std::string named_piece(const Trajectory& trajectory, std::size_t k) {
   return numbered("piece", k) + " of the trajectory, " + rounded(trajectory.breaks[k], 6) + " to " +
          rounded(trajectory.breaks[k + 1], 6) + " s";
@@ -40,7 +47,7 @@ struct JudgedTrajectory {
 
   JudgedTrajectory(const Trajectory& given, const Checker& checker, const PreparedCell& cell,
                    std::span<const double> around) {
-    check_shape(given, checker, cell.columns);
+    check_shape(given, checker, cell);
     set_tube(given, around, cell);
     for (std::size_t k = 0; k < given.degrees.size(); ++k) tables.push_back(table_of_piece(given, cell, k));
   }
@@ -52,12 +59,15 @@ struct JudgedTrajectory {
   }
 
  private:
-  void check_shape(const Trajectory& given, const Checker& checker, const std::string& columns) {
+  void check_shape(const Trajectory& given, const Checker& checker, const PreparedCell& cell) {
     const std::size_t width = checker.nq(), count = given.degrees.size();
     if (checker.joint_names().size() != width)
       throw CallError("joints of " + checker.robot_name() + " take several numbers: check its trajectories in Python");
+    if (given.error.empty() && width > 0)
+      throw CallError("the trajectory has no errors: give " + std::to_string(width) +
+                      " numbers, zeros where its control points are exact");
     if (given.error.size() != width)
-      throw CallError("the trajectory has " + std::to_string(given.error.size()) + " columns, but " + columns);
+      throw CallError("the trajectory has " + std::to_string(given.error.size()) + " columns, but " + cell.columns);
     std::size_t past = 0;
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t degree = given.degrees[k];
@@ -67,9 +77,12 @@ struct JudgedTrajectory {
       first.push_back(past);
       past += (degree + 1) * width;
     }
-    if (count == 0 || given.breaks.size() != count + 1 || given.points.size() != past)
-      throw CallError("a trajectory of " + std::to_string(count) + " pieces has " + std::to_string(count + 1) +
-                      " breaks and " + std::to_string(past) + " numbers of control points");
+    if (count == 0) throw CallError("a trajectory needs at least one piece");
+    if (given.breaks.size() != count + 1 || given.points.size() != past)
+      throw CallError("a trajectory with " + std::to_string(count) + " degrees has " + std::to_string(count + 1) +
+                      " breaks and " + std::to_string(past) + " numbers of control points, not " +
+                      std::to_string(given.breaks.size()) + " and " + std::to_string(given.points.size()));
+    check_finite("breaks", given.breaks), check_finite("points", given.points);
     check_durations(given.breaks);
     for (std::size_t k = 0; k < count; ++k) {
       if (k > 0 && !std::equal(given.points.begin() + static_cast<std::ptrdiff_t>(first[k] - width),
@@ -77,6 +90,10 @@ struct JudgedTrajectory {
                                given.points.begin() + static_cast<std::ptrdiff_t>(first[k])))
         throw CallError("pieces " + std::to_string(k - 1) + " and " + std::to_string(k) +
                         " do not meet: no robot can jump");
+      for (const double x : std::span(given.points).subspan(first[k], (given.degrees[k] + 1) * width)) {
+        if (std::fabs(x) > cell.largest_value)
+          throw CallError(numbered("piece", k) + " has control points beyond " + rounded(cell.largest_value, 6));
+      }
     }
   }
 
@@ -88,7 +105,8 @@ struct JudgedTrajectory {
       throw CallError("tube must be a number from 0 to " + rounded(cell.largest_value, 6) + ", or a row of " +
                       std::to_string(width) + ", rad and m, not " + listed(around).substr(0, kMostOfTube));
     if (!std::all_of(given.error.begin(), given.error.end(), is_usable))
-      throw CallError("errors must be at least 0, rad and m, not " + listed(given.error));
+      throw CallError("errors must be from 0 to " + rounded(cell.largest_value, 6) + ", rad and m, not " +
+                      listed(given.error));
     for (std::size_t c = 0; c < width; ++c) {
       const double asked = around.empty() ? 0 : around[around.size() == 1 ? 0 : c];
       tube.push_back((asked + given.error[c]) * (1 + 0x1p-52));
@@ -104,8 +122,6 @@ struct JudgedTrajectory {
       for (std::size_t row = 0; row <= given.degrees[piece]; ++row) {
         const double x = given.points[first[piece] + row * width + c];
         least = std::min(least, x), largest = std::max(largest, x);
-        if (!(std::fabs(x) <= cell.largest_value))
-          throw CallError(numbered("piece", piece) + " has control points beyond " + rounded(cell.largest_value, 6));
       }
       least -= tube[c], largest += tube[c];
       if (least < cell.usual_low[c] || largest > cell.usual_high[c]) refuse_range(cell, "piece", piece, c);

@@ -94,7 +94,7 @@ struct Verdict {
 
 // How far a motion or trajectory is proved free: `free_until` is a motion's parameter, from 0 to 1, or a trajectory's
 // time, s. If it is not free, `pair` comes within the tolerance at `near_at` (−1 if no state was found: bodies that
-// never move relative to each other touch).
+// never move relative to each other touch); of several such pairs, Python may name another.
 struct MotionVerdict {
   bool free = true;
   double free_until = 1, near_at = -1;
@@ -119,7 +119,7 @@ struct Trajectory {
   std::vector<double> breaks;        // (m + 1) s, growing
   std::vector<std::size_t> degrees;  // (m) from 1 to 20
   std::vector<double> points;  // the Bernstein coefficients of each, degree + 1 rows of nq numbers; all pieces meet
-  std::vector<double> error;   // (nq) how far these are at most from the polynomials that are meant
+  std::vector<double> error;   // (nq) how far these are at most from the polynomials that are meant; zeros if exact
 
   // What joint_trajectory_controller runs between points: times (n) s, positions (n · nq), then velocities, and
   // accelerations beside velocities, of all points or of none.

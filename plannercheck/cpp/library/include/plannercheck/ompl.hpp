@@ -136,6 +136,7 @@ class MotionValidator : public base::MotionValidator {
                   double tolerance = kDefaultTolerance)
       : base::MotionValidator(information), checker_(std::move(checker)), tolerance_(tolerance) {
     check_has_real_space(*information, checker_->checker());
+    checker_->value_of([&](const Checker& any, Workspace& w) { return any.check_motions({}, {}, {}, w, tolerance); });
   }
 
   bool checkMotion(const base::State* s1, const base::State* s2) const override {
