@@ -12,12 +12,15 @@ from typing import Any
 
 import yaml
 
+from plannercheck.common.checked_yaml import parse_yaml
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.input_limits import check_yaml
 from plannercheck.proofs.exact_placements import Placement, at_rest, decimals, enough_digits, placed
 
 # The rows of a matrix that moves nothing.
 _STILL = [[Fraction(int(row == column)) for column in range(4)] for row in range(4)]
+
+# The key of a mapping whose keys another mapping takes over, which PyYAML's plain loader does not know.
+_MERGE = "<<"
 
 
 @enough_digits()
@@ -29,8 +32,10 @@ def base_placements(cell: str | Path) -> dict[str, Placement]:
     """
     try:
         text = Path(cell).read_bytes()
-        check_yaml(text)
+        parse_yaml(text)  # refuses keys that stand twice
         robots = yaml.load(text, Loader=yaml.BaseLoader)["robots"]
+        if any(_MERGE in node for node in (robots, *robots.values())):
+            raise ValueError(f"{_MERGE} could bring in poses: write them out")
         return {name: _placement(node.get("pose")) for name, node in robots.items()}
     except (OSError, yaml.YAMLError, UnicodeDecodeError, AttributeError, KeyError, TypeError, ValueError) as error:
         raise PlannercheckError(f"cell {str(cell)!r} can't be read by the verifier: {error}") from None

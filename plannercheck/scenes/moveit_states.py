@@ -61,7 +61,7 @@ def joint_values(node: Node) -> dict[str, float]:
     with error_context("joint_state"):
         check_keys(node, _JOINT_KEYS)
         names = [text(n, "name") for n in sequence(node.get("name"), "'name'")]
-        values = numbers(node.get("position") or [], "position", len(names))
+        values = numbers(node.get("position"), "position", len(names))
         if len(set(names)) != len(names):
             raise PlannercheckError(f"joint_state names a joint twice: {', '.join(names)}")
         return dict(zip(names, values, strict=True))

@@ -119,7 +119,8 @@ def points_of(message: Node, robot: Joints) -> Points:
                 raise PlannercheckError("has no positions: a controller would integrate velocities, which is refused")
             times.append(seconds(required(point, "time_from_start")))
             for key, found in rows.items():
-                found.append(numbers(point[key], key, len(names)) if point.get(key) else [np.nan] * len(names))
+                given = sequence(point.get(key), repr(key))
+                found.append(numbers(given, key, len(names)) if given else [np.nan] * len(names))
     tables = {key: np.array(found, dtype=np.float64).reshape(len(found), -1) for key, found in rows.items()}
     held = _held(names, tables, robot)
     columns = {key: found[:, order] for key, found in tables.items()}

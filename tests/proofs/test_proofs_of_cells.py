@@ -10,6 +10,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.proof_builder import Builder
 from plannercheck.motions.proof_confirmation import confirm_model
 from plannercheck.proofs import Proof
+from plannercheck.proofs.cell_places import base_placements
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.robots import cells, description
 
@@ -184,7 +185,18 @@ def test_a_robot_of_mjcf_is_compared_with_what_is_loaded(write):
     "pose", ["{position: [1_0, 0, 0]}", "{position: [0x1, 0, 0]}", "{quaternion: [0, 0, 0, 0]}", "{turn: 1}", "[1]"]
 )
 def test_numbers_that_are_no_decimals_are_not_read(write, pose):
-    from plannercheck.proofs.cell_places import base_placements
-
     with pytest.raises(PlannercheckError, match=r"cell.yaml.* can't be read by the verifier"):
         base_placements(write(f"robots: {{a: {{load: ur5, pose: {pose}}}}}"))
+
+
+@pytest.mark.parametrize(
+    ("robots", "message"),
+    [
+        ("{a: &a {load: ur5, pose: {position: [1, 0, 0]}}, b: {<<: *a}}", "<< could bring in poses: write them out"),
+        ("{<<: {a: {load: ur5}}}", "<< could bring in poses"),
+        ("{a: {load: ur5, pose: {position: [1, 0, 0]}, pose: {position: [2, 0, 0]}}}", "has the key 'pose' twice"),
+    ],
+)
+def test_poses_that_a_plain_loader_would_miss_are_not_read(write, robots, message):
+    with pytest.raises(PlannercheckError, match=rf"cell.yaml.* can't be read by the verifier: .*{message}"):
+        base_placements(write(f"robots: {robots}"))

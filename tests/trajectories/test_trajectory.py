@@ -293,6 +293,7 @@ def test_a_file_without_a_message_is_named(tmp_path: Path):
         ({"points": []}, r"t\.json.*has no points"),
         ({"points": [point([0.0] * 7, 1), point([0.1] * 7, 1)]}, r"t\.json.*times must grow"),
         ({"points": [{"time_from_start": 1}]}, "point 0.*has no positions"),
+        ({"points": [point([0.0] * 7, 0, velocities=False)]}, "point 0: 'velocities' must be a list, not False"),
         ({"points": [point([0.0] * 6, 1)]}, "point 0.*positions"),
         ({"points": [point([0.0] * 7, 1, velocity=[0])]}, "velocity"),
         ({"points": [point([0.0] * 7, 1, effort=[1.0])], "stamp": 3}, "stamp"),

@@ -94,7 +94,8 @@ def _names(node: Node) -> list[str]:
 
 def _is_set(point: Node, key: str, count: int) -> bool:
     """Whether a point has such numbers that are not all zero."""
-    return any(numbers(point[key], key, count)) if point.get(key) else False
+    given = sequence(point.get(key), repr(key))
+    return any(numbers(given, key, count)) if given else False
 
 
 def _held(state: Node, moving: list[str]) -> dict[str, float]:
