@@ -50,7 +50,6 @@ BROKEN_FILE = (
     lzma.LZMAError,
 )
 
-_TEXT = frozenset({str})
 _PLAIN_NUMBERS = frozenset({float, int, WrittenFloat, WrittenInt})
 
 # What PyYAML calls a text that it was handed; whoever read it from a file names the file.
@@ -142,7 +141,7 @@ def mapping(value: Any, what: str) -> Node:
         return {}
     if not isinstance(value, dict):
         raise PlannercheckError(f"{what} must be a mapping of keys to values, not {_shortened(value)}")
-    return value if _TEXT.issuperset(map(type, value)) else {str(k): v for k, v in value.items()}
+    return value
 
 
 def sequence(value: Any, what: str) -> list[Any]:
@@ -164,15 +163,25 @@ def check_keys(node: Node, valid: Collection[str]) -> None:
 def required(node: Node, key: str) -> Any:
     """The value of a key that must be there."""
     if node.get(key) is None:
-        raise PlannercheckError(f"key {key!r} is missing; given are {', '.join(map(shortened, node)) or 'none'}")
+        null = " (it is null; as a text it needs quotes)" if key in node else ""
+        raise PlannercheckError(f"key {key!r} is missing{null}; given are {', '.join(map(shortened, node)) or 'none'}")
     return node[key]
 
 
 def text(value: Any, key: str) -> str:
-    """A name, path or word; numbers pass as they are written."""
+    """A name, path or word; numbers pass as they are written.
+
+    What YAML 1.1 reads as something else, e.g. on, ~ and 2026-01-02, is refused: it could stand for several words.
+    """
     if isinstance(value, str) or (isinstance(value, int | float) and not isinstance(value, bool)):
         return getattr(value, "written", str(value))
-    raise PlannercheckError(f"{key!r} must be a text, not {_shortened(value)}")
+    hint = "" if isinstance(value, dict | list) else ": put it in quotes"
+    raise PlannercheckError(f"{key!r} must be a text, not {_shortened(value)}{hint}")
+
+
+def text_or_empty(node: Node, key: str) -> str:
+    """The text of a key, empty if it is left out or null."""
+    return "" if node.get(key) is None else text(node[key], key)
 
 
 def number(value: Any, key: str) -> float:

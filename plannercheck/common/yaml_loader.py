@@ -17,7 +17,7 @@ from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.input_limits import YAML_LOADER
 from plannercheck.common.unique_keys import key_given_twice
 
-_NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+INT, FLOAT = "tag:yaml.org,2002:int", "tag:yaml.org,2002:float"
 _TEXT, _NULL = "tag:yaml.org,2002:str", "tag:yaml.org,2002:null"
 _NO_NUMBER = "(?![^:]*:|[^_]*_|[-+]?0[0-7]+$)"
 
@@ -42,7 +42,7 @@ class YamlLoader(YAML_LOADER):  # type: ignore[misc]  # which of two PyYAML has 
 
     yaml_implicit_resolvers = {  # noqa: RUF012  # of PyYAML
         first: [
-            (tag, re.compile(_NO_NUMBER + known.pattern, known.flags) if tag in _NUMBERS else known)
+            (tag, re.compile(_NO_NUMBER + known.pattern, known.flags) if tag in (INT, FLOAT) else known)
             for tag, known in resolvers
         ]
         for first, resolvers in YAML_LOADER.yaml_implicit_resolvers.items()
@@ -63,19 +63,18 @@ class YamlLoader(YAML_LOADER):  # type: ignore[misc]  # which of two PyYAML has 
             lines = ", ".join(str(key.start_mark.line + 1) for key, _ in node.value if key.value == twice)
             raise PlannercheckError(f"a mapping has the key {shortened(twice)!r} twice, on lines {lines}: give it once")
         super().flatten_mapping(node)
-        for key, _ in node.value:
-            if isinstance(key, yaml.ScalarNode):
-                key.tag = _TEXT
-        for key, value in node.value if self._as_written else ():
+        for k, (key, value) in enumerate(node.value):
+            if key.tag != _TEXT:
+                node.value[k] = _as_text(key), value
+        for k, (key, value) in enumerate(node.value if self._as_written else ()):
             if key.value == self._as_written and isinstance(value, yaml.MappingNode):
-                self._keep_texts(value)
+                node.value[k] = key, self._with_texts(value)
 
-    def _keep_texts(self, node: yaml.MappingNode) -> None:
-        """Makes the scalars in a mapping texts as they are written: 1.10 is not 1.1, and on is not true."""
+    def _with_texts(self, node: yaml.MappingNode) -> yaml.MappingNode:
+        """A mapping whose scalars are texts as they are written: 1.10 is not 1.1, and on is not true."""
         self.flatten_mapping(node)
-        for _, value in node.value:
-            if isinstance(value, yaml.ScalarNode) and value.tag != _NULL:
-                value.tag = _TEXT
+        pairs = [(key, value if value.tag == _NULL else _as_text(value)) for key, value in node.value]
+        return yaml.MappingNode(node.tag, pairs, node.start_mark, node.end_mark)
 
     def construct_sequence(self, node: yaml.SequenceNode, deep: bool = False) -> list[Any]:
         """The list of a sequence that is whole."""
@@ -103,10 +102,17 @@ class YamlLoader(YAML_LOADER):  # type: ignore[misc]  # which of two PyYAML has 
         return value if str(value) == node.value else _written(WrittenFloat(value), node)
 
 
+def _as_text(node: yaml.Node) -> yaml.Node:
+    """A scalar as the text that is written; a node of its own, since aliases of the scalar are what they were."""
+    if not isinstance(node, yaml.ScalarNode):
+        return node
+    return yaml.ScalarNode(_TEXT, node.value, node.start_mark, node.end_mark)
+
+
 def _written(number: Any, node: yaml.ScalarNode) -> Any:
     number.written = node.value
     return number
 
 
-YamlLoader.add_constructor(_NUMBERS[0], YamlLoader.construct_yaml_int)
-YamlLoader.add_constructor(_NUMBERS[1], YamlLoader.construct_yaml_float)
+YamlLoader.add_constructor(INT, YamlLoader.construct_yaml_int)
+YamlLoader.add_constructor(FLOAT, YamlLoader.construct_yaml_float)

@@ -353,8 +353,8 @@ def _switch(value: Any) -> bool:
 
 def _group(value: Any) -> tuple[str | None, tuple[str, ...] | None]:
     """The group's name, and its joints unless the SRDF gives them."""
-    if value is None or isinstance(value, str):
-        return value, None
+    if not isinstance(value, dict | list):
+        return None if value is None else text(value, "group"), None
     with error_context("group"):
         group = mapping(value, "an SRDF group's name or {name: ..., joints: [...]}: it")
         check_keys(group, ("name", "joints"))

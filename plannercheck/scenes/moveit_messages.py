@@ -67,7 +67,7 @@ def header_frame(node: Node) -> str:
     """The frame that a message's header names, without leading slashes; "" if none."""
     header = mapping(node.get("header"), "'header'")
     check_keys(header, ("seq", "stamp", "frame_id"))
-    return frame_name(header.get("frame_id") or "", "frame_id")
+    return "" if header.get("frame_id") is None else frame_name(header["frame_id"], "frame_id")
 
 
 def frame_name(value: Any, key: str) -> str:

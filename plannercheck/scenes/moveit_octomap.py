@@ -18,12 +18,15 @@ import numpy as np
 
 from plannercheck.bodies.objects import Part
 from plannercheck.bodies.octrees import Octree
-from plannercheck.common.checked_yaml import Node, check_keys, mapping, number, required, text
+from plannercheck.common.checked_yaml import Node, check_keys, mapping, number, required, text_or_empty
 from plannercheck.common.errors import PlannercheckError, shortened
+from plannercheck.common.yaml_loader import WrittenInt
 from plannercheck.scenes.moveit_messages import OCTOMAP, header_frame, object_pose
 from plannercheck.scenes.moveit_objects import ObjectMessage
 
 _KIND = "OcTree"
+
+_WHOLE = frozenset({int, WrittenInt})
 
 
 def read_octomap_message(node: Node) -> ObjectMessage | None:
@@ -34,7 +37,7 @@ def read_octomap_message(node: Node) -> ObjectMessage | None:
     data = _bytes(tree.get("data"))
     if not data:
         return None
-    kind = text(tree.get("id") or "", "id")
+    kind = text_or_empty(tree, "id")
     if kind != _KIND:
         raise PlannercheckError(f"id must be {_KIND!r}, the only type that MoveIt takes, not {shortened(kind)!r}")
     resolution = number(required(tree, "resolution"), "resolution")
@@ -55,8 +58,8 @@ def _bytes(value: Any) -> bytes:
         return value or b""
     if not isinstance(value, list):
         raise PlannercheckError(f"'data' must be a list of bytes, not {shortened(value)}")
-    numbers = np.array(value) if all(type(each) is int for each in value) else np.zeros(0)
+    numbers = np.array(value) if _WHOLE.issuperset(map(type, value)) else np.zeros(0)
     if value and not (numbers.size and numbers.min() >= -128 and numbers.max() <= 255):
-        place = next(k for k, each in enumerate(value) if type(each) is not int or not -128 <= each <= 255)
+        place = next(k for k, each in enumerate(value) if type(each) not in _WHOLE or not -128 <= each <= 255)
         raise PlannercheckError(f"'data' must be bytes, but entry {place} is {shortened(value[place])!r}")
     return numbers.astype(np.int64).astype(np.uint8).tobytes()

@@ -19,7 +19,7 @@ from plannercheck.common.checked_yaml import (
     read_bytes,
     required,
     sequence,
-    text,
+    text_or_empty,
 )
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.scenes.moveit_goals import GoalReader, InverseKinematics
@@ -75,7 +75,7 @@ def motion_request(
         raise PlannercheckError("'goal_constraints' is empty: one goal with joint_constraints is needed")
     with error_context("start_state"):
         joints = joint_values(mapping(required(start, "joint_state"), "'joint_state'"))
-    group = text(document.get("group_name") or "", "group_name")
+    group = text_or_empty(document, "group_name")
     reader = GoalReader(group, joints, ik, frames)
     constrained = tuple(values for k, g in enumerate(goals) for values in reader.read(mapping(g, "a goal"), k))
     return MotionRequest(group, joints, constrained, start)

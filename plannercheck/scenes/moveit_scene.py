@@ -18,7 +18,17 @@ from pathlib import Path
 from typing import Any
 
 from plannercheck.bodies.objects import StatedJoints, scene_object
-from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, number, required, sequence, text
+from plannercheck.common.checked_yaml import (
+    Node,
+    check_keys,
+    error_context,
+    mapping,
+    number,
+    required,
+    sequence,
+    text,
+    text_or_empty,
+)
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.scenes.contents import AllowedCollisions, SceneContents
 from plannercheck.scenes.moveit_attached import attach_from_world, attach_with_shapes, read_attached
@@ -60,7 +70,7 @@ def read_planning_scene(
 ) -> None:
     """Reads a parsed planning scene into a scene: its objects, attached objects, and allowed collision matrix."""
     check_keys(document, _SCENE_KEYS)
-    scene.name = text(document.get("name") or "", "name")
+    scene.name = text_or_empty(document, "name")
     scene.frames = scene_frames(document)
     state = mapping(document.get("robot_state"), "'robot_state'")
     with error_context("robot_state"):
@@ -145,7 +155,7 @@ def _of_links(document: Node, what: str) -> list[Node]:
 def _warn_of_scale(document: Node) -> None:
     """Warns if the scene asks for links of another size than they are."""
     nodes = _of_links(document, "scale")
-    links = [str(n.get("link_name")) for n in nodes if number(n.get("scale", 1.0), "scale") != 1.0]
+    links = [text(required(n, "link_name"), "link_name") for n in nodes if number(n.get("scale", 1.0), "scale") != 1.0]
     if links:
         warnings.warn(f"the scene's link_scale is ignored, for {', '.join(links)}", stacklevel=2)
 

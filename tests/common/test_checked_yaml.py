@@ -13,12 +13,22 @@ import pytest
 import yaml
 
 import plannercheck as pc
-from plannercheck.common.checked_yaml import error_context, number, numbers, parse_yaml, text, warn_here
+from plannercheck.common.checked_yaml import (
+    error_context,
+    number,
+    numbers,
+    parse_yaml,
+    required,
+    text,
+    text_or_empty,
+    warn_here,
+)
 from plannercheck.common.unique_keys import object_of
 from plannercheck.coverings import plain_files
 from plannercheck.ompl.plans import Plan
 from plannercheck.trajectories.messages import read_document
 from plannercheck.validation.formats.paths import read_path
+from plannercheck.validation.gates.replay import parse_record
 
 
 @pytest.mark.parametrize(
@@ -87,6 +97,34 @@ def test_scenes_keep_names_that_look_like_numbers(tmp_path: Path) -> None:
     assert [each.name for each in pc.Scene.load(tmp_path / "s.yaml").objects] == ["1.10", "1.1"]
 
 
+@pytest.mark.parametrize("scalar", ["on", "no", "2026-01-02", "~"])
+def test_names_that_yaml_reads_as_something_else_need_quotes(scalar: str) -> None:
+    """As keys they are texts already."""
+    document = parse_yaml(f"a: {scalar}\nb: ['{scalar}']\nc: {{{scalar}: 1}}")
+    assert (text(document["b"][0], "b"), *document["c"]) == (scalar, scalar)
+    for read in (text, lambda *_: text_or_empty({"a": document["a"] or False}, "a")):
+        with pytest.raises(pc.PlannercheckError, match=r"^'a' must be a text, not .*: put it in quotes$"):
+            read(document["a"], "a")
+    with pytest.raises(pc.PlannercheckError, match=r"^key 'a' is missing \(it is null; .* quotes\); given are a$"):
+        required({"a": None}, "a")
+    assert text_or_empty({"a": None}, "a") == text_or_empty({}, "a") == ""
+    assert text_or_empty({"a": 0}, "a") == "0"
+
+
+@pytest.mark.parametrize(
+    ("document", "expected"),
+    [
+        ("a: &x 1.50\nb: {*x : on}", {"a": 1.5, "b": {"1.50": True}}),
+        ("b: {&x on: 1.50}\na: *x", {"a": True, "b": {"on": 1.5}}),
+        ("args: {b: &x true}\na: *x", {"args": {"b": "true"}, "a": True}),
+        ("a: &x {b: 1.10}\nargs: *x", {"a": {"b": 1.1}, "args": {"b": "1.10"}}),
+        ("a: &x {b: 1.10}\nargs: {<<: *x, c: 0x1}", {"a": {"b": 1.1}, "args": {"b": "1.10", "c": "0x1"}}),
+    ],
+)
+def test_a_scalar_that_is_a_text_in_one_place_is_a_value_in_another(document: str, expected: dict[str, Any]) -> None:
+    assert parse_yaml(document, as_written="args") == expected
+
+
 @pytest.mark.parametrize(
     ("document", "key", "lines"),
     [
@@ -125,6 +163,7 @@ def test_merged_keys_may_be_overridden(document: str) -> None:
         ("p.json", '{"path": [], "path": []}', lambda path: read_path(path, ("a",), 1)),
         ("p.json", '{"path": [], "path": []}', Plan.load),
         ("c.json", '{"links": {"a": [], "a": []}}', lambda path: plain_files.read(path, ("a",))),
+        ("r.jsonl", '{"points": 1, "points": 1}', lambda path: parse_record(path.read_text())),
     ],
 )
 def test_readers_refuse_a_key_that_stands_twice(

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from plannercheck.common.checked_yaml import mapping, numbers
+from plannercheck.common.checked_yaml import numbers
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.transforms import identity, is_identity, pose_of, pose_of_quaternion, rotation_of_quaternion
 
@@ -39,11 +39,6 @@ def test_texts_of_numbers_pass():
 def test_other_lists_are_refused(value, message):
     with pytest.raises(PlannercheckError, match=message):
         numbers(value, "position", 2)
-
-
-def test_keys_become_texts():
-    assert mapping({1: "a", "b": 2}, "it") == {"1": "a", "b": 2}
-    assert mapping({"b": 2}, "it") == {"b": 2}
 
 
 def test_poses_of_quaternions_have_the_bits_of_their_rotations():

@@ -5,6 +5,7 @@ import pytest
 import yaml
 
 import plannercheck as pc
+from plannercheck.common.checked_yaml import parse_yaml
 from plannercheck.common.written_yaml import yaml_of
 
 
@@ -12,6 +13,12 @@ def test_texts_and_numbers_of_numpy_are_plain():
     assert yaml_of({np.str_("a"): [np.float64(0.1), "ü", 1]}) == "a: [0.1, ü, 1]\n"
     with pytest.raises(yaml.representer.RepresenterError):
         yaml_of({"a": object()})
+
+
+def test_numbers_of_a_file_stay_as_they_are_written():
+    """They may be names."""
+    for scalar in ("1.10", "+1", "0x1F", "-0", "1.0e+3", "5", ".inf"):
+        assert yaml_of(parse_yaml(f"a: {scalar}")) == f"{{a: {scalar}}}\n"
 
 
 def test_files_whose_names_are_numpys_are_read_back(tmp_path):

@@ -48,6 +48,8 @@ def test_a_urdf_can_be_loaded_directly(arm):
         ("gruop: arm", "unknown key 'gruop'.*'group'"),
         ("srdf: other.srdf", "other.srdf does not exist"),
         ("group: arm", "without an SRDF"),
+        ("group: on", "'group' must be a text, not True: put it in quotes"),
+        ("group: 1.10", "planning group '1.10': without an SRDF"),
         ("group: {name: arm}", "'joints' is missing"),
         ("group: {joints: [lift, lift]}", "once"),
         ("group: {joints: [lfit]}", "unknown joint 'lfit'.*'lift'"),

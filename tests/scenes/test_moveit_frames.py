@@ -38,6 +38,7 @@ from plannercheck.cli.main import main
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
+from plannercheck.scenes.moveit_messages import header_frame
 from plannercheck.scenes.scene import Scene
 
 # --- fixed frames ---------------------------------------------------------------------------------------------------
@@ -84,6 +85,15 @@ def test_the_default_header_of_robowflex_is_the_world(panda):
     np.testing.assert_allclose(body.pose, se3(MAP) @ se3(OFFSET), atol=1e-15)
     with pytest.raises(PlannercheckError, match=r"'a': its header names no frame, which could be 'world' or .* 'base'"):
         scene_of(ball("a", None, OFFSET), transforms=moved)
+
+
+@pytest.mark.parametrize("given", [0, False])
+def test_a_frame_that_is_called_0_is_not_left_out(given):
+    if given is False:  # YAML's no and off
+        with pytest.raises(PlannercheckError, match="'frame_id' must be a text, not False: put it in quotes"):
+            header_frame({"header": {"frame_id": given}})
+    else:
+        assert header_frame({"header": {"frame_id": given}}) == "0"
 
 
 def test_leading_slashes_are_dropped(panda):

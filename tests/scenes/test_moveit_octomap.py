@@ -104,6 +104,14 @@ def test_trees_are_read_in_either_form(tmp_path: Path, form: str) -> None:
     assert len(tree.keys) == len(CELLS)
 
 
+def test_bytes_may_be_hexadecimal(tmp_path: Path) -> None:
+    path = tmp_path / "scene.yaml"
+    data = binary_data(CELLS)
+    content = yaml.safe_dump({"world": {"octomap": octomap(data="DATA")}})
+    path.write_text(content.replace("DATA", f"[{', '.join(f'0x{byte:02X}' for byte in data)}]"))
+    assert cells_of(pc.Scene.load(path))[0] == WANTED
+
+
 def test_no_data_is_no_octomap(tmp_path: Path) -> None:
     for empty in ({"data": []}, {"data": None}, {"data": [], "id": "cleared", "resolution": 0.0}):
         assert loaded(tmp_path, octomap(**empty)).object_names == ()

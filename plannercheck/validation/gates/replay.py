@@ -13,6 +13,7 @@ import numpy as np
 
 from plannercheck.common.checked_yaml import Node, error_context, mapping, number, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.unique_keys import object_of
 from plannercheck.common.version import __version__
 from plannercheck.motions.checker import Checker
 from plannercheck.validation.gates.gate import Gate
@@ -29,7 +30,7 @@ def parse_record(line: str) -> Node:
         PlannercheckError: If it is none.
     """
     try:
-        document = json.loads(line)
+        document = json.loads(line, object_pairs_hook=object_of)
     except (ValueError, RecursionError) as error:
         raise PlannercheckError(f"is no JSON: {error!s:.100}") from None
     record = mapping(document, "a record")
