@@ -184,7 +184,8 @@ class PLANNERCHECK_API Checker {
   Result<std::size_t> check_states(std::span<const double> q, std::span<std::uint8_t> valid,
                                    Workspace& workspace) const noexcept;
   // Whether the motion from q0 to q1 (nq each) is proved free for every state on it, both ends included. Joints move
-  // linearly, continuous ones the short way round, quaternions by slerp, floating bases along one screw.
+  // linearly, continuous ones the short way round, quaternions by slerp, floating bases along one screw. A motion that
+  // leaves the limits (of floating and planar bases: ±1 m) by more than 10 rad or m is an error.
   // `tolerance`: more than 0, m.
   Result<bool> check_motion(std::span<const double> q0, std::span<const double> q1, Workspace& workspace,
                             double tolerance = kDefaultTolerance) const noexcept;
