@@ -2,7 +2,7 @@
 
 import pickle
 from dataclasses import replace
-from decimal import Decimal, localcontext
+from decimal import Context, Decimal, localcontext
 from fractions import Fraction
 
 import coal
@@ -207,7 +207,7 @@ def test_distances_far_from_the_origin_are_as_promised(far):
         other = lowered(half_space, pose, points, other, radius, rng)
         body, plane = pc.Polytope(points, inflation_radius=radius), pc.Polytope(half_space)
         found, square = pc.distance(body, plane, other, pose), min(exact_heights(half_space, pose, points, other))
-        with localcontext(prec=120):
+        with localcontext(Context(prec=120)):
             root = (Decimal(abs(square.numerator)) / Decimal(square.denominator)).sqrt()
             height = float((root if square > 0 else -root) - Decimal(radius))
         size = float(np.ptp(points, axis=0).max()) / 2 + radius

@@ -43,13 +43,19 @@ def recipe_of(body, mesh):
     return json.loads(next(file for file in RECIPES if file.name == name).read_text())
 
 
+def cross(a, b):
+    """Of integers beyond 64 bits, which NumPy's own takes from version 2.3 on."""
+    (x, y, z), (u, v, w) = a, b
+    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
+
+
 def extreme_points(points):
     """The vertices of the hull of points (n, 3), by integers: where planes with no point beyond meet in one point."""
     whole = integers(points)
     normals = {k: [] for k in range(len(whole))}
     for corners in combinations(range(len(whole)), 3):
         a, b, c = whole[list(corners)]
-        normal = np.cross(b - a, c - a)
+        normal = cross(b - a, c - a)
         sides = (whole - a) @ normal
         if any(normal) and (all(sides >= 0) or all(sides <= 0)):
             for k in np.flatnonzero(sides == 0):
@@ -59,7 +65,7 @@ def extreme_points(points):
 
 def meet_in_a_point(normals):
     first = next(iter(normals), None)
-    crosses = [np.cross(first, each) for each in normals]
+    crosses = [cross(first, each) for each in normals]
     second = next((cross for cross in crosses if any(cross)), None)
     return second is not None and any(second @ each != 0 for each in normals)
 
