@@ -86,20 +86,25 @@ class YamlLoader(YAML_LOADER):  # type: ignore[misc]  # which of two PyYAML has 
         return super().construct_sequence(node, deep)  # type: ignore[no-any-return]
 
     def construct_yaml_int(self, node: yaml.ScalarNode) -> Any:
-        """A whole number, by Python's reading where that will do: PyYAML's takes longer."""
-        try:
-            value = int(node.value)
-        except ValueError:
-            value = super().construct_yaml_int(node)
-        return value if str(value) == node.value else _written(WrittenInt(value), node)
+        """A whole number, with its text if Python writes another one."""
+        return _number(node, int, super().construct_yaml_int, WrittenInt)
 
     def construct_yaml_float(self, node: yaml.ScalarNode) -> Any:
         """A number, in the same way."""
-        try:
-            value = float(node.value)
-        except ValueError:
-            value = super().construct_yaml_float(node)
-        return value if str(value) == node.value else _written(WrittenFloat(value), node)
+        return _number(node, float, super().construct_yaml_float, WrittenFloat)
+
+
+def _number(node: yaml.ScalarNode, read: Any, read_any: Any, written: Any) -> Any:
+    """A number by Python's reading where that will do: PyYAML's takes longer."""
+    try:
+        value = read(node.value)
+    except ValueError:
+        value = read_any(node)
+    if str(value) == node.value:
+        return value
+    number = written(value)
+    number.written = node.value
+    return number
 
 
 def _as_text(node: yaml.Node) -> yaml.Node:
@@ -107,11 +112,6 @@ def _as_text(node: yaml.Node) -> yaml.Node:
     if not isinstance(node, yaml.ScalarNode):
         return node
     return yaml.ScalarNode(_TEXT, node.value, node.start_mark, node.end_mark)
-
-
-def _written(number: Any, node: yaml.ScalarNode) -> Any:
-    number.written = node.value
-    return number
 
 
 YamlLoader.add_constructor(INT, YamlLoader.construct_yaml_int)
